@@ -1,0 +1,69 @@
+"""The exceptions that waypointctl raises on purpose.
+
+    WaypointctlError
+    └── InputError         what was given is wrong: exit code 2
+        ├── MissionError   a mission file
+        ├── RecipeError    a training recipe
+        ├── SuiteError     an evaluation suite
+        ├── PolicyError    a policy bundle
+        ├── LogError       a log
+        └── OutputError    a place that cannot be written
+
+A message says what was wrong, where, what is allowed and how to mend it. The command line catches
+WaypointctlError once, at its edge, prints the message without a traceback and exits with `exit_code`.
+Anything else that is raised is a bug.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+
+class WaypointctlError(Exception):
+    """Anything waypointctl refuses to do, with a message for people."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class InputError(WaypointctlError):
+    """What was given is wrong.
+
+    Args:
+        problem: what was found and what is allowed, one sentence or a few lines.
+        where: the file, or file:line:column, that it was found at.
+        mend: what to do about it.
+    """
+
+    exit_code = 2
+
+    def __init__(self, problem: str, *, where: str | None = None, mend: str | None = None) -> None:
+        """Join the parts into one message."""
+        self.problem = problem
+        self.where = where
+        self.mend = mend
+        message = f"{where}: {problem}" if where else problem
+        super().__init__(f"{message}\n  {mend}" if mend else message)
+
+
+class MissionError(InputError):
+    """A mission file that cannot be flown."""
+
+
+class RecipeError(InputError):
+    """A training recipe that cannot be followed."""
+
+
+class SuiteError(InputError):
+    """An evaluation suite that cannot be run."""
+
+
+class PolicyError(InputError):
+    """A policy bundle that is missing, damaged, or made for something else."""
+
+
+class LogError(InputError):
+    """A log that cannot be read."""
+
+
+class OutputError(InputError):
+    """A place that cannot be written."""

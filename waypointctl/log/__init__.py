@@ -1,0 +1,1 @@
+"""Messages and the MCAP log that holds them."""

@@ -1,0 +1,204 @@
+"""What happens in a flight, as frozen records: the sink takes them, the reader gives them back.
+
+All times are simulation time in [ns], 0 at mission start. A record that travels the link has two: when it was
+issued and when it arrived; the log keeps them as publish_time and log_time. Control step k begins at
+State(step=k), which Observation and Action k follow; Reward k closes it, one control period later.
+Arrays are float64 and belong to the record: whoever makes one hands over a copy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+
+class CommandKind(StrEnum):
+    """What an operator can ask of the robot."""
+
+    UPLOAD_PLAN = "upload_plan"
+    GO_TO = "go_to"
+
+
+class Stage(StrEnum):
+    """Where a command stands. The robot reports the stages from RECEIVED on in acknowledgements."""
+
+    QUEUED = "queued"
+    SENT = "sent"
+    RECEIVED = "received"
+    REJECTED = "rejected"
+    ACCEPTED = "accepted"
+    STARTED = "started"
+    COMPLETED = "completed"
+    FAILED = "failed"
+
+
+class Mode(StrEnum):
+    """What the executive on board is doing."""
+
+    IDLE = "idle"  # standing, no plan yet
+    WALKING = "walking"  # the policy has the motors
+    HOLDING = "holding"  # standing at a waypoint for its hold time
+    DONE = "done"  # standing, the plan is finished
+    FAILED = "failed"  # standing, the plan was given up
+    FALLEN = "fallen"  # motors off
+
+
+class Clock(StrEnum):
+    """Whose moment an event is: nothing of the robot's is known to the operator before it is told."""
+
+    ROBOT = "robot"
+    OPERATOR = "operator"
+
+
+class Severity(StrEnum):
+    """How much an event matters; the names are foxglove.Log's levels."""
+
+    INFO = "info"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+class EventKind(StrEnum):
+    """What can happen."""
+
+    MISSION_STARTED = "mission_started"  # operator
+    COMMAND_SENT = "command_sent"  # operator
+    COMMAND_RECEIVED = "command_received"  # robot
+    LEG_STARTED = "leg_started"  # robot
+    WAYPOINT_REACHED = "waypoint_reached"  # robot
+    HOLD_STARTED = "hold_started"  # robot
+    HOLD_COMPLETED = "hold_completed"  # robot
+    WAYPOINT_TIMEOUT = "waypoint_timeout"  # robot
+    WAYPOINT_SKIPPED = "waypoint_skipped"  # robot
+    FALL = "fall"  # robot
+    PLAN_COMPLETED = "plan_completed"  # robot
+    PLAN_FAILED = "plan_failed"  # robot
+    MISSION_ENDED = "mission_ended"  # operator: the last record of a flight that was not killed
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """The robot's true physics state at the beginning of a control step (and after the last one)."""
+
+    time_ns: int
+    step: int
+    qpos: FloatArray  # (nq,) [m, quaternion w x y z, rad]
+    qvel: FloatArray  # (nv,) [m/s in the world frame, rad/s in the body frame, rad/s]
+    qacc_warmstart: FloatArray  # (nv,) the solver's warm start, without which no replay is exact
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """What the policy saw; there is none for a step in which the policy did not have the motors."""
+
+    time_ns: int
+    step: int
+    values: FloatArray  # (k,) in the layout named in the log's metadata
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """What was asked of the motors, as a fraction of their full torque."""
+
+    time_ns: int
+    step: int
+    source: str  # "policy" or "stance" (the robot's own standing controller) or "off" (fallen)
+    commanded: FloatArray  # (nu,) as the source gave it
+    applied: FloatArray  # (nu,) after clipping: what the motors did
+
+
+@dataclass(frozen=True, slots=True)
+class Reward:
+    """What the control step that ended at `time_ns` was paid, term by term, weighted."""
+
+    time_ns: int
+    step: int
+    terms: tuple[tuple[str, float], ...]
+    total: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedWaypoint:
+    """One waypoint as it is commanded."""
+
+    index: int  # its place in the mission, from 0
+    name: str
+    x_m: float
+    y_m: float
+    acceptance: str  # "box" or "radius"
+    tolerance_m: float  # half the box's side, or the radius
+    timeout_ns: int  # from the start of the leg
+    hold_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A telecommand that has arrived at the robot."""
+
+    id: int
+    kind: CommandKind
+    waypoints: tuple[PlannedWaypoint, ...]
+    on_failure: str  # "abort" or "skip"
+    issued_ns: int  # by the operator
+    received_ns: int  # by the robot
+
+
+@dataclass(frozen=True, slots=True)
+class Ack:
+    """A stage of a command, reported by the robot and arrived at the operator."""
+
+    command_id: int
+    stage: Stage
+    reason: str  # empty, or why it was rejected or failed
+    issued_ns: int  # by the robot
+    received_ns: int  # by the operator
+
+
+@dataclass(frozen=True, slots=True)
+class Telemetry:
+    """A frame of telemetry that has arrived at the operator: all that the operator knows."""
+
+    frame: int
+    mode: Mode
+    x_m: float
+    y_m: float
+    z_m: float
+    heading_rad: float
+    speed_mps: float
+    target: int  # index of the waypoint the robot walks to or holds at; -1 for none
+    reached: tuple[int, ...]  # indices of the waypoints reached so far
+    issued_ns: int  # sampled by the robot
+    received_ns: int  # by the operator
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened, on the robot's clock or on the operator's."""
+
+    time_ns: int
+    kind: EventKind
+    clock: Clock
+    severity: Severity
+    text: str
+    waypoint: int = -1  # its index in the mission, where the event is about one
+    command_id: int = -1  # where the event is about one
+
+
+@dataclass(frozen=True, slots=True)
+class Checkpoint:
+    """Everything that a replay needs to start in the middle."""
+
+    time_ns: int
+    step: int
+    integration: FloatArray  # mjSTATE_INTEGRATION
+    executive: str  # JSON: the executive's state
+    link: str  # JSON: what is under way in the link, and its random streams
+
+
+Message: TypeAlias = State | Observation | Action | Reward | Command | Ack | Telemetry | Event | Checkpoint
