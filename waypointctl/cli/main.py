@@ -1,0 +1,41 @@
+"""The `waypointctl` program: its commands, and the one place where errors become exit codes."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from waypointctl import __version__
+from waypointctl.errors import WaypointctlError
+
+app = typer.Typer(
+    name="waypointctl",
+    help="Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"waypointctl {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Print the version."),
+) -> None:
+    """Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log."""
+
+
+def main() -> None:
+    """Run the command line; print what waypointctl refuses as one message and exit with its code."""
+    try:
+        app()
+    except WaypointctlError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)

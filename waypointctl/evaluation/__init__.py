@@ -1,0 +1,1 @@
+"""Suites of paths and what a policy achieves on them; without torch."""

@@ -1,0 +1,1 @@
+"""Policy bundles: manifest, weights, load, act."""

@@ -1,0 +1,1 @@
+"""The physical world: robots and stepping one or many of them."""
