@@ -1,0 +1,136 @@
+"""The robots: their MJCF and what the rest of the house needs to know of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Final
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A robot: a floating base with hinge joints, one motor a joint, in the model's order."""
+
+    name: str
+    mjcf: str  # the source; MjSpec's and MjModel's own XML drift, this does not
+    model: mujoco.MjModel
+    substeps: int  # physics steps in a control period
+    control_period_ns: int
+    joint_names: tuple[str, ...]
+    joint_low: FloatArray  # (nu,) [rad]
+    joint_high: FloatArray  # (nu,) [rad]
+    stance: FloatArray  # (nu,) joint angles to stand at [rad]
+    stance_height_m: float  # of the torso, standing
+    stance_stiffness: float  # of the standing controller, fraction of full torque per [rad]
+    stance_damping: float  # of the standing controller, fraction of full torque per [rad/s]
+    fall_height_m: float  # a torso below this has fallen
+    fall_up: float  # and so has one whose upward axis has a smaller vertical part
+
+    @property
+    def num_joints(self) -> int:
+        """The number of actuated joints, nu."""
+        return len(self.joint_names)
+
+    @property
+    def physics_period_s(self) -> float:
+        """The physics time step in [s]."""
+        return float(self.model.opt.timestep)
+
+    def to_mjb(self) -> bytes:
+        """Return the compiled model as MuJoCo's binary format, which loads back exactly."""
+        buffer = np.zeros(mujoco.mj_sizeModel(self.model), np.uint8)
+        mujoco.mj_saveModel(self.model, None, buffer)
+        return buffer.tobytes()
+
+
+@dataclass(frozen=True)
+class _Spec:
+    """What a robot's MJCF does not say."""
+
+    asset: str
+    substeps: int
+    stance_deg: tuple[float, ...]
+    stance_height_m: float
+    stance_stiffness: float
+    stance_damping: float
+    fall_height_m: float
+    fall_up: float
+
+
+_SPECS: Final = {
+    "ant": _Spec(
+        asset="ant.xml",
+        substeps=2,
+        stance_deg=(0.0, 45.0) * 4,
+        stance_height_m=0.49,
+        stance_stiffness=1.0,
+        stance_damping=0.25,
+        fall_height_m=0.26,
+        fall_up=0.2,
+    )
+}
+
+ROBOT_NAMES: Final = tuple(_SPECS)
+
+
+@cache
+def load_robot(name: str) -> Robot:
+    """Return the robot called `name`, compiled from its source.
+
+    Raises:
+        InputError: there is no such robot.
+    """
+    if name not in _SPECS:
+        raise InputError(f"there is no robot called {name!r}; there are: {', '.join(ROBOT_NAMES)}")
+    mjcf = files("waypointctl.sim").joinpath("assets", _SPECS[name].asset).read_text(encoding="utf-8")
+    return _robot(name, mjcf, mujoco.MjModel.from_xml_string(mjcf))
+
+
+def robot_from_mjb(name: str, mjcf: str, mjb: bytes) -> Robot:
+    """Return the robot called `name` with the compiled model that a log carries.
+
+    Raises:
+        InputError: there is no such robot, or the model does not load in this version of MuJoCo.
+    """
+    if name not in _SPECS:
+        raise InputError(f"there is no robot called {name!r}; there are: {', '.join(ROBOT_NAMES)}")
+    try:
+        model = mujoco.MjModel.from_binary_path("model.mjb", {"model.mjb": mjb})
+    except (ValueError, mujoco.FatalError) as error:
+        raise InputError(f"the compiled model does not load in MuJoCo {mujoco.__version__}: {error}") from error
+    return _robot(name, mjcf, model)
+
+
+def mujoco_version() -> str:
+    """Return the version of the physics engine."""
+    return str(mujoco.__version__)
+
+
+def _robot(name: str, mjcf: str, model: mujoco.MjModel) -> Robot:
+    spec = _SPECS[name]
+    joints = model.actuator_trnid[:, 0]
+    return Robot(
+        name=name,
+        mjcf=mjcf,
+        model=model,
+        substeps=spec.substeps,
+        control_period_ns=round(spec.substeps * model.opt.timestep * 1e9),
+        joint_names=tuple(model.joint(j).name for j in joints),
+        joint_low=model.jnt_range[joints, 0].copy(),
+        joint_high=model.jnt_range[joints, 1].copy(),
+        stance=np.deg2rad(spec.stance_deg),
+        stance_height_m=spec.stance_height_m,
+        stance_stiffness=spec.stance_stiffness,
+        stance_damping=spec.stance_damping,
+        fall_height_m=spec.fall_height_m,
+        fall_up=spec.fall_up,
+    )
