@@ -1,0 +1,150 @@
+"""Many robots walking their courses, in one call a step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.seeding import stream
+from waypointctl.sim.batch import RobotBatch
+from waypointctl.sim.robots import load_robot
+from waypointctl.task.body import Body, body_of, fallen
+from waypointctl.task.config import TaskConfig
+from waypointctl.task.observation import NOISE_SIZE, Goals, layout
+from waypointctl.task.progress import CourseProgress
+from waypointctl.task.reward import joints_at_limit, progress_speed, reward_terms
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What one control step of n robots came to.
+
+    An episode ends *terminated* by a fall, *truncated* by its deadline or by reaching the last waypoint: success
+    is no terminal state, or it would be punished by the loss of all that the robot could still earn.
+
+    Attributes:
+        observation: (n, k) to act on next; of the new episode where one was begun.
+        reward: (n,) the sum of `terms`.
+        terms: (n, len(TERMS)) weighted.
+        terminated: (n,) bool.
+        truncated: (n,) bool.
+        reached: (n,) bool, a waypoint was reached.
+        success: (n,) bool, it was the last.
+        ended: ids (e,) of the robots whose episode ended.
+        final_observation: (e, k) what the robots in `ended` saw at the end.
+    """
+
+    observation: FloatArray
+    reward: FloatArray
+    terms: FloatArray
+    terminated: BoolArray
+    truncated: BoolArray
+    reached: BoolArray
+    success: BoolArray
+    ended: NDArray[np.intp]
+    final_observation: FloatArray
+
+
+class BatchedWaypointEnv:
+    """N robots, each on a course of its own, stepped on all cores.
+
+    Robot i draws its starts from stream(seed, "start", i) and its courses from stream(seed, "course", i), whatever
+    the other robots do.
+    """
+
+    def __init__(
+        self,
+        config: TaskConfig,
+        num_robots: int,
+        seed: int,
+        *,
+        threads: int = 0,
+        max_waypoints: int | None = None,
+        autoreset: bool = True,
+    ) -> None:
+        """Make the worlds; `reset` before the first step.
+
+        Args:
+            config: the task.
+            num_robots: how many.
+            seed: of every random stream.
+            threads: physics threads; 0 is one a core.
+            max_waypoints: the longest course that `begin` will be given; the config's count unless told.
+            autoreset: begin a new episode in the step that ends one; without it ended robots are left to walk on.
+        """
+        self.config = config
+        self.robot = load_robot(config.robot)
+        self.layout = layout(config.observation)
+        self.num_robots = num_robots
+        self.batch = RobotBatch(self.robot, num_robots, threads)
+        self.progress = CourseProgress(
+            num_robots, max_waypoints or config.course.count, config.deadline, self.robot.control_period_ns
+        )
+        self.noise: FloatArray = np.zeros((num_robots, NOISE_SIZE))
+        self.starts = [stream(seed, "start", i) for i in range(num_robots)]
+        self.courses = [stream(seed, "course", i) for i in range(num_robots)]
+        self._autoreset = autoreset
+        self._period_s = self.robot.control_period_ns / 1e9
+
+    def reset(self) -> FloatArray:
+        """Begin a new episode with every robot; return the observations (n, k)."""
+        self.begin(range(self.num_robots))
+        return self.observe()
+
+    def begin(self, robots: Sequence[int] | NDArray[np.intp], waypoints: FloatArray | None = None) -> None:
+        """Begin a new episode with some robots, on a given course (m, 2) or on one drawn for each."""
+        states = [self.config.start.draw(self.robot, self.starts[i]) for i in robots]
+        qpos, qvel = (np.stack(part) for part in zip(*states, strict=True))
+        self.batch.place(np.asarray(robots, np.intp), qpos, qvel)
+        for i, start in zip(robots, qpos, strict=True):
+            rng = self.courses[i]
+            self.progress.assign(i, self.config.course.draw(rng, start[:2]) if waypoints is None else waypoints)
+            self.noise[i] = rng.uniform(-1.0, 1.0, NOISE_SIZE)
+
+    def observe(self) -> FloatArray:
+        """Return what the robots see now, (n, k)."""
+        return self._observation(body_of(self.batch.qpos, self.batch.qvel))
+
+    def step(self, actions: FloatArray) -> Step:
+        """Walk one control period with actions (n, nu), clipped to [-1, 1]."""
+        applied = np.clip(actions, -1.0, 1.0)
+        before = self.batch.qpos[:, :2].copy()
+        goal, _ = self.progress.goals()
+        self.batch.step(applied)
+
+        body = body_of(self.batch.qpos, self.batch.qvel)
+        fell = fallen(body, self.robot.fall_height_m, self.robot.fall_up)
+        approach = progress_speed(before, body.position, goal, self._period_s)
+        at_limit = joints_at_limit(body.joints, self.robot.joint_low, self.robot.joint_high)
+        terms = reward_terms(self.config.reward, body, approach, applied, at_limit, fell)
+
+        advance = self.progress.advance(self.config.acceptance, body.position)
+        success = advance.finished & ~fell
+        truncated = (success | advance.timed_out) & ~fell
+        observation = self._observation(body)
+        ended = np.flatnonzero(fell | truncated)
+        final_observation = observation[ended]
+        if self._autoreset and len(ended):
+            self.begin(ended)
+            observation = self.observe()
+        return Step(
+            observation=observation,
+            reward=terms.sum(axis=1),
+            terms=terms,
+            terminated=fell,
+            truncated=truncated,
+            reached=advance.reached,
+            success=success,
+            ended=ended,
+            final_observation=final_observation,
+        )
+
+    def _observation(self, body: Body) -> FloatArray:
+        current, following = self.progress.goals()
+        return self.layout.observe(body, Goals(current, following, self.noise))
