@@ -1,0 +1,146 @@
+"""Reading a policy bundle: a folder of manifest.json, policy.onnx and weights.safetensors.
+
+Nothing in a bundle is code, and nothing is used before its hash has been checked against the manifest's.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from waypointctl.errors import PolicyError
+from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
+from waypointctl.policy.network import Network
+
+FILES: Final = (MANIFEST, NETWORK, WEIGHTS)
+_COPY_AGAIN: Final = "copy the whole folder again, or train the policy again"
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedPolicy:
+    """A policy that is ready to act (a `waypointctl.policy.protocol.Policy`)."""
+
+    manifest: Manifest
+    files: Mapping[str, bytes]  # the whole bundle, by file name
+    sha256: str  # of manifest.json, which has those of the other files
+    network: Network
+
+    @property
+    def robot(self) -> str:
+        """The robot it was trained for."""
+        return self.manifest.robot
+
+    @property
+    def observation_layout(self) -> str:
+        """The observation layout it was trained on, by name."""
+        return self.manifest.observation.layout
+
+    def act(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return actions of shape (n, nu), before clipping, for observations of shape (n, k).
+
+        The network computes in float32. A row's action does not depend on the other rows.
+        """
+        return self.network.run(observation)
+
+
+def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
+    """Read the bundle in `folder`.
+
+    Args:
+        folder: where manifest.json, policy.onnx and weights.safetensors are; other files are left alone.
+        threads: how many share one call of the network; 1 is fastest for a batch of one.
+
+    Raises:
+        PolicyError: a file is missing, damaged or does not fit the manifest.
+    """
+    if not folder.is_dir():
+        problem = "is not a folder; a policy is a folder with manifest.json" if folder.exists() else "no such folder"
+        raise PolicyError(problem, where=str(folder), mend="`waypointctl policies` lists those in ./policies")
+    files = {}
+    for name in FILES:
+        try:
+            files[name] = (folder / name).read_bytes()
+        except FileNotFoundError:
+            continue  # load_policy_bytes says which file is missing
+        except OSError as error:
+            raise PolicyError(f"cannot be read: {error.strerror}", where=str(folder / name)) from error
+    return load_policy_bytes(files, str(folder), threads=threads)
+
+
+def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 1) -> LoadedPolicy:
+    """Read a bundle from its files' bytes, by name, as a log's attachments give them.
+
+    Args:
+        files: the bundle; more files than its own are left out.
+        where: the folder's or the log's name, for messages.
+        threads: as for `load_policy`.
+
+    Raises:
+        PolicyError: a file is missing, damaged or does not fit the manifest.
+    """
+    own = {name: files[name] for name in FILES if name in files}
+    if missing := [name for name in FILES if name not in own]:
+        problem = f"no {' and no '.join(missing)}; a policy has {', '.join(FILES)}"
+        raise PolicyError(problem, where=where, mend=_COPY_AGAIN)
+    manifest = _manifest(own[MANIFEST], f"{where}/{MANIFEST}")
+    _refuse_damaged(manifest, own, where)
+    network = Network(own[NETWORK], f"{where}/{NETWORK}", threads)
+    _refuse_other_sizes(manifest, network, where)
+    return LoadedPolicy(manifest, own, hashlib.sha256(own[MANIFEST]).hexdigest(), network)
+
+
+def _manifest(text: bytes, where: str) -> Manifest:
+    try:
+        content: Any = json.loads(text)
+    except ValueError as error:
+        raise PolicyError(f"not JSON: {error}", where=where, mend=_COPY_AGAIN) from error
+    version = content.get("schema_version") if isinstance(content, dict) else None
+    if type(version) is not int:
+        problem = "not a policy's manifest: it must be an object with a whole number as schema_version"
+        raise PolicyError(problem, where=where, mend=_COPY_AGAIN)
+    if version != SCHEMA_VERSION:
+        problem = f"schema_version is {version}; this waypointctl reads {SCHEMA_VERSION}"
+        raise PolicyError(problem, where=where, mend="use the waypointctl that wrote it, or train the policy again")
+    try:
+        return Manifest.model_validate_json(text)
+    except ValidationError as error:
+        raise PolicyError(_found(error), where=where, mend=_COPY_AGAIN) from error
+
+
+def _found(error: ValidationError) -> str:
+    lines = []
+    for fault in error.errors(include_url=False):
+        place = ".".join(str(part) for part in fault["loc"])
+        lines.append(f"{place}: {fault['msg']}" if place else fault["msg"])
+    return "\n  ".join(lines)
+
+
+def _refuse_damaged(manifest: Manifest, files: Mapping[str, bytes], where: str) -> None:
+    for name, expected in manifest.files.items():
+        size = len(files[name])
+        if size != expected.size:
+            how = "truncated" if size < expected.size else "altered"
+            problem = f"{how}: it has {size} bytes, its manifest says {expected.size}"
+        elif hashlib.sha256(files[name]).hexdigest() != expected.sha256:
+            problem = f"altered: its SHA-256 is not the manifest's {expected.sha256}"
+        else:
+            continue
+        raise PolicyError(problem, where=f"{where}/{name}", mend=_COPY_AGAIN)
+
+
+def _refuse_other_sizes(manifest: Manifest, network: Network, where: str) -> None:
+    sizes = (network.input_size, network.output_size)
+    if sizes != (manifest.observation.size, manifest.action.size):
+        problem = (
+            f"the network maps {sizes[0]} numbers to {sizes[1]}, but the manifest says "
+            f"{manifest.observation.size} observations and {manifest.action.size} actions"
+        )
+        raise PolicyError(problem, where=f"{where}/{NETWORK}", mend=_COPY_AGAIN)

@@ -1,0 +1,104 @@
+"""What a policy bundle says of itself: manifest.json."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+SCHEMA_VERSION: Final = 1
+MANIFEST: Final = "manifest.json"
+NETWORK: Final = "policy.onnx"
+WEIGHTS: Final = "weights.safetensors"
+
+Name: TypeAlias = Annotated[str, Field(min_length=1)]
+Count: TypeAlias = Annotated[int, Field(gt=0)]
+Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
+Sha256: TypeAlias = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class ObservationSpec(_Record):
+    """What the policy sees: `size` numbers, each with its name, its unit and the scale that multiplies it."""
+
+    layout: Name
+    size: Count
+    names: tuple[Name, ...]
+    units: tuple[str, ...]
+    scales: tuple[Number, ...]
+
+    @model_validator(mode="after")
+    def _all_of_one_size(self) -> ObservationSpec:
+        for field, values in (("names", self.names), ("units", self.units), ("scales", self.scales)):
+            if len(values) != self.size:
+                raise ValueError(f"{field} has {len(values)} entries, but size is {self.size}")
+        return self
+
+
+class ActionSpec(_Record):
+    """What the policy gives: `size` numbers, clipped to `limits` before they are applied."""
+
+    size: Count
+    meaning: Name
+    limits: tuple[Number, Number]
+
+    @model_validator(mode="after")
+    def _low_below_high(self) -> ActionSpec:
+        if not self.limits[0] < self.limits[1]:
+            raise ValueError(f"limits {list(self.limits)} must be [low, high] with low < high")
+        return self
+
+
+class NetworkSpec(_Record):
+    """The multilayer perceptron between them."""
+
+    hidden_sizes: tuple[Count, ...]
+    activation: Literal["elu", "tanh", "relu"]
+
+
+class TrainingRecord(_Record):
+    """Where the weights come from."""
+
+    algorithm: Name
+    recipe: Name
+    recipe_sha256: Sha256
+    seed: Annotated[int, Field(ge=0)]
+    steps: Annotated[int, Field(ge=0)]  # control steps of all robots together
+    wall_time_s: Annotated[Number, Field(ge=0)]
+    versions: dict[Name, Name]  # of the packages that decide the result: mujoco, torch, ...
+
+
+class FileRecord(_Record):
+    """A file of the bundle."""
+
+    sha256: Sha256
+    size: Annotated[int, Field(ge=0)]  # [bytes]
+
+
+class PolicyDescription(_Record):
+    """All that whoever trains a policy says of it."""
+
+    name: Name
+    robot: Name
+    control_period_ns: Count
+    observation: ObservationSpec
+    action: ActionSpec
+    network: NetworkSpec
+    reward: dict[Name, Number]  # the weight of each term
+    training: TrainingRecord
+
+
+class Manifest(PolicyDescription):
+    """manifest.json: the description, and the files that belong to it."""
+
+    schema_version: Literal[1]
+    files: dict[Name, FileRecord]
+
+    @model_validator(mode="after")
+    def _lists_its_files(self) -> Manifest:
+        if set(self.files) != {NETWORK, WEIGHTS}:
+            raise ValueError(f"files must be {NETWORK} and {WEIGHTS}, not {', '.join(sorted(self.files)) or 'none'}")
+        return self
