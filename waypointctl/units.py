@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
+from decimal import Decimal
 from typing import Final
 
 NS_PER_S: Final = 1_000_000_000
@@ -11,12 +13,25 @@ NS_PER_S: Final = 1_000_000_000
 DURATION_UNITS_S: Final = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 DISTANCE_UNITS_M: Final = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3}
 ANGLE_UNITS_DEG: Final = {"deg": 1.0, "rad": 180.0 / math.pi}
+FREQUENCY_UNITS_HZ: Final = {"mHz": 1e-3, "Hz": 1.0, "kHz": 1e3}
 
-_QUANTITY: Final = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z]+)\s*")
+# A name that ends in one of these carries its unit: timeout_s, tolerance_m, heading_deg, rate_hz.
+UNITS_BY_SUFFIX: Final[Mapping[str, Mapping[str, float]]] = {
+    "s": DURATION_UNITS_S,
+    "m": DISTANCE_UNITS_M,
+    "deg": ANGLE_UNITS_DEG,
+    "hz": FREQUENCY_UNITS_HZ,
+}
+
+NUMBER_PATTERN: Final = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+
+_QUANTITY: Final = re.compile(rf"\s*({NUMBER_PATTERN})\s*([A-Za-z]+)\s*")
 
 
-def quantity(text: str, units: dict[str, float]) -> float:
+def quantity(text: str, units: Mapping[str, float]) -> float:
     """Read a number with its unit, such as "1.28 s" or "50 ms", in the base unit of `units`.
+
+    The product is rounded once: "70 cm" is the very float that 0.7 is. A number out of range is infinite.
 
     Raises:
         ValueError: the text is not a number followed by one of `units`.
@@ -27,7 +42,15 @@ def quantity(text: str, units: dict[str, float]) -> float:
     number, unit = match.groups()
     if unit not in units:
         raise ValueError(f"{text!r} has the unit {unit!r}; allowed are {', '.join(units)}")
-    return float(number) * units[unit]
+    if not math.isfinite(float(number)):
+        return float(number)
+    return float(Decimal(number) * Decimal(repr(units[unit])))
+
+
+def bare_name(name: str) -> str | None:
+    """Return a name without the unit it ends in ("timeout_s": "timeout"), or None if it carries none."""
+    bare, _, suffix = name.rpartition("_")
+    return bare if bare and suffix in UNITS_BY_SUFFIX else None
 
 
 def ns(seconds: float) -> int:

@@ -1,0 +1,99 @@
+"""The base of the models that people write as files: strict, frozen, and kind about how a thing is written.
+
+What a file may write besides the fields' own names is declared, not coded, and the JSON Schema says the same:
+
+- a field with a `Quantity` also goes by its bare name, with the unit in the value (see quantity.py);
+- `list_stands_for` names the field that a bare list in place of the mapping stands for;
+- `keys_for_each` names fields of one and the same FileModel whose keys may be written once for all of them.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, get_args
+
+from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
+
+from waypointctl.mission.quantity import Quantity, bare_values
+from waypointctl.units import bare_name
+
+
+class FileModel(BaseModel):
+    """A part of a file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", field_title_generator=lambda name, _: name)
+
+    list_stands_for: ClassVar[str | None] = None
+    keys_for_each: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def bare_names(cls) -> dict[str, str]:
+        """Return the fields that may be written with the unit in the value: bare name to field."""
+        names = {}
+        for name, field in cls.model_fields.items():
+            bare = bare_name(name)
+            if bare is not None and _has_quantity((field.annotation, *field.metadata)):
+                names[bare] = name
+        return names
+
+    @classmethod
+    def known_keys(cls) -> tuple[str, ...]:
+        """Return every key that a file may have here."""
+        shared = cls._shared_model()
+        return (*cls.model_fields, *cls.bare_names(), *(shared.known_keys() if shared else ()))
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_file(cls, given: Any) -> Any:
+        """Bring what a file may write into the fields' own names; what is wrong with it is said by the fields."""
+        if isinstance(given, list | tuple) and cls.list_stands_for is not None:
+            return {cls.list_stands_for: given}
+        if not isinstance(given, dict):
+            return given
+        data = cls._spread(given)
+        for bare, name in cls.bare_names().items():
+            if bare in data:
+                data[name] = bare_values(name, data.pop(bare), twice=name in data)
+        return data
+
+    @classmethod
+    def _spread(cls, given: dict[Any, Any]) -> dict[Any, Any]:
+        """Hand the keys that are written once for all of `keys_for_each` to each of them."""
+        model = cls._shared_model()
+        shared = [key for key in model.known_keys() if key in given] if model else []
+        if not shared:
+            return dict(given)
+        for name in cls.keys_for_each:
+            if name in given:
+                problem = f"{shared[0]} is given for {' and '.join(cls.keys_for_each)}, and {name} as well: keep one"
+                raise PydanticCustomError("shared_key", "{problem}", {"problem": problem})
+        data = {key: value for key, value in given.items() if key not in shared}
+        return data | {name: {key: given[key] for key in shared} for name in cls.keys_for_each}
+
+    @classmethod
+    def _shared_model(cls) -> type[FileModel] | None:
+        if not cls.keys_for_each:
+            return None
+        model = cls.model_fields[cls.keys_for_each[0]].annotation
+        assert isinstance(model, type)
+        assert issubclass(model, FileModel)
+        return model
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Describe every spelling that `_from_file` reads."""
+        from waypointctl.mission.file_schema import describe_spellings
+
+        schema = handler.resolve_ref_schema(handler(core))
+        describe_spellings(cls, schema, handler)
+        return schema
+
+
+def _has_quantity(parts: tuple[Any, ...]) -> bool:
+    """Tell whether a field's annotation, or what it is made of, is a quantity."""
+    return any(isinstance(part, Quantity) or _has_quantity((*get_args(part), *_metadata(part))) for part in parts)
+
+
+def _metadata(part: Any) -> tuple[Any, ...]:
+    return tuple(getattr(part, "__metadata__", ()))

@@ -1,0 +1,167 @@
+"""The mission: where the robot shall go, through which link it is commanded, and what counts as done.
+
+Units are in the names: [m], [s], [deg], [Hz]; positions are (x, y) in the world frame, heading 0 looks along x.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Final, Literal, TypeAlias
+
+from pydantic import AfterValidator, Field, Strict, ValidationInfo, field_validator
+
+from waypointctl.mission.checks import expected_within, file_name, jitter_within, line_of_text, names_differ
+from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.quantity import Quantity
+
+DAY_S: Final = 86_400.0
+
+Name: TypeAlias = Annotated[str, AfterValidator(line_of_text), Field(min_length=1, max_length=60)]
+Coordinate: TypeAlias = Annotated[float, Quantity("m", ge=-10_000, le=10_000)]
+Position: TypeAlias = tuple[Coordinate, Coordinate]
+Acceptance: TypeAlias = Literal["box", "radius"]
+Tolerance: TypeAlias = Annotated[float, Quantity("m", gt=0, le=100)]
+Timeout: TypeAlias = Annotated[float, Quantity("s", gt=0, le=DAY_S)]
+Hold: TypeAlias = Annotated[float, Quantity("s", ge=0, le=DAY_S)]
+Delay: TypeAlias = Annotated[float, Quantity("s", ge=0, le=10 * DAY_S)]
+
+
+class Start(FileModel):
+    """Where the robot stands when the mission starts."""
+
+    position_m: Position = Field((0.0, 0.0), description="x and y in the world frame")
+    heading_deg: Annotated[float, Quantity("deg", ge=-360, le=360)] = Field(
+        0.0, description="0 looks along x, 90 along y"
+    )
+
+
+class Defaults(FileModel):
+    """What holds for every waypoint that does not say otherwise."""
+
+    acceptance: Acceptance = Field("box", description="box: |dx| and |dy| within the tolerance; radius: the distance")
+    tolerance_m: Tolerance = Field(0.5, description="half the side of the box, or the radius")
+    timeout_s: Timeout = Field(30.0, description="from the start of the leg until the waypoint must be reached")
+    hold_s: Hold = Field(0.0, description="how long to stand at the waypoint")
+
+
+class Waypoint(FileModel):
+    """A place to reach; what is None is taken from the mission's defaults. A bare [x, y] is a position in [m]."""
+
+    list_stands_for: ClassVar[str | None] = "position_m"
+
+    name: Name | None = Field(None, description="WP1, WP2, ... where it is left out")
+    position_m: Position = Field(description="x and y in the world frame")
+    acceptance: Acceptance | None = Field(
+        None, description="box: |dx| and |dy| within the tolerance; radius: the distance"
+    )
+    tolerance_m: Tolerance | None = Field(None, description="half the side of the box, or the radius")
+    timeout_s: Timeout | None = Field(None, description="from the start of the leg until the waypoint must be reached")
+    hold_s: Hold | None = Field(None, description="how long to stand at the waypoint")
+
+
+class Way(FileModel):
+    """One direction of the link."""
+
+    delay_s: Delay = Field(0.0, description="one-way delay")
+    jitter_s: Delay = Field(0.0, description="by how much a message's delay may differ from it; at most the delay")
+
+    @field_validator("jitter_s")
+    @classmethod
+    def _jitter_within_delay(cls, jitter_s: float, info: ValidationInfo) -> float:
+        return jitter_within(jitter_s, info.data.get("delay_s"))
+
+
+class Link(FileModel):
+    """What is between the operator and the robot. A delay and a jitter written here are those of both ways."""
+
+    keys_for_each: ClassVar[tuple[str, ...]] = ("up", "down")
+
+    up: Way = Field(Way(), description="commands, from the operator to the robot")
+    down: Way = Field(Way(), description="telemetry and acknowledgements, from the robot to the operator")
+
+
+class TelemetryRate(FileModel):
+    """What the robot reports of itself."""
+
+    rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(5.0, description="frames a second")
+
+
+class Expect(FileModel):
+    """What the mission has to come to, for it to count as a success."""
+
+    reached: Literal["all"] | Annotated[int, Strict(), Field(ge=0)] = Field(
+        "all", description="how many waypoints, at least"
+    )
+    max_time_s: Annotated[float, Quantity("s", gt=0, le=100 * DAY_S)] | None = Field(
+        None, description="from mission start"
+    )
+
+
+class Mission(FileModel):
+    """A mission as it is asked for."""
+
+    name: Annotated[str, AfterValidator(file_name), Field(min_length=1, max_length=80)] = Field(
+        description="letters, digits, '.', '_', '-' and spaces: it names the log"
+    )
+    description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
+    seed: Annotated[int, Strict(), Field(ge=0, lt=2**63)] = Field(0, description="of everything that is random")
+    robot: Literal["ant"] = "ant"
+    policy: Annotated[str, AfterValidator(line_of_text), Field(min_length=1, max_length=1000)] = Field(
+        description="the policy bundle's folder, relative to the mission file"
+    )
+    start: Start = Start()
+    autonomy: Literal["mission", "waypoint"] = Field(
+        "mission", description="mission: the whole plan is sent at once; waypoint: each when the last was heard of"
+    )
+    defaults: Defaults = Defaults()
+    waypoints: Annotated[tuple[Waypoint, ...], AfterValidator(names_differ)] = Field(
+        min_length=1, max_length=1000, description="in the order in which they are to be reached"
+    )
+    link: Link = Link()
+    telemetry: TelemetryRate = TelemetryRate()
+    on_failure: Literal["abort", "skip"] = Field("abort", description="what to do when a waypoint's time is out")
+    expect: Expect = Expect()
+
+    @field_validator("expect")
+    @classmethod
+    def _no_more_than_there_are(cls, expect: Expect, info: ValidationInfo) -> Expect:
+        expected_within(expect.reached, info.data.get("waypoints"))
+        return expect
+
+    def legs(self) -> tuple[Leg, ...]:
+        """Return the waypoints with everything that they take from the defaults."""
+        return tuple(_leg(index, waypoint, self.defaults) for index, waypoint in enumerate(self.waypoints))
+
+    def path_length_m(self) -> float:
+        """Return the length of the straight path from the start through all waypoints, in [m]."""
+        places = [self.start.position_m, *(waypoint.position_m for waypoint in self.waypoints)]
+        return sum(math.dist(a, b) for a, b in itertools.pairwise(places))
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A waypoint with nothing left open."""
+
+    index: int  # from 0
+    name: str
+    x_m: float
+    y_m: float
+    acceptance: Acceptance
+    tolerance_m: float  # half the side of the box, or the radius
+    timeout_s: float  # from the start of the leg
+    hold_s: float
+
+
+def _leg(index: int, waypoint: Waypoint, defaults: Defaults) -> Leg:
+    return Leg(
+        index=index,
+        name=waypoint.name if waypoint.name is not None else f"WP{index + 1}",
+        x_m=waypoint.position_m[0],
+        y_m=waypoint.position_m[1],
+        acceptance=waypoint.acceptance if waypoint.acceptance is not None else defaults.acceptance,
+        tolerance_m=waypoint.tolerance_m if waypoint.tolerance_m is not None else defaults.tolerance_m,
+        timeout_s=waypoint.timeout_s if waypoint.timeout_s is not None else defaults.timeout_s,
+        hold_s=waypoint.hold_s if waypoint.hold_s is not None else defaults.hold_s,
+    )

@@ -1,0 +1,230 @@
+"""What is wrong with a file, each problem with its place: pydantic's errors in the file's own terms."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Final, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.quantity import unit_label
+from waypointctl.mission.yaml_tree import DataPath, Mark, Tree
+from waypointctl.units import UNITS_BY_SUFFIX, bare_name
+
+_MAX_SHOWN: Final = 60
+
+# What pydantic's error types say the value is not; {names} are filled from the error's context.
+_EXPECTED: Final = {
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_parsing_size": "a whole number of a usual size",
+    "int_from_float": "a whole number",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "string_type": "text",
+    "string_unicode": "text",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "dict_type": "a mapping of keys to values",
+    "model_type": "a mapping of keys to values",
+    "model_attributes_type": "a mapping of keys to values",
+    "finite_number": "a finite number",
+    "greater_than": "> {gt}",
+    "greater_than_equal": ">= {ge}",
+    "less_than": "< {lt}",
+    "less_than_equal": "<= {le}",
+    "multiple_of": "a multiple of {multiple_of}",
+    "literal_error": "{expected}",
+    "enum": "{expected}",
+    "string_too_short": "text of at least {min_length} characters",
+    "string_too_long": "text of at most {max_length} characters",
+    "string_pattern_mismatch": "text of the form {pattern}",
+}
+_WITH_UNIT: Final = frozenset({"greater_than", "greater_than_equal", "less_than", "less_than_equal"})
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong with a file."""
+
+    where: str  # the file
+    line: int  # from 1; 0 where the problem has no line
+    column: int  # from 1; 0 where the problem has no line
+    path: str  # of the field, as "waypoints[2].tolerance_m"; empty for the file as a whole
+    text: str
+
+    @property
+    def place(self) -> str:
+        """The file, line and column, as editors and compilers write them."""
+        return f"{self.where}:{self.line}:{self.column}" if self.line else self.where
+
+    @property
+    def sentence(self) -> str:
+        """What is wrong, with the field."""
+        return f"{self.path}: {self.text}" if self.path else self.text
+
+    def __str__(self) -> str:
+        """Return one line for people."""
+        return f"{self.place}: {self.sentence}"
+
+
+def problems_of(error: ValidationError, tree: Tree, where: str, model: type[BaseModel]) -> list[Problem]:
+    """Return what is wrong in the order of the file, each thing once."""
+    found: dict[tuple[Mark, str], list[str]] = {}
+    for details in error.errors(include_url=False):
+        mark, path, text = _placed(details, tree, model)
+        texts = found.setdefault((mark, path), [])
+        if text not in texts:
+            texts.append(text)
+    # Several errors at one place are the branches of a union: none of them fits.
+    return [Problem(where, mark.line, mark.column, path, ", or ".join(t)) for (mark, path), t in found.items()]
+
+
+def duplicate_problems(tree: Tree, where: str) -> list[Problem]:
+    """Return a problem for each key that a mapping has twice."""
+    return [
+        Problem(where, mark.line, mark.column, path_text(path), f"is there twice, first in line {tree.keys[path].line}")
+        for path, mark in tree.duplicates
+    ]
+
+
+def path_text(path: Iterable[str | int]) -> str:
+    """Return a path as "waypoints[2].name"; a key that is no plain word is quoted."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            key = part if re.fullmatch(r"[\w-]+", part) else shown(part)
+            text += f".{key}" if text else key
+    return text
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it: as the file would have it, and short."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    text = repr(value)
+    return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}..."
+
+
+def _placed(details: ErrorDetails, tree: Tree, model: type[BaseModel]) -> tuple[Mark, str, str]:
+    """Return where an error is, the path of its field in the file, and what is wrong there."""
+    loc, kind = details["loc"], details["type"]
+    path, value = _in_file(loc, tree.data)
+    if kind == "missing":
+        return tree.values[path], path_text((*path, loc[-1])), _missing_text(loc)
+    if kind == "extra_forbidden":
+        return tree.keys.get(path, tree.values[path]), path_text(path), _unknown_key_text(loc, model)
+    return tree.values[path], path_text(path), _value_text(details, path, value)
+
+
+def _in_file(loc: Iterable[str | int], data: Any) -> tuple[DataPath, Any]:
+    """Follow an error's location through the file's data, past what the file does not spell out.
+
+    A field may stand under its bare name, or not at all where a shorthand implies it or pydantic names a
+    union's branch.
+    """
+    path: list[str | int] = []
+    for part in loc:
+        if isinstance(data, dict):
+            key = next((key for key in (part, bare_name(str(part))) if key in data), None)
+        else:
+            key = part if isinstance(data, list) and isinstance(part, int) and part < len(data) else None
+        if key is not None:
+            path.append(key)
+            data = data[key]
+    return tuple(path), data
+
+
+def _value_text(details: ErrorDetails, path: DataPath, value: object) -> str:
+    kind = details["type"]
+    context = details.get("ctx", {})
+    if kind == "value_error":
+        return str(context["error"])
+    if kind == "too_short":
+        return f"has {context['actual_length']} entries; at least {context['min_length']} are needed"
+    if kind == "too_long":
+        return f"has more than the {context['max_length']} entries that are allowed"
+    if kind not in _EXPECTED:
+        return details["msg"]
+    expected = _EXPECTED[kind].format(**{name: _round(bound) for name, bound in context.items()})
+    field = next((part for part in reversed(details["loc"]) if isinstance(part, str)), "")
+    suffix = field.rpartition("_")[2]
+    if kind in _WITH_UNIT and bare_name(field):
+        expected += f" {unit_label(suffix)}"
+    # Text within a bound's reach is a number with its unit.
+    text = f"{value if kind in _WITH_UNIT and isinstance(value, str) else shown(value)} is not {expected}"
+    if kind == "float_type" and isinstance(value, str) and path[-1:] == (field,) and bare_name(field):
+        return f"{text}; write '{field}: 1' or '{bare_name(field)}: 1 {unit_label(suffix)}'"
+    return text
+
+
+def _round(bound: object) -> object:
+    """Return a bound as people write it: 0, not 0.0."""
+    return int(bound) if isinstance(bound, float) and bound.is_integer() else bound
+
+
+def _missing_text(loc: tuple[str | int, ...]) -> str:
+    name = str(loc[-1])
+    bare = bare_name(name)
+    if bare is None:
+        return "is missing"
+    return f"is missing; write '{name}: ...' in {unit_label(name.rpartition('_')[2])}, or '{bare}: ...' with a unit"
+
+
+def _unknown_key_text(loc: tuple[str | int, ...], model: type[BaseModel]) -> str:
+    known = list(dict.fromkeys(key for owner in _models_at(model, loc[:-1]) for key in _known_keys(owner)))
+    near = difflib.get_close_matches(str(loc[-1]), known, n=1)
+    if not near:
+        return f"unknown key; allowed are {', '.join(known)}" if known else "unknown key; none is allowed here"
+    return f"unknown key; did you mean {' or '.join(_spellings(near[0], known))}?"
+
+
+def _spellings(key: str, known: list[str]) -> Iterator[str]:
+    """Yield the ways to write the field that `key` stands for."""
+    with_unit = next((name for name in known if name == key or bare_name(name) == key), key)
+    bare = bare_name(with_unit)
+    if bare is None or bare not in known:
+        yield f"'{key}'"
+        return
+    suffix = with_unit.rpartition("_")[2]
+    yield f"'{with_unit}' (a number in {unit_label(suffix)})"
+    yield f"'{bare}' (with its unit: {', '.join(UNITS_BY_SUFFIX[suffix])})"
+
+
+def _known_keys(model: type[BaseModel]) -> tuple[str, ...]:
+    if issubclass(model, FileModel):
+        return model.known_keys()
+    return tuple(field.alias or name for name, field in model.model_fields.items())
+
+
+def _models_at(model: type[BaseModel], loc: Iterable[str | int]) -> list[type[BaseModel]]:
+    """Return the models that may stand at an error's location."""
+    models = [model]
+    for part in loc:
+        inner = [m for owner in models if part in owner.model_fields for m in _models_in(owner, str(part))]
+        models = inner or models  # an index, or the name of a union's branch, leads no further down
+    return models
+
+
+def _models_in(owner: type[BaseModel], field: str) -> list[type[BaseModel]]:
+    found: list[type[BaseModel]] = []
+    parts: list[Any] = [owner.model_fields[field].annotation]
+    while parts:
+        part = parts.pop(0)
+        if isinstance(part, type) and not get_args(part) and issubclass(part, BaseModel):
+            found.append(part)
+        parts.extend(get_args(part))
+    return found

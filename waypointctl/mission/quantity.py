@@ -1,0 +1,98 @@
+"""A number with a unit, as a field of a model that people write in a file.
+
+    timeout_s: Annotated[float, Quantity("s", gt=0)] = 30.0
+
+The field's name ends in the unit. In a file it is written as `timeout_s: 20` or, under the bare name, as
+`timeout: 20 s`; FileModel hands a value found under the bare name on as `Bare`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from waypointctl.units import UNITS_BY_SUFFIX, bare_name, quantity
+
+
+@dataclass(frozen=True, slots=True)
+class Bare:
+    """A value as a file has it under a field's bare name, where a number needs its unit."""
+
+    field: str  # the field's name, with its unit
+    value: object
+    whole: object  # all that stands under the name: the value, or the list that it is in
+    twice: bool = False  # the file has the field under both of its names
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Field metadata: a finite float in `unit`, a suffix that units.py knows, within bounds in that unit."""
+
+    unit: str
+    gt: float | None = None
+    ge: float | None = None
+    le: float | None = None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Build the validator: numbers alone, read from text where the unit has to be in the text."""
+        number = core_schema.float_schema(gt=self.gt, ge=self.ge, le=self.le, allow_inf_nan=False, strict=True)
+        return core_schema.no_info_before_validator_function(_to_number, number)
+
+
+def _to_number(given: object) -> object:
+    """Return what was written under a bare name as a number in the field's unit.
+
+    Raises:
+        PydanticCustomError: it has no unit, one that does not fit, or is written under both names.
+    """
+    if not isinstance(given, Bare):
+        return given
+    bare, value = bare_name(given.field), given.value
+    if given.twice:
+        raise PydanticCustomError("both_spellings", f"is given as {bare} and as {given.field}: keep one of them")
+    if isinstance(value, str):
+        try:
+            return quantity(value, UNITS_BY_SUFFIX[_suffix(given.field)])
+        except ValueError as error:
+            raise PydanticCustomError("quantity", "{problem}", {"problem": str(error)}) from error
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        raise PydanticCustomError("unit_missing", "{problem}", {"problem": f"{value} has no unit; {spelled(given)}"})
+    return value
+
+
+def spelled(given: Bare) -> str:
+    """Return how to write, in both spellings, what was written without a unit."""
+    unit, bare = unit_label(_suffix(given.field)), bare_name(given.field)
+    if isinstance(given.whole, list):
+        numbers = [str(value) for value in given.whole]
+        with_units = ", ".join(f"{number} {unit}" for number in numbers)
+        return f"write '{bare}: [{with_units}]' or '{given.field}: [{', '.join(numbers)}]'"
+    return f"write '{bare}: {given.whole} {unit}' or '{given.field}: {given.whole}'"
+
+
+def unit_label(suffix: str) -> str:
+    """Return the unit that a name's suffix stands for as it is written: "Hz" for "hz"."""
+    return next(unit for unit, factor in UNITS_BY_SUFFIX[suffix].items() if factor == 1.0)
+
+
+def bare_values(field: str, value: object, *, twice: bool = False) -> object:
+    """Mark what stands under a field's bare name, each element of a list for itself.
+
+    Of several numbers without a unit only the first is marked: one mistake, one message.
+    """
+    if twice or not isinstance(value, list):
+        return Bare(field, value, value, twice)
+    marked: list[object] = []
+    unitless_seen = False
+    for element in value:
+        unitless = not isinstance(element, str)
+        marked.append(element if unitless and unitless_seen else Bare(field, element, value))
+        unitless_seen = unitless_seen or unitless
+    return marked
+
+
+def _suffix(field: str) -> str:
+    return field.rpartition("_")[2]

@@ -1,0 +1,93 @@
+"""Read any pydantic model from a YAML file, and say of everything wrong with it where it stands.
+
+    recipe = read_model(read_source(path, RecipeError), str(path), Recipe, RecipeError)
+
+A model that people write derives from FileModel and gets units in the values; any other pydantic model works.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from waypointctl.errors import InputError
+from waypointctl.mission.problems import Problem, duplicate_problems, problems_of
+from waypointctl.mission.yaml_tree import MAX_BYTES, YamlFault, read_tree
+
+M = TypeVar("M", bound=BaseModel)
+
+
+@dataclass(frozen=True, slots=True)
+class Reading(Generic[M]):
+    """What reading a file came to: the model, or what is wrong with the file."""
+
+    model: M | None
+    problems: tuple[Problem, ...]
+
+
+def read_source(path: Path, error: type[InputError]) -> bytes:
+    """Return the bytes of the file at `path`.
+
+    Raises:
+        InputError: of the type `error`: there is no such file, it is a folder, it cannot be read, or is too large.
+    """
+    try:
+        with path.open("rb") as file:
+            source = file.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise error("there is no such file", where=str(path)) from None
+    except IsADirectoryError:
+        raise error("is a folder, not a file", where=str(path)) from None
+    except (OSError, ValueError) as reason:
+        raise error(f"cannot be read: {getattr(reason, 'strerror', None) or reason}", where=str(path)) from reason
+    if len(source) > MAX_BYTES:
+        raise error(f"has more than {MAX_BYTES} bytes", where=str(path))
+    return source
+
+
+def read_model(source: bytes, where: str, model: type[M], error: type[InputError]) -> M:
+    """Return the model that a YAML text holds.
+
+    Args:
+        source: the text.
+        where: the file's name, for the messages.
+        model: what the text has to be.
+        error: what to raise.
+
+    Raises:
+        InputError: of the type `error`, with all that is wrong, one "file:line:column: field: problem" a line.
+    """
+    reading = examine(source, where, model)
+    if reading.model is None:
+        raise as_error(reading.problems, error)
+    return reading.model
+
+
+def examine(source: bytes, where: str, model: type[M]) -> Reading[M]:
+    """Return the model that a YAML text holds, or everything that is wrong with the text in the order of its lines."""
+    try:
+        tree = read_tree(source)
+    except YamlFault as fault:
+        line, column = (fault.mark.line, fault.mark.column) if fault.mark else (0, 0)
+        return Reading(None, (Problem(where, line, column, "", fault.text),))
+    problems = duplicate_problems(tree, where)
+    value = None
+    try:
+        value = model.model_validate(tree.data)
+    except ValidationError as error:
+        problems += problems_of(error, tree, where, model)
+    if problems:
+        return Reading(None, tuple(sorted(problems, key=lambda problem: (problem.line, problem.column))))
+    return Reading(value, ())
+
+
+def as_error(problems: tuple[Problem, ...], error: type[InputError]) -> InputError:
+    """Return one error that lists the problems, one a line."""
+    first, *others = problems
+    if not others:
+        return error(first.sentence, where=first.place)
+    lines = "\n".join(str(problem) for problem in problems)
+    return error(f"{len(problems)} problems\n{lines}", where=first.where)

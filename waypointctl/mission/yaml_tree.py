@@ -1,0 +1,238 @@
+"""YAML 1.2 text as plain data, with the line and column of everything in it.
+
+What a file needs for saying what is wanted, and no more: one document of mappings, lists and scalars of the
+core schema. Aliases, tags and merge keys are refused, so a small file cannot stand for a large one.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field
+from typing import Any, Final, TypeAlias
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    CollectionEndEvent,
+    CollectionStartEvent,
+    DocumentStartEvent,
+    Event,
+    MappingStartEvent,
+    NodeEvent,
+    ScalarEvent,
+    SequenceStartEvent,
+)
+from ruamel.yaml.reader import ReaderError
+
+MAX_DEPTH: Final = 20
+MAX_BYTES: Final = 1 << 20
+
+# Longer numbers are beyond every float; Python also refuses to print very long integers.
+_MAX_DIGITS: Final = 400
+_NULLS: Final = frozenset({"", "~", "null", "Null", "NULL"})
+_BOOLEANS: Final = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_INT: Final = re.compile(r"[-+]?[0-9]+")
+_OCTAL_OR_HEX: Final = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT: Final = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_INFINITY: Final = re.compile(r"[-+]?\.(inf|Inf|INF)")
+_NOT_A_NUMBER: Final = frozenset({".nan", ".NaN", ".NAN"})
+
+DataPath: TypeAlias = tuple[str | int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A place in the text, both counted from 1."""
+
+    line: int
+    column: int
+
+
+class YamlFault(Exception):
+    """What makes a text unreadable, and where."""
+
+    def __init__(self, text: str, mark: Mark | None = None) -> None:
+        """Keep what was found, and where if it is at one place."""
+        super().__init__(text)
+        self.text = text
+        self.mark = mark
+
+
+@dataclass(slots=True)
+class Tree:
+    """The data of a text, and where each part of it stands, by its path from the root."""
+
+    data: Any = None
+    values: dict[DataPath, Mark] = field(default_factory=dict)
+    keys: dict[DataPath, Mark] = field(default_factory=dict)
+    duplicates: list[tuple[DataPath, Mark]] = field(default_factory=list)
+
+
+def read_tree(source: bytes) -> Tree:
+    """Return the one document that `source` holds.
+
+    A key that is there twice keeps its first value and is listed in `duplicates`.
+
+    Raises:
+        YamlFault: it is empty, too large, not UTF-8, not YAML, more than one document, or nested too deep, or
+            uses an alias, a tag or a key that is not text.
+    """
+    text = _decode(source)
+    builder = _Builder()
+    try:
+        for event in YAML(typ="safe", pure=True).parse(text):
+            builder.take(event)
+    except MarkedYAMLError as error:
+        raise _syntax_fault(error) from error
+    except ReaderError as error:
+        raise YamlFault(
+            f"has the control character #x{error.character:02x}", _place_of(text, error.position)
+        ) from error
+    except (YAMLError, ValueError, IndexError, AssertionError) as error:
+        # The parser lets some malformed escapes and directives out as what they broke inside it.
+        raise YamlFault(f"is not YAML: {_first_line(str(error))}", builder.last) from error
+    if builder.tree.data is None:
+        raise YamlFault("is empty", Mark(1, 1))
+    return builder.tree
+
+
+def plain(text: str) -> str | int | float | bool | None:
+    """Return what a scalar without quotes means in YAML 1.2's core schema (section 10.3.2)."""
+    if text in _NULLS:
+        return None
+    if text in _BOOLEANS:
+        return _BOOLEANS[text]
+    if text in _NOT_A_NUMBER:
+        return math.nan
+    if _INFINITY.fullmatch(text):
+        return -math.inf if text.startswith("-") else math.inf
+    if _INT.fullmatch(text):
+        return int(text) if len(text) <= _MAX_DIGITS else float(text)
+    if _OCTAL_OR_HEX.fullmatch(text):
+        return int(text, 0) if len(text) <= _MAX_DIGITS else math.inf
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    return text
+
+
+@dataclass(slots=True)
+class _Frame:
+    """A mapping or list that is being filled."""
+
+    container: dict[str, Any] | list[Any]
+    path: DataPath
+    key: str | None = None  # of a mapping, read and waiting for its value
+
+
+class _Builder:
+    """Fills a tree from the parser's events, without recursion."""
+
+    def __init__(self) -> None:
+        self.tree = Tree()
+        self.last = Mark(1, 1)
+        self._stack: list[_Frame] = []
+        self._documents = 0
+
+    def take(self, event: Event) -> None:
+        """Add one event's part to the tree."""
+        self.last = _mark(event.start_mark)
+        if isinstance(event, DocumentStartEvent):
+            self._start_document(event)
+        elif isinstance(event, AliasEvent):
+            raise YamlFault(f"the alias *{event.anchor} is not allowed: write the value out", self.last)
+        elif isinstance(event, CollectionEndEvent):
+            self._stack.pop()
+        elif isinstance(event, NodeEvent):
+            self._take_node(event)
+
+    def _start_document(self, event: DocumentStartEvent) -> None:
+        self._documents += 1
+        if self._documents > 1:
+            raise YamlFault("a second document starts here; a file holds one", self.last)
+        if event.version is not None and tuple(event.version) != (1, 2):
+            raise YamlFault("the file asks for another YAML than 1.2: leave the %YAML line out", self.last)
+
+    def _take_node(self, event: NodeEvent) -> None:
+        if event.anchor is not None:
+            raise YamlFault(f"the anchor &{event.anchor} is not allowed: write the value out", self.last)
+        if isinstance(event, ScalarEvent | CollectionStartEvent) and event.tag is not None:
+            raise YamlFault(f"the tag {event.tag} is not allowed: leave it out", self.last)
+        if isinstance(event, ScalarEvent):
+            if any("\ud800" <= character <= "\udfff" for character in event.value):
+                raise YamlFault("half of a surrogate pair is not a character", self.last)
+            if not self._is_key(event):
+                self._place(plain(event.value) if event.implicit[0] else event.value)
+        elif isinstance(event, MappingStartEvent):
+            self._open({})
+        elif isinstance(event, SequenceStartEvent):
+            self._open([])
+
+    def _is_key(self, event: ScalarEvent) -> bool:
+        frame = self._stack[-1] if self._stack else None
+        if frame is None or not isinstance(frame.container, dict) or frame.key is not None:
+            return False
+        frame.key = event.value
+        path = (*frame.path, event.value)
+        if event.value in frame.container:
+            self.tree.duplicates.append((path, self.last))
+        else:
+            self.tree.keys.setdefault(path, self.last)
+        return True
+
+    def _open(self, container: dict[str, Any] | list[Any]) -> None:
+        if len(self._stack) == MAX_DEPTH:
+            raise YamlFault(f"is nested more than {MAX_DEPTH} levels deep", self.last)
+        self._stack.append(_Frame(container, self._place(container)))
+
+    def _place(self, value: Any) -> DataPath:
+        """Put a value where the text has come to, and return its path."""
+        if not self._stack:
+            self.tree.data = value
+            self.tree.values[()] = self.last
+            return ()
+        frame = self._stack[-1]
+        if isinstance(frame.container, list):
+            path = (*frame.path, len(frame.container))
+            frame.container.append(value)
+        elif frame.key is None:
+            raise YamlFault("a mapping or list cannot be a key", self.last)
+        else:
+            path = (*frame.path, frame.key)
+            frame.container.setdefault(frame.key, value)
+            frame.key = None
+        self.tree.values.setdefault(path, self.last)
+        return path
+
+
+def _decode(source: bytes) -> str:
+    if len(source) > MAX_BYTES:
+        raise YamlFault(f"has {len(source)} bytes; {MAX_BYTES} are allowed")
+    try:
+        text = source.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = source[: error.start].decode("utf-8-sig")
+        mark = _place_of(before, len(before))
+        raise YamlFault(f"is not UTF-8 text: byte 0x{source[error.start]:02x}", mark) from error
+    if not text.strip():
+        raise YamlFault("is empty", Mark(1, 1))
+    return text
+
+
+def _syntax_fault(error: MarkedYAMLError) -> YamlFault:
+    mark = error.problem_mark or error.context_mark
+    found = ", ".join(part for part in (error.context, error.problem) if part)
+    return YamlFault(f"is not YAML: {_first_line(found)}", None if mark is None else _mark(mark))
+
+
+def _mark(mark: Any) -> Mark:
+    return Mark(mark.line + 1, mark.column + 1)
+
+
+def _place_of(text: str, index: int) -> Mark:
+    return Mark(text.count("\n", 0, index) + 1, index - text.rfind("\n", 0, index))
+
+
+def _first_line(text: str) -> str:
+    return text.strip().partition("\n")[0]
