@@ -1,0 +1,116 @@
+"""The 3D scene: the robot's shapes on its bodies, and the waypoints with the regions that accept the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+from typing import Final
+
+from foxglove_schemas_protobuf.Color_pb2 import Color
+from foxglove_schemas_protobuf.CubePrimitive_pb2 import CubePrimitive
+from foxglove_schemas_protobuf.CylinderPrimitive_pb2 import CylinderPrimitive
+from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
+from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
+from foxglove_schemas_protobuf.TextPrimitive_pb2 import TextPrimitive
+from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
+
+from waypointctl.log.foxglove.geometry import pose, rotate, timestamp
+from waypointctl.log.kinematics import WORLD, Geom
+from waypointctl.log.messages import PlannedWaypoint
+
+REGION_HEIGHT_M: Final = 0.1
+LABEL_HEIGHT_M: Final = 0.4
+PLANE_THICKNESS_M: Final = 0.02
+ENDLESS_PLANE_M: Final = 100.0  # the side drawn of a plane whose size is 0, MuJoCo's word for endless
+
+
+class Standing(Enum):
+    """How a waypoint stands, as the colour (r, g, b, a) it is drawn in."""
+
+    PENDING = (0.35, 0.55, 0.95, 0.4)
+    TARGET = (1.0, 0.65, 0.1, 0.6)
+    REACHED = (0.2, 0.8, 0.35, 0.5)
+    MISSED = (0.9, 0.2, 0.2, 0.5)
+
+
+def scene(
+    time_ns: int, geoms: Iterable[Geom], waypoints: Iterable[PlannedWaypoint], standings: dict[int, Standing]
+) -> bytes:
+    """Return foxglove.SceneUpdate with everything there is.
+
+    Everything, each time: after a seek a viewer knows no more than the last message on the topic.
+    """
+    update = SceneUpdate()
+    for waypoint in waypoints:
+        region = _waypoint(waypoint, standings.get(waypoint.index, Standing.PENDING))
+        update.entities.append(region)
+    bodies: dict[str, SceneEntity] = {}
+    for geom in geoms:
+        entity = bodies.setdefault(geom.body, SceneEntity(id=f"body {geom.body}", frame_id=geom.body))
+        _add_geom(entity, geom)
+    update.entities.extend(bodies.values())
+    for entity in update.entities:
+        entity.timestamp.CopyFrom(timestamp(time_ns))
+        entity.frame_locked = True
+    return update.SerializeToString()
+
+
+def waypoint_poses(time_ns: int, waypoints: Iterable[PlannedWaypoint]) -> bytes:
+    """Return foxglove.PosesInFrame of the waypoints, in their order."""
+    poses = [pose((waypoint.x_m, waypoint.y_m, 0.0)) for waypoint in waypoints]
+    return PosesInFrame(timestamp=timestamp(time_ns), frame_id=WORLD, poses=poses).SerializeToString()
+
+
+def _color(rgba: tuple[float, float, float, float]) -> Color:
+    r, g, b, a = rgba
+    return Color(r=r, g=g, b=b, a=a)
+
+
+def _waypoint(waypoint: PlannedWaypoint, standing: Standing) -> SceneEntity:
+    side = 2 * waypoint.tolerance_m
+    size = Vector3(x=side, y=side, z=REGION_HEIGHT_M)
+    at = pose((waypoint.x_m, waypoint.y_m, REGION_HEIGHT_M / 2))
+    entity = SceneEntity(id=f"waypoint {waypoint.index}", frame_id=WORLD)
+    color = _color(standing.value)
+    if waypoint.acceptance == "box":
+        entity.cubes.append(CubePrimitive(pose=at, size=size, color=color))
+    else:
+        entity.cylinders.append(CylinderPrimitive(pose=at, size=size, bottom_scale=1, top_scale=1, color=color))
+    label = f"{waypoint.index + 1} {waypoint.name}".strip()
+    above = pose((waypoint.x_m, waypoint.y_m, LABEL_HEIGHT_M))
+    white = Color(r=1, g=1, b=1, a=1)
+    entity.texts.append(TextPrimitive(pose=above, billboard=True, font_size=0.3, color=white, text=label))
+    return entity
+
+
+def _add_geom(entity: SceneEntity, geom: Geom) -> None:
+    at, color = pose(geom.position, geom.quaternion), _color(geom.rgba)
+    a, b, c = (2 * half for half in geom.size)
+    match geom.kind:
+        case "sphere":
+            entity.spheres.append(SpherePrimitive(pose=at, size=Vector3(x=a, y=a, z=a), color=color))
+        case "capsule":
+            _add_capsule(entity, geom, color)
+        case "box":
+            entity.cubes.append(CubePrimitive(pose=at, size=Vector3(x=a, y=b, z=c), color=color))
+        case "plane":
+            size = Vector3(x=a or ENDLESS_PLANE_M, y=b or ENDLESS_PLANE_M, z=PLANE_THICKNESS_M)
+            nx, ny, nz = rotate(geom.quaternion, (0.0, 0.0, PLANE_THICKNESS_M / 2))
+            x, y, z = geom.position
+            below = pose((x - nx, y - ny, z - nz), geom.quaternion)  # the plane is the slab's upper face
+            entity.cubes.append(CubePrimitive(pose=below, size=size, color=color))
+
+
+def _add_capsule(entity: SceneEntity, geom: Geom, color: Color) -> None:
+    # Foxglove has no capsule: a cylinder between two spheres.
+    width, length = 2 * geom.size[0], 2 * geom.size[1]
+    tube = Vector3(x=width, y=width, z=length)
+    at = pose(geom.position, geom.quaternion)
+    entity.cylinders.append(CylinderPrimitive(pose=at, size=tube, bottom_scale=1, top_scale=1, color=color))
+    ball = Vector3(x=width, y=width, z=width)
+    for end in (-geom.size[1], geom.size[1]):
+        dx, dy, dz = rotate(geom.quaternion, (0.0, 0.0, end))
+        x, y, z = geom.position
+        entity.spheres.append(SpherePrimitive(pose=pose((x + dx, y + dy, z + dz)), size=ball, color=color))

@@ -1,0 +1,123 @@
+"""The translator: our messages in, messages for viewers out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
+from foxglove_schemas_protobuf.Log_pb2 import Log
+from foxglove_schemas_protobuf.Odometry_pb2 import Odometry
+from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+
+from waypointctl.log.foxglove.geometry import timestamp
+from waypointctl.log.foxglove.motion import Motion
+from waypointctl.log.foxglove.scene import Standing, scene, waypoint_poses
+from waypointctl.log.foxglove.trail import Trail
+from waypointctl.log.kinematics import Kinematics
+from waypointctl.log.messages import Command, Event, EventKind, Message, PlannedWaypoint, Severity, State
+from waypointctl.units import NS_PER_S
+
+VIEW_TOPICS: Final = {
+    "/tf": FrameTransforms,
+    "/odometry": Odometry,
+    "/joints": JointStates,
+    "/scene": SceneUpdate,
+    "/waypoints": PosesInFrame,
+    "/path": PosesInFrame,
+    "/log": Log,
+}
+MOTION_PERIOD_NS: Final = NS_PER_S // 25  # every second step of a 50 Hz controller: an eye sees no more
+TRAIL_PERIOD_NS: Final = NS_PER_S
+
+_LEVELS: Final = {Severity.INFO: Log.INFO, Severity.WARNING: Log.WARNING, Severity.ERROR: Log.ERROR}
+_STANDINGS: Final = {
+    EventKind.LEG_STARTED: Standing.TARGET,
+    EventKind.WAYPOINT_REACHED: Standing.REACHED,
+    EventKind.WAYPOINT_TIMEOUT: Standing.MISSED,
+    EventKind.WAYPOINT_SKIPPED: Standing.MISSED,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One message for viewers."""
+
+    topic: str
+    time_ns: int
+    data: bytes
+
+
+class FoxgloveView:
+    """Follows one flight."""
+
+    def __init__(self, kinematics: Kinematics, waypoints: Sequence[PlannedWaypoint]) -> None:
+        """Know the robot, and the waypoints that the mission has from the start."""
+        self._geoms = kinematics.geoms
+        self._motion = Motion(kinematics)
+        self._trail = Trail()
+        self._waypoints = {waypoint.index: waypoint for waypoint in waypoints}
+        self._standings: dict[int, Standing] = {}
+        self._motion_due_ns = 0
+        self._trail_due_ns = 0
+
+    def start(self) -> list[Frame]:
+        """Return what viewers see before anything has moved."""
+        return [*self._targets(0), self._scene(0)]
+
+    def __call__(self, message: Message) -> Sequence[Frame]:
+        """Return what viewers are to be told of `message`, often nothing."""
+        match message:
+            case State():
+                return self._moved(message)
+            case Command():
+                return self._commanded(message)
+            case Event():
+                return self._happened(message)
+            case _:
+                return ()
+
+    def _moved(self, state: State) -> Sequence[Frame]:
+        now = state.time_ns
+        if now < self._motion_due_ns:
+            return ()
+        self._motion_due_ns = now + MOTION_PERIOD_NS
+        frames = [
+            Frame("/tf", now, self._motion.transforms(state)),
+            Frame("/odometry", now, self._motion.odometry(state)),
+            Frame("/joints", now, self._motion.joints(state)),
+        ]
+        if now >= self._trail_due_ns:
+            self._trail_due_ns = now + TRAIL_PERIOD_NS
+            frames.append(
+                Frame("/path", now, self._trail.extend(now, state.qpos[:3].tolist(), state.qpos[3:7].tolist()))
+            )
+        return frames
+
+    def _commanded(self, command: Command) -> Sequence[Frame]:
+        known = {waypoint.index: waypoint for waypoint in command.waypoints}
+        if known.items() <= self._waypoints.items():
+            return ()
+        self._waypoints = dict(sorted((self._waypoints | known).items()))
+        return [*self._targets(command.received_ns), self._scene(command.received_ns)]
+
+    def _happened(self, event: Event) -> Sequence[Frame]:
+        line = Log(
+            timestamp=timestamp(event.time_ns), level=_LEVELS[event.severity], message=event.text, name=event.clock
+        )
+        frames = [Frame("/log", event.time_ns, line.SerializeToString())]
+        standing = _STANDINGS.get(event.kind)
+        if standing is not None and event.waypoint in self._waypoints:
+            self._standings[event.waypoint] = standing
+            frames.append(self._scene(event.time_ns))
+        return frames
+
+    def _targets(self, time_ns: int) -> list[Frame]:
+        return [Frame("/waypoints", time_ns, waypoint_poses(time_ns, self._waypoints.values()))]
+
+    def _scene(self, time_ns: int) -> Frame:
+        data = scene(time_ns, self._geoms, self._waypoints.values(), self._standings)
+        return Frame("/scene", time_ns, data)

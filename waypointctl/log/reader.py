@@ -1,0 +1,123 @@
+"""The log reader: a file in, the messages that were written out."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from mcap.opcode import Opcode
+
+from waypointctl.errors import LogError
+from waypointctl.log.contents import ChunkPlace, Contents, TopicSummary
+from waypointctl.log.messages import Message
+from waypointctl.log.records import Record, inner_records, raw_message, records
+from waypointctl.log.scan import DAMAGE, chunk_bytes, damaged, open_file, scan
+from waypointctl.log.topics import BY_NAME, Topic
+from waypointctl.units import NS_PER_S
+
+
+def open_log(path: Path, *, allow_truncated: bool = False) -> Log:
+    """Check the whole file, every checksum of it, and return the log.
+
+    Args:
+        path: the .mcap file, or the .part of a flight that was killed.
+        allow_truncated: read a file that is cut short up to where it is whole.
+
+    Raises:
+        LogError: the file cannot be read, is damaged, is cut short, is no log of waypointctl or of a newer one.
+    """
+    return Log(path, scan(path, allow_truncated=allow_truncated))
+
+
+@dataclass(frozen=True, slots=True)
+class Log:
+    """A log that has been found whole, or read up to where it is."""
+
+    path: Path
+    contents: Contents
+
+    @property
+    def metadata(self) -> Mapping[str, str]:
+        """What the writer said of the flight."""
+        return self.contents.metadata
+
+    @property
+    def attachments(self) -> Mapping[str, bytes]:
+        """The files that travel in the log, by name."""
+        return self.contents.attachments
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the file has its end."""
+        return self.contents.is_complete
+
+    @property
+    def topics(self) -> dict[str, TopicSummary]:
+        """Every topic, those for viewers too, with how many messages it has and from when to when."""
+        return {topic.name: topic for topic in self.contents.topics.values()}
+
+    @property
+    def message_count(self) -> int:
+        """How many messages there are, those for viewers too."""
+        return sum(topic.count for topic in self.contents.topics.values())
+
+    @property
+    def start_ns(self) -> int | None:
+        """The first log time in [ns], None in a log without messages."""
+        return min((chunk.first_ns for chunk in self.contents.chunks), default=None)
+
+    @property
+    def end_ns(self) -> int | None:
+        """The last log time in [ns], None in a log without messages."""
+        return max((chunk.last_ns for chunk in self.contents.chunks), default=None)
+
+    @property
+    def duration_s(self) -> float:
+        """From the first log time to the last."""
+        return ((self.end_ns or 0) - (self.start_ns or 0)) / NS_PER_S
+
+    def messages(
+        self, topics: Collection[str] | None = None, start_ns: int | None = None, end_ns: int | None = None
+    ) -> Iterator[Message]:
+        """Return the messages in the order they were written, equal to those, floats bit for bit.
+
+        Args:
+            topics: only these; all of the flight's own records if None. The topics for viewers hold no messages.
+            start_ns: only with a log time not before this.
+            end_ns: only with a log time before this.
+
+        Raises:
+            LogError: a topic that holds no messages; while iterating, data that is no such message.
+        """
+        return self._messages(_decoders(self, topics), start_ns or 0, 1 << 64 if end_ns is None else end_ns)
+
+    def _messages(self, decoders: Mapping[int, Topic], start_ns: int, end_ns: int) -> Iterator[Message]:
+        for chunk in self._chunks(start_ns, end_ns):
+            try:
+                for opcode, body in inner_records(chunk_bytes(chunk)):
+                    if opcode != Opcode.MESSAGE:
+                        continue
+                    raw = raw_message(body)
+                    topic = decoders.get(raw.channel)
+                    if topic is not None and start_ns <= raw.log_time_ns < end_ns:
+                        yield topic.decode(raw.data)
+            except DAMAGE as error:
+                raise damaged(str(self.path), chunk.offset, str(error)) from error
+
+    def _chunks(self, start_ns: int, end_ns: int) -> Iterator[Record]:
+        def wanted(place: ChunkPlace) -> bool:
+            return place.last_ns >= start_ns and place.first_ns < end_ns
+
+        with open_file(self.path) as stream:
+            for place in filter(wanted, self.contents.chunks):
+                yield next(records(stream, place.offset, self.contents.size_bytes))
+
+
+def _decoders(log: Log, names: Collection[str] | None) -> dict[int, Topic]:
+    wanted = BY_NAME.keys() if names is None else names
+    for name in wanted:
+        if name not in BY_NAME:
+            raise LogError(f"no messages are read from the topic {name!r}; allowed are {', '.join(BY_NAME)}")
+    topics = log.contents.topics.items()
+    return {channel: BY_NAME[topic.name] for channel, topic in topics if topic.name in wanted}

@@ -1,0 +1,62 @@
+"""The topics of a flight's own records: which message stands on which, in which schema, at what times.
+
+The topics for viewers (/tf, /scene, ...) are in foxglove.py; nothing is read back from them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from google.protobuf.message import Message as ProtobufMessage
+
+from waypointctl.log import decode, encode
+from waypointctl.log.messages import (
+    Ack,
+    Action,
+    Checkpoint,
+    Command,
+    Event,
+    Message,
+    Observation,
+    Reward,
+    State,
+    Telemetry,
+)
+from waypointctl.log.proto import messages_pb2 as pb
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """How one kind of message is kept."""
+
+    name: str
+    kind: type[Message]
+    schema: type[ProtobufMessage]
+    encode: Callable[[Any], bytes]
+    decode: Callable[[bytes], Message]
+    times_ns: Callable[[Any], tuple[int, int]]  # (log_time, publish_time)
+
+
+def _instant(message: State | Observation | Action | Reward | Event | Checkpoint) -> tuple[int, int]:
+    return message.time_ns, message.time_ns
+
+
+def _link(message: Command | Ack | Telemetry) -> tuple[int, int]:
+    return message.received_ns, message.issued_ns
+
+
+TOPICS: Final = (
+    Topic("/state", State, pb.State, encode.state, decode.state, _instant),
+    Topic("/observation", Observation, pb.Observation, encode.observation, decode.observation, _instant),
+    Topic("/action", Action, pb.Action, encode.action, decode.action, _instant),
+    Topic("/reward", Reward, pb.Reward, encode.reward, decode.reward, _instant),
+    Topic("/command", Command, pb.Command, encode.command, decode.command, _link),
+    Topic("/ack", Ack, pb.Ack, encode.ack, decode.ack, _link),
+    Topic("/telemetry", Telemetry, pb.Telemetry, encode.telemetry, decode.telemetry, _link),
+    Topic("/event", Event, pb.Event, encode.event, decode.event, _instant),
+    Topic("/checkpoint", Checkpoint, pb.Checkpoint, encode.checkpoint, decode.checkpoint, _instant),
+)
+BY_KIND: Final = {topic.kind: topic for topic in TOPICS}
+BY_NAME: Final = {topic.name: topic for topic in TOPICS}

@@ -1,0 +1,111 @@
+"""The log writer: a sink that a flight's messages go into."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+from waypointctl.errors import OutputError
+from waypointctl.log.channels import ChannelWriter
+from waypointctl.log.foxglove.layout import layout
+from waypointctl.log.foxglove.view import VIEW_TOPICS, FoxgloveView, Frame
+from waypointctl.log.header import LAYOUT_NAME, METADATA_NAME, SCHEMA_VERSION, Attachment, LogHeader
+from waypointctl.log.messages import Message
+from waypointctl.log.topics import BY_KIND, TOPICS
+
+
+class LogWriter:
+    """Writes messages to `path`: call it with each, then close it.
+
+    Until it is closed the log stands at `<path>.part`, whole up to the last simulated second even if the process is
+    killed. close() gives it its name. An exception that leaves the `with` block closes the file too, so that it can
+    be read, but leaves it at `<path>.part`: what stands at `path` is the log of a flight that came to its end.
+
+    Raises:
+        OutputError: `path` cannot be written, at the beginning or, when the disk is full, on the way.
+    """
+
+    def __init__(self, path: Path, header: LogHeader) -> None:
+        """Create the file and write all that stands before the first message."""
+        self.path = path
+        self.part = path.with_name(f"{path.name}.part")
+        self._stream = _create(path, self.part)
+        self._view = FoxgloveView(header.kinematics, header.waypoints)
+        try:
+            self._channels = ChannelWriter(self._stream)
+            self._begin(header)
+        except OSError as error:
+            raise self._refusal(error) from error
+
+    def __call__(self, message: Message) -> None:
+        """Write one message, and what viewers are to be told of it."""
+        topic = BY_KIND[type(message)]
+        log_time_ns, publish_time_ns = topic.times_ns(message)
+        try:
+            self._channels.write(topic.name, log_time_ns, publish_time_ns, topic.encode(message))
+            for frame in self._view(message):
+                self._show(frame)
+        except OSError as error:
+            raise self._refusal(error) from error
+
+    def close(self) -> None:
+        """Write the end of the file and give it its name; closing twice is closing once."""
+        if not self._stream.closed:
+            self._finish()
+            os.replace(self.part, self.path)
+
+    def __enter__(self) -> Self:
+        """Return the sink."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Close the log; after an exception it keeps its .part name."""
+        if kind is None:
+            self.close()
+        elif not self._stream.closed:
+            self._finish()
+
+    def _begin(self, header: LogHeader) -> None:
+        root = header.kinematics.body_names[0]
+        for attachment in (*header.attachments, Attachment(LAYOUT_NAME, "application/json", layout(root))):
+            self._channels.attach(attachment)
+        own = {"schema_version": str(SCHEMA_VERSION), "robot": header.robot}
+        self._channels.describe(METADATA_NAME, own | dict(header.metadata) | own)
+        for topic in TOPICS:
+            self._channels.open(topic.name, topic.schema)
+        for name, schema in VIEW_TOPICS.items():
+            self._channels.open(name, schema)
+        for frame in self._view.start():
+            self._show(frame)
+        self._channels.flush()
+
+    def _show(self, frame: Frame) -> None:
+        self._channels.write(frame.topic, frame.time_ns, frame.time_ns, frame.data)
+
+    def _finish(self) -> None:
+        try:
+            with self._stream:
+                self._channels.finish()
+        except OSError as error:
+            raise self._refusal(error) from error
+
+    def _refusal(self, error: OSError) -> OutputError:
+        return OutputError(
+            f"cannot be written: {error.strerror}",
+            where=str(self.path),
+            mend=f"What was written so far is in {self.part}.",
+        )
+
+
+def _create(path: Path, part: Path) -> IO[bytes]:
+    if path.is_dir():
+        raise OutputError("is a folder; a log is a file", where=str(path), mend="Name the file, such as flight.mcap.")
+    try:
+        return open(part, "wb")
+    except OSError as error:
+        mend = "Create the folder, or choose another place." if isinstance(error, FileNotFoundError) else None
+        raise OutputError(f"cannot be written: {error.strerror}", where=str(path), mend=mend) from error
