@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +19,10 @@ class Policy(Protocol):
     @property
     def observation_layout(self) -> str:
         """The observation layout it was trained on, by name."""
+
+    @property
+    def reward_weights(self) -> Mapping[str, float]:
+        """What it was paid in training, by term: a flight is paid the same."""
 
     def act(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return actions of shape (n, nu), before clipping to [-1, 1], for observations of shape (n, k)."""

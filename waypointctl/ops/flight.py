@@ -1,0 +1,163 @@
+"""A flight under way: the robot, the operator, the link between them, and the clock."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Final
+
+from waypointctl.log.messages import Ack, Clock, Command, Event, EventKind, Severity, Telemetry
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.executive import FALL
+from waypointctl.ops.link import Link
+from waypointctl.ops.operator import Order, operator_for
+from waypointctl.ops.sink import Sink
+from waypointctl.ops.vehicle import Vehicle
+from waypointctl.policy.protocol import Policy
+from waypointctl.seeding import stream
+from waypointctl.sim.robots import Robot
+from waypointctl.task.start import Start
+from waypointctl.units import NS_PER_S, ns, seconds
+
+CHECKPOINT_PERIOD_NS: Final = 10 * NS_PER_S
+
+
+@dataclass(frozen=True, slots=True)
+class FlightResult:
+    """How a flight ended, as the operator knows it.
+
+    Attributes:
+        outcome: "success", "failure" or "interrupted".
+        reason: why, in a few words.
+        waypoints_reached: that the operator has heard of.
+        waypoints_total: in the mission.
+        sim_time_ns: on the operator's clock, from mission start.
+    """
+
+    outcome: str
+    reason: str
+    waypoints_reached: int
+    waypoints_total: int
+    sim_time_ns: int
+
+
+class Flight:
+    """Everything that changes during a flight, and the steps of its loop."""
+
+    def __init__(self, mission: Mission, policy: Policy, sink: Sink, robot: Robot) -> None:
+        """Set the robot at its start; nothing has been sent yet."""
+        up, down = mission.link.up, mission.link.down
+        self._mission = mission
+        self._sink = sink
+        self._uplink = Link[Command](ns(up.delay_s), ns(up.jitter_s), stream(mission.seed, "link.up"))
+        self._downlink = Link[Ack | Telemetry](ns(down.delay_s), ns(down.jitter_s), stream(mission.seed, "link.down"))
+        self._operator = operator_for(mission)
+        self._vehicle = Vehicle(robot, policy, sink, self._downlink, ns(1 / mission.telemetry.rate_hz))
+        self._vehicle.place(*start_of(mission).draw(robot, stream(mission.seed, "start", 0)))
+        self._period_ns = robot.control_period_ns
+        self._sent = 0
+        self._now_ns = 0
+        self._heard_ns = 0  # when the operator last heard anything
+
+    @property
+    def over(self) -> bool:
+        """Whether the operator has ended the mission or its time is up."""
+        return self._operator.finished or self._out_of_time
+
+    @property
+    def _out_of_time(self) -> bool:
+        limit_s = self._mission.expect.max_time_s
+        return limit_s is not None and self._now_ns > ns(limit_s)
+
+    def begin(self) -> None:
+        """Let the operator send what it sends at mission start."""
+        self._announce(0, EventKind.MISSION_STARTED, f"mission {self._mission.name} started")
+        self._send(self._operator.begin(), 0)
+
+    def exchange(self) -> None:
+        """Deliver all that has arrived by now, and what is said on hearing it, until there is silence."""
+        silence = False
+        while not silence:
+            silence = True
+            for heard in self._downlink.due(self._now_ns):
+                silence = False
+                self._sink(heard)
+                self._heard_ns = heard.received_ns
+                self._send(self._operator.hear(heard), heard.received_ns)
+                if self._operator.finished:
+                    return
+            for command in self._uplink.due(self._now_ns):
+                silence = False
+                self._sink(command)
+                self._vehicle.obey(self._now_ns, command)
+
+    def sense(self) -> None:
+        """Let the robot look at where it is."""
+        self._vehicle.sense(self._now_ns)
+
+    def act(self) -> None:
+        """Let the robot act for one control period."""
+        if self._now_ns % CHECKPOINT_PERIOD_NS == 0:
+            self._vehicle.log_checkpoint(self._now_ns, self._link_state())
+        self._vehicle.act(self._now_ns)
+        self._now_ns += self._period_ns
+
+    def end(self) -> FlightResult:
+        """Close the flight with the outcome that the operator's belief gives it."""
+        expect = self._mission.expect
+        total = len(self._mission.waypoints)
+        reached = len(self._operator.belief.reached)
+        wanted = total if expect.reached == "all" else expect.reached
+        ended_ns = self._heard_ns if self._operator.finished else self._now_ns
+        facts = f"{reached} of {total} waypoints reached in {seconds(ended_ns):.2f} s"
+        if not self._operator.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
+            return self._close("failure", f"longer than {expect.max_time_s:g} s: {facts}", ended_ns)
+        if reached < wanted or self._operator.verdict == FALL:
+            return self._close("failure", f"{self._operator.verdict or 'skipped'}: {facts}, {wanted} expected", ended_ns)
+        return self._close("success", facts, ended_ns)
+
+    def interrupt(self) -> FlightResult:
+        """Close the flight because somebody asked for it."""
+        reached = len(self._operator.belief.reached)
+        total = len(self._mission.waypoints)
+        return self._close("interrupted", f"{reached} of {total} waypoints reached", self._now_ns)
+
+    def _close(self, outcome: str, reason: str, ended_ns: int) -> FlightResult:
+        self._vehicle.log_state(self._now_ns)
+        severity = Severity.INFO if outcome == "success" else Severity.ERROR
+        self._announce(ended_ns, EventKind.MISSION_ENDED, f"{outcome}: {reason}", severity)
+        reached, total = len(self._operator.belief.reached), len(self._mission.waypoints)
+        return FlightResult(outcome, reason, reached, total, ended_ns)
+
+    def _send(self, orders: list[Order], now_ns: int) -> None:
+        for order in orders:
+            command = self._uplink.send(now_ns, lambda arrives_ns, order=order: self._command(order, now_ns, arrives_ns))
+            names = ", ".join(waypoint.name for waypoint in command.waypoints)
+            text = f"command {command.id} sent: {command.kind} {names}"
+            self._announce(now_ns, EventKind.COMMAND_SENT, text, command_id=command.id)
+
+    def _command(self, order: Order, issued_ns: int, arrives_ns: int) -> Command:
+        self._sent += 1
+        return Command(self._sent, order.kind, order.waypoints, order.on_failure, issued_ns, arrives_ns)
+
+    def _announce(
+        self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO, command_id: int = -1
+    ) -> None:
+        self._sink(Event(now_ns, kind, Clock.OPERATOR, severity, text, command_id=command_id))
+
+    def _link_state(self) -> dict[str, object]:
+        """Return what is under way and the links' random streams, as plain data."""
+        return {
+            name: {
+                "in_transit": [{"type": type(message).__name__, **asdict(message)} for message in link.in_transit],
+                "last_arrival_ns": link.last_arrival_ns,
+                "random": link.rng.bit_generator.state,
+            }
+            for name, link in (("up", self._uplink), ("down", self._downlink))
+        }
+
+
+def start_of(mission: Mission) -> Start:
+    """Return where the mission begins, as the task draws it."""
+    x_m, y_m = mission.start.position_m
+    return Start(position_m=(x_m, y_m), heading_rad=math.radians(mission.start.heading_deg))

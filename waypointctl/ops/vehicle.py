@@ -1,0 +1,157 @@
+"""The robot in flight: its physics, its executive, its policy, and what it reports."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.log.messages import (
+    Ack,
+    Action,
+    Checkpoint,
+    Command,
+    Mode,
+    Observation,
+    Reward,
+    Stage,
+    State,
+    Telemetry,
+)
+from waypointctl.ops.executive import Executive
+from waypointctl.ops.link import Link
+from waypointctl.ops.sink import Sink
+from waypointctl.policy.protocol import Policy
+from waypointctl.sim.robots import Robot
+from waypointctl.sim.single import SingleRobot
+from waypointctl.sim.stance import stance_action
+from waypointctl.task.body import Body, body_of, fallen
+from waypointctl.task.observation import NOISE_SIZE, Goals, layout
+from waypointctl.task.reward import TERMS, RewardWeights, joints_at_limit, progress_speed, reward_terms
+
+FloatArray = NDArray[np.float64]
+
+_STILL: Final = np.zeros(1)
+_NO_NOISE: Final = np.zeros((1, NOISE_SIZE))
+
+
+class Vehicle:
+    """One robot that obeys commands. It is told the time and never looks ahead of it."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        policy: Policy,
+        sink: Sink,
+        downlink: Link[Ack | Telemetry],
+        telemetry_period_ns: int,
+    ) -> None:
+        """Make a robot that reports through `downlink` and logs its truth into `sink`; `place` it before flight."""
+        self.robot = robot
+        self.plant = SingleRobot(robot)
+        self.executive = Executive(report=self._acknowledge, announce=sink)
+        self.step = 0
+        self._policy = policy
+        self._layout = layout(policy.observation_layout)
+        self._weights = RewardWeights(**policy.reward_weights)
+        self._sink = sink
+        self._downlink = downlink
+        self._telemetry_period_ns = telemetry_period_ns
+        self._next_telemetry_ns = 0
+        self._frame = 0
+        self._body: Body = body_of(self.plant.qpos, self.plant.qvel)
+        self._fell = False
+
+    def place(self, qpos: FloatArray, qvel: FloatArray) -> None:
+        """Put the robot where the mission begins: qpos (nq,), qvel (nv,)."""
+        self.plant.place(qpos[np.newaxis], qvel[np.newaxis])
+        self._look()
+
+    def obey(self, now_ns: int, command: Command) -> None:
+        """Take a command that has arrived."""
+        self.executive.obey(now_ns, command)
+        self._downlink_frame(now_ns)
+
+    def sense(self, now_ns: int) -> None:
+        """Let the executive look at the world; report at the telemetry rate and whenever its mode changes."""
+        before = (self.executive.mode, self.executive.leg, len(self.executive.reached))
+        self.executive.sense(now_ns, self._body.position, self._fell)
+        changed = before != (self.executive.mode, self.executive.leg, len(self.executive.reached))
+        if changed or now_ns >= self._next_telemetry_ns:
+            self._downlink_frame(now_ns)
+
+    def act(self, now_ns: int) -> None:
+        """Log what is, choose an action, apply it for one control period, log what it was paid."""
+        self.log_state(now_ns)
+        source, commanded = self._choose(now_ns)
+        applied = np.clip(commanded, -1.0, 1.0)
+        self._sink(Action(now_ns, self.step, source, commanded[0], applied[0]))
+        before = self.plant.qpos[:, :2].copy()
+        self.plant.step(applied)
+        self._look()
+        self._log_reward(now_ns + self.robot.control_period_ns, before, applied)
+        self.step += 1
+
+    def log_state(self, now_ns: int) -> None:
+        """Log the physics state as it is now."""
+        plant = self.plant
+        state = (array[0].copy() for array in (plant.qpos, plant.qvel, plant.qacc_warmstart))
+        self._sink(State(now_ns, self.step, *state))
+
+    def log_checkpoint(self, now_ns: int, link: Mapping[str, object]) -> None:
+        """Log all that a replay needs to begin here; `link` is the state of the link."""
+        executive = json.dumps(self.executive.state())
+        self._sink(Checkpoint(now_ns, self.step, self.plant.integration_state(), executive, json.dumps(link)))
+
+    def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
+        if self.executive.mode is Mode.WALKING:
+            observation = self._layout.observe(self._body, Goals(*self.executive.goals(), _NO_NOISE))
+            self._sink(Observation(now_ns, self.step, observation[0]))
+            return "policy", self._policy.act(observation)
+        if self.executive.mode is Mode.FALLEN:
+            return "off", np.zeros((1, self.robot.num_joints))
+        return "stance", stance_action(self.robot, self.plant.qpos, self.plant.qvel)
+
+    def _look(self) -> None:
+        self._body = body_of(self.plant.qpos, self.plant.qvel)
+        self._fell = bool(fallen(self._body, self.robot.fall_height_m, self.robot.fall_up)[0])
+
+    def _log_reward(self, now_ns: int, before: FloatArray, applied: FloatArray) -> None:
+        body, approach = self._body, _STILL
+        if self.executive.mode is Mode.WALKING:
+            period_s = self.robot.control_period_ns / 1e9
+            approach = progress_speed(before, body.position, self.executive.goals()[0], period_s)
+        at_limit = joints_at_limit(body.joints, self.robot.joint_low, self.robot.joint_high)
+        terms = reward_terms(self._weights, body, approach, applied, at_limit, np.array([self._fell]))
+        named = tuple(zip(TERMS, terms[0].tolist(), strict=True))
+        self._sink(Reward(now_ns, self.step, named, float(terms.sum(axis=1)[0])))
+
+    def _acknowledge(self, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
+        if stage in (Stage.COMPLETED, Stage.FAILED):
+            self._downlink_frame(now_ns)  # the operator hears of the waypoints before it hears the verdict
+        self._downlink.send(now_ns, lambda arrives_ns: Ack(command_id, stage, reason, now_ns, arrives_ns))
+
+    def _downlink_frame(self, now_ns: int) -> None:
+        target = self.executive.target
+        velocity = self._body.velocity[0]
+        frame = Telemetry(
+            frame=self._frame,
+            mode=self.executive.mode,
+            x_m=float(self._body.position[0, 0]),
+            y_m=float(self._body.position[0, 1]),
+            z_m=float(self._body.position[0, 2]),
+            heading_rad=float(self._body.yaw[0]),
+            speed_mps=float(np.hypot(velocity[0], velocity[1])),
+            target=-1 if target is None else target.index,
+            reached=tuple(self.executive.reached),
+            issued_ns=now_ns,
+            received_ns=now_ns,
+        )
+        self._frame += 1
+        self._next_telemetry_ns = now_ns + self._telemetry_period_ns
+        self._downlink.send(now_ns, lambda arrives_ns: replace(frame, received_ns=arrives_ns))
+
