@@ -7,6 +7,8 @@ import sys
 import typer
 
 from waypointctl import __version__
+from waypointctl.cli.eval import evaluate_policy
+from waypointctl.cli.policies import policies
 from waypointctl.errors import WaypointctlError
 
 app = typer.Typer(
@@ -17,6 +19,8 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.command("eval")(evaluate_policy)
+app.add_typer(policies, name="policies")
 
 
 def _version(wanted: bool) -> None:

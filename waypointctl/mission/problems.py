@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -185,6 +184,8 @@ def _missing_text(loc: tuple[str | int, ...]) -> str:
 
 
 def _unknown_key_text(loc: tuple[str | int, ...], model: type[BaseModel]) -> str:
+    import difflib  # 10 ms that a good file need not wait for
+
     known = list(dict.fromkeys(key for owner in _models_at(model, loc[:-1]) for key in _known_keys(owner)))
     near = difflib.get_close_matches(str(loc[-1]), known, n=1)
     if not near:

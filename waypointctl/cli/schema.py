@@ -1,0 +1,29 @@
+"""`waypointctl schema`: the JSON Schema of a file that people write, for their editors."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any, Final
+
+import typer
+
+from waypointctl.errors import InputError
+
+
+def _mission() -> dict[str, Any]:
+    from waypointctl.mission.files import mission_schema
+
+    return mission_schema()
+
+
+_SCHEMAS: Final[dict[str, Callable[[], dict[str, Any]]]] = {"mission": _mission}
+
+
+def schema(
+    of: str = typer.Argument(metavar="|".join(_SCHEMAS), help="What the file is.", show_default=False),
+) -> None:
+    """Print a JSON Schema; an editor with it completes keys and marks mistakes as you type."""
+    if of not in _SCHEMAS:
+        raise InputError(f"there is no schema of {of!r}", mend=f"choose one of: {', '.join(_SCHEMAS)}")
+    typer.echo(json.dumps(_SCHEMAS[of](), indent=2))

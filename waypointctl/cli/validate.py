@@ -1,0 +1,106 @@
+"""`waypointctl validate`: are these mission files fit to be flown, and if not, why not."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from waypointctl.mission.files import MissionFile
+    from waypointctl.mission.mission import Link, Way
+    from waypointctl.mission.problems import Problem
+
+
+@dataclass(frozen=True, slots=True)
+class _Checked:
+    """What checking a file came to: a mission, or problems."""
+
+    path: Path
+    file: MissionFile | None
+    problems: tuple[Problem, ...]
+
+
+def validate(
+    missions: list[Path] = typer.Argument(metavar="MISSION.yaml...", help="Mission files.", show_default=False),
+    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+) -> None:
+    """Check mission files and list every problem; exit with 2 if there is one."""
+    checked = [_check(path) for path in missions]
+    good = all(result.file is not None for result in checked)
+    if as_json:
+        typer.echo(json.dumps({"ok": good, "missions": [_record(result) for result in checked]}))
+    else:
+        for result in checked:
+            _show(result)
+    if not good:
+        raise typer.Exit(2)
+
+
+def _check(path: Path) -> _Checked:
+    from waypointctl.errors import MissionError
+    from waypointctl.mission.files import MissionFile
+    from waypointctl.mission.mission import Mission
+    from waypointctl.mission.problems import Problem
+    from waypointctl.mission.yaml_source import examine, read_source
+
+    try:
+        source = read_source(path, MissionError)
+    except MissionError as error:
+        return _Checked(path, None, (Problem(str(path), 0, 0, "", error.problem),))
+    reading = examine(source, str(path), Mission)
+    if reading.model is None:
+        return _Checked(path, None, reading.problems)
+    return _Checked(path, MissionFile(reading.model, source, path), ())
+
+
+def _show(result: _Checked) -> None:
+    for problem in result.problems:
+        typer.echo(str(problem))
+    if result.file is None:
+        return
+    mission = result.file.mission
+    count = len(mission.waypoints)
+    typer.echo(
+        f"OK {result.path}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
+        f"{mission.path_length_m():.1f} m, {_link_text(mission.link)}, autonomy {mission.autonomy}"
+    )
+    if not result.file.policy_path.is_dir():
+        typer.echo(f"warning: {result.path}: there is no policy folder {result.file.policy_path}", err=True)
+
+
+def _link_text(link: Link) -> str:
+    if link.up == link.down:
+        return f"link {_way_text(link.up)} each way" if link.up.delay_s else "link without delay"
+    return f"link {_way_text(link.up)} up, {_way_text(link.down)} down"
+
+
+def _way_text(way: Way) -> str:
+    return f"{way.delay_s:g} s" + (f" +- {way.jitter_s:g} s" if way.jitter_s else "")
+
+
+def _record(result: _Checked) -> dict[str, Any]:
+    """Return a result as --json has it; the mission's entries are there only where it is one."""
+    record: dict[str, Any] = {
+        "file": str(result.path),
+        "ok": result.file is not None,
+        "problems": [
+            {"line": problem.line, "column": problem.column, "path": problem.path, "problem": problem.text}
+            for problem in result.problems
+        ],
+    }
+    if result.file is None:
+        return record
+    mission = result.file.mission
+    return record | {
+        "name": mission.name,
+        "waypoints": len(mission.waypoints),
+        "path_length_m": mission.path_length_m(),
+        "link": mission.link.model_dump(),
+        "autonomy": mission.autonomy,
+        "policy": str(result.file.policy_path),
+        "policy_found": result.file.policy_path.is_dir(),
+    }
