@@ -2,26 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal, Protocol, TypeAlias
+from typing import Protocol
 
 from waypointctl.log.messages import FloatArray
+from waypointctl.sim.geometry import WORLD, Geom, GeomKind
 
-GeomKind: TypeAlias = Literal["sphere", "capsule", "box", "plane"]
-
-WORLD = "world"
-
-
-@dataclass(frozen=True, slots=True)
-class Geom:
-    """A shape fixed to a body, in MuJoCo's terms (https://mujoco.readthedocs.io/en/stable/XMLreference.html#body-geom)."""
-
-    body: str  # one of the robot's bodies, or WORLD
-    kind: GeomKind
-    position: tuple[float, float, float]  # [m] in the body's frame
-    quaternion: tuple[float, float, float, float]  # w x y z in the body's frame
-    size: tuple[float, float, float]  # [m] sphere: radius; capsule: radius, half length; box, plane: half sides
-    rgba: tuple[float, float, float, float]  # 0 to 1
+__all__ = ["WORLD", "Geom", "GeomKind", "Kinematics"]
 
 
 class Kinematics(Protocol):

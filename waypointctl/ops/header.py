@@ -1,0 +1,90 @@
+"""What a flight's log says before its first message: everything that replay needs, and where it came from."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
+
+from waypointctl import __version__
+from waypointctl.log.header import Attachment, LogHeader
+from waypointctl.mission.files import MissionFile
+from waypointctl.ops.operator import planned_waypoints
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.sim.kinematics import RobotKinematics
+from waypointctl.sim.robots import Robot
+from waypointctl.sim.single import integration_components
+from waypointctl.task.reward import TERMS
+
+MISSION: Final = "mission.yaml"
+MJCF: Final = "model.xml"
+MJB: Final = "model.mjb"
+POLICY_FOLDER: Final = "policy/"
+CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
+
+
+def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot) -> LogHeader:
+    """Return the header of the log of a flight."""
+    mjb = robot.to_mjb()
+    mission = mission_file.mission
+    return LogHeader(
+        robot=robot.name,
+        kinematics=RobotKinematics(robot),
+        waypoints=planned_waypoints(mission),
+        attachments=(
+            Attachment(MISSION, "application/yaml", mission_file.source),
+            Attachment(MJCF, "application/xml", robot.mjcf.encode()),
+            Attachment(MJB, "application/octet-stream", mjb),
+            *(
+                Attachment(f"{POLICY_FOLDER}{name}", _media_type(name), data)
+                for name, data in sorted(policy.files.items())
+            ),
+        ),
+        metadata={
+            "mission": mission.name,
+            "seed": str(mission.seed),
+            "autonomy": mission.autonomy,
+            "policy": policy.manifest.name,
+            "observation_layout": policy.observation_layout,
+            "reward_terms": " ".join(TERMS),
+            "control_period_ns": str(robot.control_period_ns),
+            "physics_period_ns": str(round(robot.physics_period_s * 1e9)),
+            "state_components": f"qpos:{robot.model.nq} qvel:{robot.model.nv} qacc_warmstart:{robot.model.nv}",
+            "checkpoint_components": " ".join(f"{name}:{size}" for name, size in integration_components(robot)),
+            "clock": CLOCK,
+            "sha256_mission": hashlib.sha256(mission_file.source).hexdigest(),
+            "sha256_mjcf": hashlib.sha256(robot.mjcf.encode()).hexdigest(),
+            "sha256_mjb": hashlib.sha256(mjb).hexdigest(),
+            "sha256_policy": policy.sha256,
+            **platform_facts(),
+        },
+    )
+
+
+def platform_facts() -> dict[str, str]:
+    """Return what decides whether a replay here can be exact: versions and the processor."""
+    return {
+        "version_waypointctl": __version__,
+        "version_mujoco": version("mujoco"),
+        "version_numpy": version("numpy"),
+        "version_onnxruntime": version("onnxruntime"),
+        "architecture": platform.machine(),
+        "processor": _processor(),
+    }
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    facts = (line.partition(":")[2].strip() for line in lines if line.startswith(("model name", "flags")))
+    name, flags = next(facts, ""), next(facts, "")
+    # The network's float kernels are chosen by the processor's features, so the name alone says too little.
+    return f"{name} ({hashlib.sha256(flags.encode()).hexdigest()[:8]})"
+
+
+def _media_type(name: str) -> str:
+    return "application/json" if name.endswith(".json") else "application/octet-stream"

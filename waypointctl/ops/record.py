@@ -1,0 +1,68 @@
+"""A flight with its log."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from waypointctl.log.writer import LogWriter
+from waypointctl.mission.files import MissionFile
+from waypointctl.ops.flight import FlightResult
+from waypointctl.ops.fly import fly
+from waypointctl.ops.header import flight_header
+from waypointctl.ops.sink import Sink, tee
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.policy.require import require
+from waypointctl.sim.robots import load_robot
+from waypointctl.task.observation import layout
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """A flight that has been flown and logged.
+
+    Attributes:
+        result: how it ended.
+        path: of the log.
+        sha256: of the log's bytes.
+        seed: of everything random in it.
+    """
+
+    result: FlightResult
+    path: Path
+    sha256: str
+    seed: int
+
+
+def record(
+    mission_file: MissionFile,
+    policy: LoadedPolicy,
+    out: Path,
+    *,
+    watch: Sink | None = None,
+    interrupted: Callable[[], bool] = lambda: False,
+) -> Recording:
+    """Fly a mission and write its log.
+
+    Args:
+        mission_file: the mission, and the text that goes into the log.
+        policy: who walks.
+        out: the log.
+        watch: sees every message too, as it happens.
+        interrupted: asked before every control step; True ends the flight and closes the log.
+
+    Raises:
+        PolicyError: the policy was made for another robot or another observation layout.
+        OutputError: the log cannot be written.
+    """
+    mission = mission_file.mission
+    robot = load_robot(mission.robot)
+    names = [name for name, _, _ in layout(policy.observation_layout).components]
+    require(policy, robot=robot.name, layout_names=names, control_period_ns=robot.control_period_ns)
+    with LogWriter(out, flight_header(mission_file, policy, robot)) as writer:
+        sink = writer if watch is None else tee(writer, watch)
+        result = fly(mission, policy, sink, robot=robot, interrupted=interrupted)
+    digest = hashlib.sha256(out.read_bytes()).hexdigest()
+    return Recording(result, out, digest, mission.seed)
