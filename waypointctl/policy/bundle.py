@@ -43,6 +43,11 @@ class LoadedPolicy:
         """The observation layout it was trained on, by name."""
         return self.manifest.observation.layout
 
+    @property
+    def reward_weights(self) -> Mapping[str, float]:
+        """What it was paid in training, by term."""
+        return self.manifest.reward
+
     def act(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return actions of shape (n, nu), before clipping, for observations of shape (n, k).
 

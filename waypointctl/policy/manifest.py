@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Final, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-SCHEMA_VERSION: Final = 1
+SCHEMA_VERSION: Final[Literal[1]] = 1
 MANIFEST: Final = "manifest.json"
 NETWORK: Final = "policy.onnx"
 WEIGHTS: Final = "weights.safetensors"
@@ -14,11 +15,12 @@ WEIGHTS: Final = "weights.safetensors"
 Name: TypeAlias = Annotated[str, Field(min_length=1)]
 Count: TypeAlias = Annotated[int, Field(gt=0)]
 Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
+Weight: TypeAlias = Annotated[float, BeforeValidator(lambda v: math.inf if v == "Infinity" else v)]
 Sha256: TypeAlias = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
 class _Record(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, ser_json_inf_nan="strings")
 
 
 class ObservationSpec(_Record):
@@ -81,20 +83,20 @@ class FileRecord(_Record):
 class PolicyDescription(_Record):
     """All that whoever trains a policy says of it."""
 
+    schema_version: Literal[1] = SCHEMA_VERSION
     name: Name
     robot: Name
     control_period_ns: Count
     observation: ObservationSpec
     action: ActionSpec
     network: NetworkSpec
-    reward: dict[Name, Number]  # the weight of each term
+    reward: dict[Name, Weight]  # the weight of each term; a cap that is none is "Infinity"
     training: TrainingRecord
 
 
 class Manifest(PolicyDescription):
     """manifest.json: the description, and the files that belong to it."""
 
-    schema_version: Literal[1]
     files: dict[Name, FileRecord]
 
     @model_validator(mode="after")

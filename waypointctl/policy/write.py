@@ -11,7 +11,7 @@ from typing import Final
 
 from waypointctl.errors import OutputError
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
-from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest, PolicyDescription
+from waypointctl.policy.manifest import MANIFEST, NETWORK, WEIGHTS, Manifest, PolicyDescription
 
 _LAST: Final = MANIFEST  # until it is replaced, its hashes refuse the new files
 
@@ -21,7 +21,6 @@ def bundle_files(description: PolicyDescription, onnx: bytes, safetensors: bytes
     contents = {NETWORK: onnx, WEIGHTS: safetensors}
     manifest = Manifest.model_validate(
         {
-            "schema_version": SCHEMA_VERSION,
             **{field: getattr(description, field) for field in PolicyDescription.model_fields},
             "files": {name: _record(content) for name, content in contents.items()},
         }

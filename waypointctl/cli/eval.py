@@ -1,0 +1,113 @@
+"""`waypointctl eval`: test a policy on a suite of paths."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.table import Table
+
+    from waypointctl.evaluation.evaluate import Progress
+    from waypointctl.evaluation.result import CaseResult, Evaluation
+    from waypointctl.evaluation.suite import Suite
+
+
+def evaluate_policy(
+    policy: Annotated[Path, typer.Argument(metavar="POLICY", help="Its folder.", show_default=False)],
+    suite: Annotated[str, typer.Option(help="The paths: 'paper', or a YAML file.")] = "paper",
+    trials: Annotated[int, typer.Option(min=1, max=100_000, help="How often each path is walked.")] = 100,
+    seed: Annotated[int, typer.Option(min=0, help="Of the postures that the trials start in.")] = 0,
+    require: Annotated[
+        float | None,
+        typer.Option(min=0.0, max=1.0, help="Exit with 1 if the rate of any path is below this.", show_default=False),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Also write the JSON to this file.", show_default=False)] = None,
+    threads: Annotated[int, typer.Option(min=0, max=1024, help="For the physics; 0 is one a core.")] = 0,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the table goes to stderr.")] = False,
+) -> None:
+    """Walk each path of a suite many times with deterministic actions and count successes, falls and timeouts."""
+    from waypointctl.cli.console import console
+    from waypointctl.evaluation.evaluate import evaluate
+    from waypointctl.evaluation.result import refuse_unwritable, write_evaluation
+    from waypointctl.evaluation.suite import load_suite
+    from waypointctl.policy.bundle import load_policy
+
+    chosen = load_suite(suite)
+    if out is not None:
+        refuse_unwritable(out)
+    loaded = load_policy(policy)
+    with _progress(chosen, trials) as progress:
+        evaluation = evaluate(loaded, chosen, trials, seed, threads, progress)
+    console(stderr=json).print(_table(evaluation))
+    if out is not None:
+        write_evaluation(evaluation, out)
+    if json:
+        sys.stdout.write(evaluation.to_json())
+    _require(evaluation, require)
+
+
+def _require(evaluation: Evaluation, rate: float | None) -> None:
+    if rate is None:
+        return
+    below = [case.name for case in evaluation.cases if case.rate < rate]
+    if below:
+        typer.echo(f"below {rate:.0%}: {', '.join(below)}", err=True)
+        raise typer.Exit(1)
+
+
+@contextmanager
+def _progress(suite: Suite, trials: int) -> Iterator[Progress | None]:
+    """Show on a terminal which path is being walked and how many of its trials have ended."""
+    from waypointctl.cli.console import console
+
+    people = console(stderr=True)
+    if not people.is_terminal:
+        yield None
+        return
+    from rich.progress import Progress as Bars
+
+    with Bars(console=people, transient=True) as bars:
+        tasks = {case.name: bars.add_task(case.name, total=trials) for case in suite.cases}
+        yield lambda case, ended: bars.update(tasks[case], completed=ended)
+
+
+def _table(evaluation: Evaluation) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    acceptance = evaluation.acceptance
+    title = (
+        f"{evaluation.policy} in the suite {evaluation.suite}, seed {evaluation.seed}, "
+        f"{acceptance.shape} of {acceptance.size_m:g} m"
+    )
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
+    table.add_column("case", no_wrap=True)
+    table.add_column("waypoints [m]")
+    for heading in ("success", "rate", "95 % interval", "paper", "falls", "late", "time [s]", "SPL"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for case in evaluation.cases:
+        table.add_row(*_row(case))
+    return table
+
+
+def _row(case: CaseResult) -> tuple[str, ...]:
+    low, high = case.wilson95
+    return (
+        case.name,
+        " ".join(f"({x:g}, {y:g})" for x, y in case.waypoints),
+        f"{case.successes}/{case.trials}",
+        f"{case.rate:.1%}",
+        f"{low:.1%} - {high:.1%}",
+        "" if case.paper is None else f"{case.paper:.0%}",
+        str(case.falls),
+        str(case.timeouts),
+        "" if case.mean_time_s is None else f"{case.mean_time_s:.2f}",
+        f"{case.spl:.3f}",
+    )

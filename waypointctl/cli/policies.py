@@ -1,0 +1,104 @@
+"""`waypointctl policies`: what policies there are, and what one says of itself."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from waypointctl.evaluation.catalogue import Entry
+    from waypointctl.evaluation.result import Evaluation
+
+_DEFAULT = "list"
+
+
+class _ListByDefault(TyperGroup):
+    """A group whose first argument may be a folder: `policies DIR` is `policies list DIR`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        if not args or (args[0] not in self.commands and args[0] not in ctx.help_option_names):
+            args = [_DEFAULT, *args]
+        return super().parse_args(ctx, args)
+
+
+policies = typer.Typer(cls=_ListByDefault, help="List the policies in a folder, or show one: policies [DIR].")
+
+
+@policies.command("list")
+def list_policies(
+    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="Where to look.")] = Path("policies"),
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """List the policies in a folder with their robot, observation layout, training and results."""
+    from waypointctl.cli.console import console
+    from waypointctl.evaluation.catalogue import catalogue
+
+    entries = catalogue(folder)
+    if json:
+        _print_json(entries)
+    elif entries:
+        console().print(_table(entries))
+    else:
+        typer.echo(f"no policies in {folder}; `waypointctl train RECIPE.yaml` makes one", err=True)
+    for fault in (fault for entry in entries for fault in entry.faults):
+        typer.echo(f"warning: {fault}", err=True)
+
+
+@policies.command("show")
+def show_policy(
+    policy: Annotated[Path, typer.Argument(metavar="POLICY", help="Its folder.", show_default=False)],
+) -> None:
+    """Check a policy and print its manifest, JSON as it is in the bundle."""
+    from waypointctl.policy.bundle import load_policy
+    from waypointctl.policy.manifest import MANIFEST
+
+    sys.stdout.write(load_policy(policy).files[MANIFEST].decode())
+
+
+def _table(entries: list[Entry]) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("folder", "robot", "layout"):
+        table.add_column(heading, no_wrap=True)
+    table.add_column("steps", justify="right", no_wrap=True)
+    table.add_column("results")
+    for entry in entries:
+        table.add_row(*_row(entry))
+    return table
+
+
+def _row(entry: Entry) -> tuple[str, ...]:
+    if entry.policy is None:
+        return (str(entry.folder), "", "", "", "damaged")
+    manifest = entry.policy.manifest
+    results = _results(entry.evaluation) if entry.evaluation else "not evaluated"
+    return (str(entry.folder), manifest.robot, manifest.observation.layout, f"{manifest.training.steps:,}", results)
+
+
+def _results(evaluation: Evaluation) -> str:
+    rates = [case.rate for case in evaluation.cases]
+    return f"{evaluation.suite}: {min(rates):.0%} to {max(rates):.0%} in {len(rates)} cases"
+
+
+def _print_json(entries: list[Entry]) -> None:
+    import json
+
+    found = [
+        {
+            "folder": str(entry.folder),
+            "policy_sha256": entry.policy.sha256 if entry.policy else None,
+            "manifest": entry.policy.manifest.model_dump(mode="json") if entry.policy else None,
+            "evaluation": entry.evaluation.model_dump(mode="json") if entry.evaluation else None,
+            "faults": entry.faults,
+        }
+        for entry in entries
+    ]
+    sys.stdout.write(f"{json.dumps({'policies': found}, indent=2)}\n")
