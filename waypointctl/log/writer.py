@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
@@ -37,6 +38,8 @@ class LogWriter:
             self._channels = ChannelWriter(self._stream)
             self._begin(header)
         except OSError as error:
+            with suppress(OSError):  # closing tries to write again
+                self._stream.close()
             raise self._refusal(error) from error
 
     def __call__(self, message: Message) -> None:

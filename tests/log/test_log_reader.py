@@ -1,0 +1,71 @@
+"""What a log answers when it is asked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.log.fake_flight import STEP_NS, UP_NS, bits, flight, header
+from waypointctl.errors import LogError
+from waypointctl.log.messages import Command, Message, Reward, State
+from waypointctl.log.reader import open_log
+from waypointctl.log.topics import BY_KIND
+from waypointctl.log.writer import LogWriter
+from waypointctl.units import NS_PER_S
+
+
+def log_time_ns(message: Message) -> int:
+    return BY_KIND[type(message)].times_ns(message)[0]
+
+
+def test_messages_come_in_the_order_they_were_written(log_path: Path) -> None:
+    assert [bits(message) for message in open_log(log_path).messages()] == [bits(message) for message in flight()]
+
+
+def test_topics_choose(log_path: Path) -> None:
+    read = list(open_log(log_path).messages(topics=["/reward", "/command"]))
+    expected = [message for message in flight() if isinstance(message, Reward | Command)]
+    assert [bits(message) for message in read] == [bits(message) for message in expected]
+
+
+@pytest.mark.parametrize(
+    ("start_ns", "end_ns"),
+    [(None, NS_PER_S), (NS_PER_S, None), (UP_NS, UP_NS + 1), (1_230_000_000, 2_990_000_001), (3, 3), (10**12, None)],
+)
+def test_times_choose_from_start_up_to_but_not_end(log_path: Path, start_ns: int | None, end_ns: int | None) -> None:
+    read = list(open_log(log_path).messages(start_ns=start_ns, end_ns=end_ns))
+    lowest, highest = start_ns or 0, 10**15 if end_ns is None else end_ns
+    expected = [message for message in flight() if lowest <= log_time_ns(message) < highest]
+    assert [bits(message) for message in read] == [bits(message) for message in expected]
+
+
+@pytest.mark.parametrize("topic", ["/tf", "/states", ""])
+def test_topic_without_messages_is_refused_at_once(log_path: Path, topic: str) -> None:
+    with pytest.raises(LogError, match=r"no messages are read from the topic .*; allowed are /state, /observation"):
+        open_log(log_path).messages(topics=[topic])
+
+
+def test_statistics(log_path: Path) -> None:
+    log = open_log(log_path)
+    states = [message.time_ns for message in flight() if isinstance(message, State)]
+    topic = log.topics["/state"]
+    assert (topic.count, topic.first_ns, topic.last_ns) == (len(states), states[0], states[-1])
+    assert topic.rate_hz == pytest.approx(50.0)
+    assert log.topics["/command"].rate_hz is None
+    assert (log.start_ns, log.end_ns, log.duration_s) == (0, 200 * STEP_NS, 4.0)
+    assert log.message_count == sum(topic.count for topic in log.topics.values())
+
+
+def test_log_without_messages(tmp_path: Path) -> None:
+    path = tmp_path / "flight.mcap"
+    LogWriter(path, header()).close()
+    log = open_log(path)
+    assert list(log.messages()) == []
+    assert log.topics["/state"].count == 0
+    assert log.topics["/state"].first_ns is None
+
+
+def test_attachments_come_back(log_path: Path) -> None:
+    expected = {it.name: it.data for it in header().attachments}
+    assert expected.items() <= open_log(log_path).attachments.items()
