@@ -8,7 +8,10 @@ import typer
 
 from waypointctl import __version__
 from waypointctl.cli.eval import evaluate_policy
+from waypointctl.cli.info import info
 from waypointctl.cli.policies import policies
+from waypointctl.cli.schema import schema
+from waypointctl.cli.validate import validate
 from waypointctl.errors import WaypointctlError
 
 app = typer.Typer(
@@ -34,6 +37,11 @@ def _options(
     version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Print the version."),
 ) -> None:
     """Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log."""
+
+
+app.command()(info)
+app.command()(schema)
+app.command()(validate)
 
 
 def main() -> None:

@@ -1,0 +1,70 @@
+"""`waypointctl info`, from the shell's side."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from tests.log.fake_flight import flight, header
+from waypointctl.cli.main import app
+from waypointctl.errors import LogError
+from waypointctl.log.writer import LogWriter
+
+
+@pytest.fixture(scope="module")
+def log_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("info") / "flight.mcap"
+    with LogWriter(path, header(note="[bold]not markup[/bold]")) as sink:
+        for message in flight(100):
+            sink(message)
+    return path
+
+
+def test_json_is_one_object_with_everything(log_path: Path) -> None:
+    result = CliRunner().invoke(app, ["info", str(log_path), "--json"])
+    assert result.exit_code == 0
+    found = json.loads(result.stdout)
+    topics = {topic["name"]: topic for topic in found["topics"]}
+    assert found["complete"] is True
+    assert found["duration_s"] == 2.0
+    assert found["messages"] == sum(topic["count"] for topic in topics.values())
+    assert topics["/state"] == {
+        "name": "/state",
+        "schema": "waypointctl.State",
+        "count": 100,
+        "first_ns": 0,
+        "last_ns": 1_980_000_000,
+        "rate_hz": 50.0,
+    }
+    assert {"name": "mission.yaml", "size_bytes": 11} in found["attachments"]
+    assert found["metadata"]["seed"] == "7"
+    assert found["size_bytes"] == log_path.stat().st_size
+
+
+def test_table_for_people(log_path: Path) -> None:
+    result = CliRunner().invoke(app, ["info", str(log_path)])
+    assert result.exit_code == 0
+    lines = [line.split() for line in result.stdout.splitlines()]
+    assert ["/state", "waypointctl.State", "100", "50.0", "0.000", "1.980"] in lines
+    assert ["model.mjb", "10,240"] in lines
+    assert "[bold]not markup[/bold]" in result.stdout
+    assert "2.000 s of simulation" in result.stdout
+    assert "complete" in result.stdout
+
+
+def test_log_that_is_cut_short_is_shown_as_such(log_path: Path, tmp_path: Path) -> None:
+    cut = tmp_path / "cut.mcap.part"
+    cut.write_bytes(log_path.read_bytes()[:-1000])
+    result = CliRunner().invoke(app, ["info", str(cut), "--json"])
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["complete"] is False
+    assert "cut short" in CliRunner().invoke(app, ["info", str(cut)]).stdout
+
+
+def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, ["info", str(tmp_path / "none.mcap")])
+    assert isinstance(result.exception, LogError)
+    assert result.exception.exit_code == 2
