@@ -50,11 +50,6 @@ class Evaluation(_Record):
     policy_sha256: str
     versions: dict[str, str]
 
-    @property
-    def worst_rate(self) -> float:
-        """The success rate of the case that went worst."""
-        return min(case.rate for case in self.cases)
-
     def to_json(self) -> str:
         """Return the evaluation as indented JSON, the same text for the same evaluation."""
         return f"{self.model_dump_json(indent=2)}\n"

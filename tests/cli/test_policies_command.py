@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from waypointctl.cli.main import main
+from waypointctl.policy.bundle import LoadedPolicy
+
+Make = Callable[..., LoadedPolicy]
+Run = Callable[..., tuple[int, str, str]]
+
+SUITE = """\
+name: easy
+acceptance: {size_m: 2}
+deadline: {first_s: 0.2}
+cases: [{name: near, waypoints: [[0.2, 0]]}, {name: far, waypoints: [[50, 0]]}]
+"""
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["waypointctl", *arguments])
+        with pytest.raises(SystemExit) as caught:
+            main()
+        return (int(caught.value.code or 0), *capfd.readouterr())
+
+    return call
+
+
+def line_of(text: str, start: str) -> str:
+    """Return the table's line that starts so, its cells one space apart."""
+    return " ".join(next(line for line in text.splitlines() if line.strip().startswith(start)).split())
+
+
+def test_it_lists_the_policies_in_policies(tmp_path: Path, make_policy: Make, run: Run) -> None:
+    make_policy(tmp_path / "policies" / "first")
+    make_policy(tmp_path / "policies" / "second")
+    (tmp_path / "policies" / "untrained").mkdir()
+    code, out, err = run("policies")
+    assert (code, err) == (0, "")
+    assert line_of(out, "policies/first") == "policies/first ant egocentric 0 not evaluated"
+    assert line_of(out, "policies/second")
+    assert "untrained" not in out
+
+
+def test_it_lists_another_folder_with_results(tmp_path: Path, make_policy: Make, run: Run) -> None:
+    make_policy(tmp_path / "mine" / "still", gain=0.0)
+    (tmp_path / "easy.yaml").write_text(SUITE)
+    run("eval", "mine/still", "--suite", "easy.yaml", "--trials", "2", "--out", "mine/still/evaluation.json")
+    _, out, err = run("policies", "mine")
+    assert err == ""
+    assert line_of(out, "mine/still") == "mine/still ant egocentric 0 easy: 0% to 100% in 2 cases"
+    make_policy(tmp_path / "mine" / "still", seed=1)
+    _, out, err = run("policies", "mine")
+    assert "not evaluated" in out
+    assert err == "warning: mine/still/evaluation.json: of another policy than the one beside it\n"
+
+
+def test_a_damaged_policy_and_a_damaged_evaluation_are_told_beside_the_sound_ones(
+    tmp_path: Path, make_policy: Make, run: Run
+) -> None:
+    for name in ("a", "b", "c"):
+        make_policy(tmp_path / "policies" / name)
+    (tmp_path / "policies" / "a" / "policy.onnx").unlink()
+    (tmp_path / "policies" / "b" / "evaluation.json").write_text("{}")
+    code, out, err = run("policies")
+    assert code == 0
+    assert line_of(out, "policies/a") == "policies/a damaged"
+    assert line_of(out, "policies/c")
+    assert "warning: policies/a: no policy.onnx" in err
+    assert "warning: policies/b/evaluation.json: not an evaluation: " in err
+
+
+def test_the_list_as_json(tmp_path: Path, make_policy: Make, run: Run) -> None:
+    policy = make_policy(tmp_path / "policies" / "first")
+    _, out, _ = run("policies", "--json")
+    (entry,) = json.loads(out)["policies"]
+    assert (entry["folder"], entry["policy_sha256"]) == ("policies/first", policy.sha256)
+    assert entry["manifest"] == json.loads(policy.files["manifest.json"])
+    assert (entry["evaluation"], entry["faults"]) == (None, [])
+
+
+def test_an_empty_folder_says_what_to_do(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "policies").mkdir()
+    assert run("policies") == (0, "", "no policies in policies; `waypointctl train RECIPE.yaml` makes one\n")
+
+
+def test_show_prints_the_manifest_as_it_is(tmp_path: Path, make_policy: Make, run: Run) -> None:
+    policy = make_policy(tmp_path / "first")
+    assert run("policies", "show", "first") == (0, policy.files["manifest.json"].decode(), "")
+
+
+@pytest.mark.parametrize("arguments", [("policies",), ("policies", "nowhere"), ("policies", "show", "nowhere")])
+def test_a_folder_that_is_not_there_is_refused(run: Run, arguments: tuple[str, ...]) -> None:
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert "no such folder" in err
