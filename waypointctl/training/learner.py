@@ -1,0 +1,69 @@
+"""The learner: stable-baselines3's PPO on the batched env, as a recipe says."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecNormalize
+from torch import nn
+
+from waypointctl.task.batched import BatchedWaypointEnv
+from waypointctl.training.recipe import Recipe
+from waypointctl.training.vec_env import BatchedVecEnv
+
+ACTIVATIONS: Final = {"elu": nn.ELU, "tanh": nn.Tanh, "relu": nn.ReLU}
+
+
+class Learner:
+    """A policy being trained: the robots, the normaliser and PPO."""
+
+    def __init__(self, recipe: Recipe, threads: int) -> None:
+        """Begin a training. threads: of physics and of torch; 0 is one a core."""
+        if threads:
+            torch.set_num_threads(threads)
+        self.recipe = recipe
+        ppo, net = recipe.ppo, recipe.network
+        self.env = BatchedWaypointEnv(recipe.task(0), ppo.robots, recipe.seed, threads=threads)
+        self.robots = BatchedVecEnv(self.env, ppo.reward_scale)
+        self.normaliser = VecNormalize(self.robots, norm_reward=False, clip_obs=ppo.clip_observation)
+        self.ppo = PPO(
+            "MlpPolicy",
+            self.normaliser,
+            n_steps=ppo.rollout_steps,
+            batch_size=ppo.minibatch,
+            n_epochs=ppo.epochs,
+            gamma=ppo.gamma,
+            gae_lambda=ppo.gae_lambda,
+            clip_range=ppo.clip,
+            ent_coef=ppo.entropy,
+            vf_coef=ppo.value,
+            max_grad_norm=ppo.max_gradient,
+            learning_rate=lambda _: recipe.learning_rate_at(self.steps),
+            policy_kwargs={
+                "net_arch": list(net.hidden),
+                "activation_fn": ACTIVATIONS[net.activation],
+                "log_std_init": net.initial_log_std,
+            },
+            seed=recipe.seed,
+            device="cpu",
+            verbose=0,
+        )
+
+    @property
+    def steps(self) -> int:
+        """Control steps of all robots so far."""
+        return int(self.ppo.num_timesteps) if hasattr(self, "ppo") else 0
+
+    def enter_phase(self) -> int:
+        """Pay as the phase of the present step says; return its number."""
+        phase, _ = self.recipe.phase_at(self.steps)
+        self.env.config = self.recipe.task(phase)
+        return phase
+
+    def learn(self, callback: BaseCallback) -> None:
+        """Train from the present step to the recipe's last, or until the callback ends it."""
+        fresh = self.steps == 0
+        self.ppo.learn(self.recipe.total_steps - self.steps, callback, reset_num_timesteps=fresh)

@@ -1,0 +1,218 @@
+"""A training recipe: everything that decides what a policy becomes, as a file."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field, Strict, model_validator
+
+from waypointctl.errors import RecipeError
+from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.quantity import Quantity
+from waypointctl.mission.yaml_source import read_model, read_source
+from waypointctl.task.acceptance import Acceptance
+from waypointctl.task.config import TaskConfig
+from waypointctl.task.course import Course, Deadline
+from waypointctl.task.reward import RewardWeights
+from waypointctl.task.start import Start
+
+Count: TypeAlias = Annotated[int, Strict(), Field(gt=0)]
+Fraction: TypeAlias = Annotated[float, Field(ge=0, le=1)]
+Rate: TypeAlias = Annotated[float, Field(gt=0, le=1)]
+Cost: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Length: TypeAlias = Annotated[float, Quantity("m", gt=0, le=10_000)]
+Place: TypeAlias = Annotated[float, Quantity("m", ge=-10_000, le=10_000)]
+Duration: TypeAlias = Annotated[float, Quantity("s", gt=0, le=86_400)]
+
+
+class CourseRecipe(FileModel):
+    """Where the waypoints of an episode are drawn."""
+
+    perimeter: Literal["square", "legs"] = Field(
+        "square", description="square: each in a square; legs: each at a random distance and bearing from the last"
+    )
+    count: Count = Field(4, description="waypoints an episode, the paper's M")
+    centre_m: tuple[Place, Place] = Field((10.0, 10.0), description="of the square")
+    side_m: Length = Field(5.0, description="of the square")
+    leg_m: tuple[Length, Length] = Field((1.0, 12.0), description="the shortest and the longest leg")
+
+    @model_validator(mode="after")
+    def _shortest_first(self) -> CourseRecipe:
+        if self.leg_m[0] > self.leg_m[1]:
+            raise ValueError(f"leg_m {list(self.leg_m)}: the shortest leg comes first")
+        return self
+
+
+class AcceptanceRecipe(FileModel):
+    """When a waypoint counts as reached."""
+
+    shape: Literal["box", "radius"] = "box"
+    size_m: Length = Field(0.5, description="half the box's side, or the radius")
+
+
+class DeadlineRecipe(FileModel):
+    """How long an episode may take, as in the paper's Algorithm 1."""
+
+    first_s: Duration = Field(10.0, description="to reach the first waypoint")
+    further_s: Duration = Field(20.0, description="added for each waypoint reached")
+
+
+class StartRecipe(FileModel):
+    """How the robot stands when an episode begins."""
+
+    position_m: tuple[Place, Place] = (0.0, 0.0)
+    heading: Literal["random", "along_x"] = "along_x"
+    joint_spread_rad: Annotated[float, Quantity("rad", ge=0, le=1)] = 0.1
+    speed_spread: Annotated[float, Field(ge=0, le=5)] = Field(0.1, description="in m/s and rad/s")
+
+
+class RewardRecipe(FileModel):
+    """What the policy is paid, term by term, in units of walking speed."""
+
+    progress: Cost = Field(1.0, description="for each m/s of approach to the current waypoint")
+    progress_cap_mps: Annotated[float, Field(gt=0)] = Field(math.inf, description="a faster approach pays no more")
+    alive: Cost = Field(1.0, description="for each step not fallen")
+    power: Cost = Field(2.0, description="against mean |action x scaled joint speed|")
+    torque: Cost = Field(0.1, description="against mean action squared")
+    joint_limits: Cost = Field(0.2, description="against each joint at its limit")
+    tilt: Cost = Field(0.0, description="against 1 - up")
+    wobble: Cost = Field(0.0, description="against roll rate squared plus pitch rate squared")
+    fall: Cost = Field(0.0, description="against falling, once")
+
+
+class NetworkRecipe(FileModel):
+    """The policy's network; the value function has one of the same shape."""
+
+    hidden: Annotated[tuple[Count, ...], Field(min_length=1, max_length=12)] = (128, 128, 128)
+    activation: Literal["elu", "tanh", "relu"] = "elu"
+    initial_log_std: Annotated[float, Field(ge=-5, le=2)] = -0.7
+
+
+class PpoRecipe(FileModel):
+    """Proximal policy optimisation, in stable-baselines3's terms."""
+
+    robots: Count = Field(256, description="side by side")
+    rollout_steps: Count = Field(48, description="of each robot, between updates")
+    minibatch: Count = 2048
+    epochs: Count = 4
+    gamma: Fraction = 0.99
+    gae_lambda: Fraction = 0.95
+    clip: Rate = 0.2
+    entropy: Fraction = 0.0
+    value: Annotated[float, Field(gt=0, le=10)] = Field(0.5, description="weight of the value loss")
+    max_gradient: Annotated[float, Field(gt=0)] = 0.5
+    reward_scale: Annotated[float, Field(gt=0)] = Field(0.1, description="of all rewards, for the value function")
+    clip_observation: Annotated[float, Field(gt=0)] = Field(10.0, description="of normalised observations")
+
+    @model_validator(mode="after")
+    def _whole_minibatches(self) -> PpoRecipe:
+        samples = self.robots * self.rollout_steps
+        if samples % self.minibatch:
+            raise ValueError(f"robots x rollout_steps = {samples} is no multiple of minibatch = {self.minibatch}")
+        return self
+
+
+class PhaseRecipe(FileModel):
+    """A stretch of the training with its own pay and learning rate."""
+
+    steps: Count = Field(description="control steps of all robots together")
+    learning_rate: tuple[Rate, Rate] = Field((6e-4, 6e-5), description="at the phase's beginning and end")
+    reward: RewardRecipe = RewardRecipe()
+
+
+class EvaluationRecipe(FileModel):
+    """The test that follows training."""
+
+    trials: Count = Field(100, description="of each of the paper's cases")
+    seed: Annotated[int, Strict(), Field(ge=0)] = 1
+
+
+class Recipe(FileModel):
+    """A training recipe."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
+    description: Annotated[str, Field(max_length=4000)] = ""
+    seed: Annotated[int, Strict(), Field(ge=0, lt=2**32)] = 0
+    robot: Literal["ant"] = "ant"
+    observation: Literal["state", "state_noise", "state_goal", "egocentric"] = "egocentric"
+    course: CourseRecipe = CourseRecipe()
+    acceptance: AcceptanceRecipe = AcceptanceRecipe()
+    deadline: DeadlineRecipe = DeadlineRecipe()
+    start: StartRecipe = StartRecipe()
+    network: NetworkRecipe = NetworkRecipe()
+    ppo: PpoRecipe = PpoRecipe()
+    phases: Annotated[tuple[PhaseRecipe, ...], Field(min_length=1)]
+    checkpoint_steps: Count = Field(1_000_000, description="control steps between checkpoints")
+    evaluation: EvaluationRecipe = EvaluationRecipe()
+
+    @property
+    def total_steps(self) -> int:
+        """Control steps of all robots in all phases."""
+        return sum(phase.steps for phase in self.phases)
+
+    def phase_at(self, step: int) -> tuple[int, float]:
+        """Return which phase a control step is in and how far through it that is, 0 to 1."""
+        begun = 0
+        for number, phase in enumerate(self.phases):
+            if step < begun + phase.steps:
+                return number, (step - begun) / phase.steps
+            begun += phase.steps
+        return len(self.phases) - 1, 1.0
+
+    def learning_rate_at(self, step: int) -> float:
+        """Return the learning rate at a control step."""
+        number, progress = self.phase_at(step)
+        first, last = self.phases[number].learning_rate
+        return first + (last - first) * progress
+
+    def task(self, phase: int) -> TaskConfig:
+        """Return the task as it is in a phase."""
+        heading_rad = None if self.start.heading == "random" else 0.0
+        return TaskConfig(
+            robot=self.robot,
+            observation=self.observation,
+            reward=RewardWeights(**self.phases[phase].reward.model_dump()),
+            course=Course(**self.course.model_dump()),
+            acceptance=Acceptance(**self.acceptance.model_dump()),
+            deadline=Deadline(**self.deadline.model_dump()),
+            start=Start(
+                position_m=self.start.position_m,
+                heading_rad=heading_rad,
+                joint_spread_rad=self.start.joint_spread_rad,
+                speed_spread=self.start.speed_spread,
+            ),
+        )
+
+    def scaled_to(self, steps: int) -> Recipe:
+        """Return the recipe with its phases shortened or stretched to `steps` control steps in all."""
+        factor = steps / self.total_steps
+        phases = [phase.model_copy(update={"steps": max(1, round(phase.steps * factor))}) for phase in self.phases]
+        return self.model_copy(update={"phases": tuple(phases)})
+
+
+@dataclass(frozen=True, slots=True)
+class RecipeFile:
+    """A recipe and the file that it came from."""
+
+    recipe: Recipe
+    source: bytes
+    path: Path
+
+    @property
+    def sha256(self) -> str:
+        """Of the file's bytes."""
+        return hashlib.sha256(self.source).hexdigest()
+
+
+def load_recipe(path: Path) -> RecipeFile:
+    """Read a recipe.
+
+    Raises:
+        RecipeError: there is no such file, or it is not a recipe; everything wrong is listed with line and column.
+    """
+    source = read_source(path, RecipeError)
+    return RecipeFile(read_model(source, str(path), Recipe, RecipeError), source, path)
