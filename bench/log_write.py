@@ -2,7 +2,7 @@
 
 Run: python bench/log_write.py [--seconds 60] [--rounds 7]
 
-Both write the same flight of an ant-sized robot (13 bodies, 8 joints, 31 observations, 8 reward terms, 50 Hz) to
+Both write the same flight of an ant-sized robot (9 bodies, 8 joints, 31 observations, 8 reward terms, 50 Hz) to
 files in one folder, in turns; the ratio is taken per turn, so that a noisy machine disturbs both. Forward kinematics
 is the simulation's cost and not counted: the poses are drawn beforehand.
 """
@@ -35,7 +35,7 @@ CHUNK_BYTES = 256 * 1024
 class RandomAnt:
     """The ant's bodies and joints, anywhere."""
 
-    body_names = ("torso", *(f"{leg}_{part}" for leg in ("fl", "fr", "bl", "br") for part in ("leg", "aux", "foot")))
+    body_names = ("torso", *(f"{leg}_{part}" for leg in ("fl", "fr", "bl", "br") for part in ("thigh", "shin")))
     joint_names = tuple(f"{leg}_{part}" for leg in ("fl", "fr", "bl", "br") for part in ("hip", "ankle"))
     geoms = tuple(
         Geom(body, "capsule", (0, 0, 0), (1, 0, 0, 0), (0.08, 0.2, 0), (0.8, 0.6, 0.4, 1)) for body in body_names
@@ -44,7 +44,7 @@ class RandomAnt:
     def __init__(self) -> None:
         """Draw poses, so many that zstd finds no two alike near each other."""
         rng = np.random.default_rng(0)
-        self._poses = cycle([(rng.normal(size=(13, 3)), rng.normal(size=(13, 4))) for _ in range(1000)])
+        self._poses = cycle([(rng.normal(size=(9, 3)), rng.normal(size=(9, 4))) for _ in range(1000)])
 
     def poses(self, qpos: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the next of the drawn poses."""

@@ -113,7 +113,7 @@ def _scene_panel(root: str) -> dict[str, Any]:
                 "divisions": 40,
                 "lineWidth": 1,
                 "color": "#80808060",
-                "position": [0, 0, 0],
+                "position": [0, 0, 0.01],  # clear of the floor, or the two flicker
                 "rotation": [0, 0, 0],
             }
         },
