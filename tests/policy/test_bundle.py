@@ -45,10 +45,6 @@ def replace_network(folder: Path, model: bytes) -> None:
     change_manifest(folder, lambda manifest: manifest["files"].update({"policy.onnx": record}))
 
 
-def network_of(folder: Path) -> onnx.ModelProto:
-    return onnx.load_from_string((folder / "policy.onnx").read_bytes())
-
-
 def test_act_computes_what_the_weights_say(folder: Path) -> None:
     w = load((folder / "weights.safetensors").read_bytes())
     x = np.random.default_rng(1).normal(size=(5, 31))
@@ -190,63 +186,11 @@ def test_a_network_of_other_sizes_than_the_manifest_says_is_refused(folder: Path
     assert "the network maps 31 numbers to 8, but the manifest says 31 observations and 12 actions" in refusal(folder)
 
 
-def test_a_network_for_one_batch_size_only_is_refused(folder: Path) -> None:
-    model = network_of(folder)
-    model.graph.input[0].type.tensor_type.shape.dim[0].dim_value = 4
-    replace_network(folder, model.SerializeToString())
-    assert "the input 'observation' is a tensor(float) of shape [4, 31]; a policy's is (n, size)" in refusal(folder)
-
-
-def test_a_network_of_float64_is_refused(folder: Path) -> None:
-    model = network_of(folder)
-    model.graph.input[0].type.tensor_type.elem_type = onnx.TensorProto.DOUBLE
-    to_float = onnx.helper.make_node("Cast", ["observation"], ["single"], to=onnx.TensorProto.FLOAT)
-    model.graph.node[0].input[0] = "single"
-    model.graph.node.insert(0, to_float)
-    replace_network(folder, model.SerializeToString())
-    assert "the input 'observation' is a tensor(double) of shape ['n', 31]; a policy's is" in refusal(folder)
-
-
-def test_a_network_with_a_second_input_is_refused(folder: Path) -> None:
-    model = network_of(folder)
-    model.graph.input.append(onnx.helper.make_tensor_value_info("state", onnx.TensorProto.FLOAT, ["n", 4]))
-    replace_network(folder, model.SerializeToString())
-    assert "2 inputs and 1 outputs; a policy has one of each" in refusal(folder)
-
-
-def test_weights_in_another_file_are_refused(folder: Path) -> None:
-    model = network_of(folder)
-    weight = next(tensor for tensor in model.graph.initializer if tensor.name == "layer0.weight")
-    (folder / "elsewhere.bin").write_bytes(weight.raw_data)
-    onnx.external_data_helper.set_external_data(weight, "elsewhere.bin")
-    weight.ClearField("raw_data")
-    replace_network(folder, model.SerializeToString())
-    assert "policy.onnx: the model has a tensor kept in another file" in refusal(folder)
-
-
-def test_operators_of_a_foreign_domain_are_refused(folder: Path) -> None:
-    model = network_of(folder)
+def test_a_network_that_someone_replaced_hash_and_all_is_still_examined(folder: Path) -> None:
+    model = onnx.load_from_string((folder / "policy.onnx").read_bytes())
     model.graph.node[0].domain = "com.example"
-    model.opset_import.append(onnx.helper.make_opsetid("com.example", 1))
     replace_network(folder, model.SerializeToString())
-    assert "the model has operators of the domain 'com.example'; a policy is one file of standard" in refusal(folder)
-
-
-@pytest.mark.parametrize(
-    ("model", "message"),
-    [(b"no model", "not an ONNX model"), (b"", "onnxruntime cannot read it"), (b"\x08\x07", "onnxruntime cannot read")],
-)
-def test_what_is_no_onnx_model_is_refused(folder: Path, model: bytes, message: str) -> None:
-    replace_network(folder, model)
-    assert f"{folder / 'policy.onnx'}: {message}" in refusal(folder)
-
-
-def test_an_operator_that_does_not_exist_is_refused(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    model = network_of(folder)
-    model.graph.node[0].op_type = "Frobnicate"
-    replace_network(folder, model.SerializeToString())
-    assert "onnxruntime cannot read it: " in refusal(folder)
-    assert capfd.readouterr().err == ""
+    assert f"{folder / 'policy.onnx'}: the model has operators of the domain 'com.example'" in refusal(folder)
 
 
 def test_a_file_that_cannot_be_read_is_named(folder: Path) -> None:

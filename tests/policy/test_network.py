@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import onnx
+import pytest
+
+from waypointctl.errors import PolicyError
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.policy.network import Network
+
+
+@pytest.fixture
+def sound(tmp_path: Path, make_policy: Callable[..., LoadedPolicy]) -> onnx.ModelProto:
+    return onnx.load_from_string(make_policy(tmp_path / "tiny").files["policy.onnx"])
+
+
+def refusal(model: bytes) -> str:
+    with pytest.raises(PolicyError) as caught:
+        Network(model, "policy.onnx")
+    return str(caught.value)
+
+
+def test_it_knows_its_sizes(sound: onnx.ModelProto) -> None:
+    network = Network(sound.SerializeToString(), "policy.onnx")
+    assert (network.input_size, network.output_size) == (31, 8)
+
+
+def test_a_network_for_one_batch_size_only_is_refused(sound: onnx.ModelProto) -> None:
+    sound.graph.input[0].type.tensor_type.shape.dim[0].dim_value = 4
+    assert "the input 'observation' is a tensor(float) of shape [4, 31]; a policy's is (n, size)" in refusal(
+        sound.SerializeToString()
+    )
+
+
+def test_a_network_of_float64_is_refused(sound: onnx.ModelProto) -> None:
+    sound.graph.input[0].type.tensor_type.elem_type = onnx.TensorProto.DOUBLE
+    to_float = onnx.helper.make_node("Cast", ["observation"], ["single"], to=onnx.TensorProto.FLOAT)
+    sound.graph.node[0].input[0] = "single"
+    sound.graph.node.insert(0, to_float)
+    assert "the input 'observation' is a tensor(double) of shape ['n', 31]; a policy's is" in refusal(
+        sound.SerializeToString()
+    )
+
+
+def test_a_network_with_a_second_input_is_refused(sound: onnx.ModelProto) -> None:
+    sound.graph.input.append(onnx.helper.make_tensor_value_info("state", onnx.TensorProto.FLOAT, ["n", 4]))
+    assert "2 inputs and 1 outputs; a policy has one of each" in refusal(sound.SerializeToString())
+
+
+def test_weights_in_another_file_are_refused(sound: onnx.ModelProto) -> None:
+    weight = next(tensor for tensor in sound.graph.initializer if tensor.name == "layer0.weight")
+    onnx.external_data_helper.set_external_data(weight, "elsewhere.bin")
+    weight.ClearField("raw_data")
+    assert "policy.onnx: the model has a tensor kept in another file" in refusal(sound.SerializeToString())
+
+
+def test_operators_of_a_foreign_domain_are_refused(sound: onnx.ModelProto) -> None:
+    sound.graph.node[0].domain = "com.example"
+    sound.opset_import.append(onnx.helper.make_opsetid("com.example", 1))
+    assert "the model has operators of the domain 'com.example'; a policy is one file of standard" in refusal(
+        sound.SerializeToString()
+    )
+
+
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [(b"no model", "not an ONNX model"), (b"", "onnxruntime cannot read it"), (b"\x08\x07", "onnxruntime cannot read")],
+)
+def test_what_is_no_onnx_model_is_refused(model: bytes, message: str) -> None:
+    assert refusal(model).startswith(f"policy.onnx: {message}")
+
+
+def test_an_operator_that_does_not_exist_is_refused(sound: onnx.ModelProto, capfd: pytest.CaptureFixture[str]) -> None:
+    sound.graph.node[0].op_type = "Frobnicate"
+    assert "onnxruntime cannot read it: " in refusal(sound.SerializeToString())
+    assert capfd.readouterr().err == ""
