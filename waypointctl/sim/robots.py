@@ -47,9 +47,7 @@ class Robot:
 
     def to_mjb(self) -> bytes:
         """Return the compiled model as MuJoCo's binary format, which loads back exactly."""
-        buffer = np.zeros(mujoco.mj_sizeModel(self.model), np.uint8)
-        mujoco.mj_saveModel(self.model, None, buffer)
-        return buffer.tobytes()
+        return _mjb(self.model)
 
 
 @dataclass(frozen=True)
@@ -110,9 +108,22 @@ def robot_from_mjb(name: str, mjcf: str, mjb: bytes) -> Robot:
     return _robot(name, mjcf, model)
 
 
-def mujoco_version() -> str:
-    """Return the version of the physics engine."""
-    return str(mujoco.__version__)
+def compile_mjb(mjcf: str) -> bytes:
+    """Return what a model's source compiles to, as MuJoCo's binary format.
+
+    Raises:
+        InputError: it does not compile.
+    """
+    try:
+        return _mjb(mujoco.MjModel.from_xml_string(mjcf))
+    except ValueError as error:
+        raise InputError(f"the model's source does not compile in MuJoCo {mujoco.__version__}: {error}") from error
+
+
+def _mjb(model: mujoco.MjModel) -> bytes:
+    buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return buffer.tobytes()
 
 
 def _robot(name: str, mjcf: str, model: mujoco.MjModel) -> Robot:

@@ -1,0 +1,53 @@
+"""Whether two records are the same, bit for bit, and where they part."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from waypointctl.log.messages import Message
+
+
+def difference(logged: Message, replayed: Message) -> tuple[str, str, str] | None:
+    """Return the first component in which two records differ with both values as text, or None.
+
+    Floats are compared as bits: -0.0 is not 0.0, and a NaN is the same NaN.
+    """
+    if type(logged) is not type(replayed):
+        return "type", type(logged).__name__, type(replayed).__name__
+    for field in fields(logged):
+        pairs = _pairs(field.name, getattr(logged, field.name), getattr(replayed, field.name))
+        for component, a, b in pairs:
+            return component, _text(a), _text(b)
+    return None
+
+
+def bits_of(value: float) -> int:
+    """Return the 64 bits of a float."""
+    return int(struct.unpack("<Q", struct.pack("<d", value))[0])
+
+
+def _pairs(name: str, logged: Any, replayed: Any) -> Iterator[tuple[str, Any, Any]]:
+    """Yield the components called `name` in which the two values differ, the first one first."""
+    if isinstance(logged, np.ndarray):
+        if logged.shape != replayed.shape:
+            yield f"{name}.shape", logged.shape, replayed.shape
+        else:
+            for index in np.flatnonzero(logged.view(np.uint64) != replayed.view(np.uint64)):
+                yield f"{name}[{index}]", float(logged[index]), float(replayed[index])
+    elif isinstance(logged, float):
+        if bits_of(logged) != bits_of(replayed):
+            yield name, logged, replayed
+    elif isinstance(logged, tuple) and isinstance(replayed, tuple) and len(logged) == len(replayed):
+        for index, (a, b) in enumerate(zip(logged, replayed, strict=True)):
+            yield from _pairs(f"{name}[{index}]", a, b)
+    elif logged != replayed:
+        yield name, logged, replayed
+
+
+def _text(value: Any) -> str:
+    return f"{value!r} (0x{bits_of(value):016x})" if isinstance(value, float) else str(value)

@@ -1,0 +1,141 @@
+"""The proof of replay: the flight is flown again from the log and nothing else, and compared bit for bit."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from waypointctl.errors import InputError
+from waypointctl.log.messages import Event, EventKind, State
+from waypointctl.log.reader import Log, open_log
+from waypointctl.mission.files import parse_mission
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.fly import fly
+from waypointctl.ops.header import MISSION, MJB, MJCF, POLICY_FOLDER, platform_facts
+from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
+from waypointctl.replay.verdict import Divergence, Verdict, Verification
+from waypointctl.replay.witness import AuditedPolicy, Diverged, LogEnded, Witness
+from waypointctl.sim.robots import Robot, compile_mjb, robot_from_mjb
+
+_DECISIVE: Final = {"version_mujoco": "MuJoCo", "architecture": "the architecture"}
+_NETWORK: Final = ("version_onnxruntime", "processor")
+_HASHED: Final = {"sha256_mission": MISSION, "sha256_mjcf": MJCF, "sha256_mjb": MJB}
+
+
+def verify(path: Path) -> Verification:
+    """Fly the flight of a log again and compare every message.
+
+    Everything comes from the log: mission, model, policy, seed. Physics is driven by the logged actions, each of
+    which is computed again from the observation. States, observations, actions, reward terms and sums, events,
+    commands, acknowledgements and telemetry with their times of delivery, and checkpoints have to be equal.
+
+    Raises:
+        LogError: the log cannot be read.
+    """
+    log = open_log(path)
+    if reason := _unverifiable(log):
+        return Verification(Verdict.UNVERIFIABLE, 0, None, reason, ())
+    if altered := _altered(log):
+        reason = f"diverged before the flight: {altered.component} is not what was recorded"
+        return Verification(Verdict.DIVERGED, 0, altered, reason, ())
+    try:
+        mission, robot, policy = _contents(log)
+    except InputError as error:
+        return Verification(Verdict.UNVERIFIABLE, 0, None, f"what the log carries cannot be used: {error}", ())
+    return _fly_again(log, mission, robot, policy)
+
+
+def _fly_again(log: Log, mission: Mission, robot: Robot, policy: LoadedPolicy) -> Verification:
+    witness = Witness(log.messages())
+    here = platform_facts()
+    same_network = all(log.metadata.get(key) == here[key] for key in _NETWORK)
+    audited = AuditedPolicy(policy, witness, bitwise=same_network)
+    stopped = _interrupted_at(log)
+    try:
+        fly(mission, audited, witness, robot=robot, interrupted=lambda: witness.step + 1 >= stopped)
+        if witness.upcoming is not None:
+            raise witness.diverged("/event", "end", type(witness.upcoming).__name__, "the flight is over")
+    except Diverged as error:
+        return _diverged(error.where, witness, log)
+    except LogEnded:
+        where = Divergence(witness.step, 0, "/event", "end", "the log ends", "the flight goes on")
+        return _diverged(where, witness, log)
+    steps = witness.compared["/action"]
+    checks = _checks(witness, audited, same_network)
+    return Verification(Verdict.EXACT, steps, None, f"{steps} control steps replayed, every bit the same", checks)
+
+
+def _interrupted_at(log: Log) -> int:
+    """Return the control step at which the flight was interrupted; one never reached if it was not."""
+    last_step, ended = 0, ""
+    for message in log.messages(("/state", "/event")):
+        if isinstance(message, State):
+            last_step = message.step
+        elif isinstance(message, Event) and message.kind is EventKind.MISSION_ENDED:
+            ended = message.text
+    return last_step if ended.startswith("interrupted") else 1 << 62
+
+
+def _unverifiable(log: Log) -> str:
+    here = platform_facts()
+    for key, name in _DECISIVE.items():
+        there = log.metadata.get(key, "unknown")
+        if there != here[key]:
+            return f"{name} differs: the log was made with {there}, this is {here[key]}; no replay is exact across them"
+    needed = (MISSION, MJCF, MJB, f"{POLICY_FOLDER}manifest.json")
+    missing = [name for name in needed if name not in log.attachments]
+    return f"the log does not carry {', '.join(missing)}" if missing else ""
+
+
+def _altered(log: Log) -> Divergence | None:
+    """Return what the log carries that is not what its metadata says, or not what its model's source compiles to."""
+    for key, name in _HASHED.items():
+        found = hashlib.sha256(log.attachments[name]).hexdigest()
+        if found != log.metadata.get(key):
+            return Divergence(-1, 0, "attachment", name, log.metadata.get(key, "no hash"), found)
+    recorded = log.metadata["sha256_mjb"]
+    compiled = hashlib.sha256(compile_mjb(log.attachments[MJCF].decode())).hexdigest()
+    return None if compiled == recorded else Divergence(-1, 0, "attachment", MJB, recorded, compiled)
+
+
+def _contents(log: Log) -> tuple[Mission, Robot, LoadedPolicy]:
+    attachments = log.attachments
+    mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}")
+    mission = mission.model_copy(update={"seed": int(log.metadata["seed"])})
+    robot = robot_from_mjb(mission.robot, attachments[MJCF].decode(), attachments[MJB])
+    return mission, robot, load_policy_bytes(_policy_files(attachments), f"{log.path}/{POLICY_FOLDER}")
+
+
+def _policy_files(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
+    return {
+        name.removeprefix(POLICY_FOLDER): data for name, data in attachments.items() if name.startswith(POLICY_FOLDER)
+    }
+
+
+def _diverged(where: Divergence, witness: Witness, log: Log) -> Verification:
+    reason = f"diverged at step {where.step} on {where.topic}, {where.component}"
+    wrote, here = log.metadata.get("version_waypointctl"), platform_facts()["version_waypointctl"]
+    if wrote != here:
+        reason += f" (waypointctl {wrote} wrote the log, this is {here})"
+    return Verification(Verdict.DIVERGED, witness.compared["/reward"], where, reason, ())
+
+
+def _checks(witness: Witness, audited: AuditedPolicy, same_network: bool) -> tuple[str, ...]:
+    counts = witness.compared
+    actions = (
+        "computed again by the network, bit for bit"
+        if same_network
+        else f"computed again on another processor or onnxruntime, at most {audited.largest_difference:.1e} apart"
+    )
+    return (
+        f"{counts['/state']} states, simulated from the first one and the logged actions alone",
+        f"{counts['/observation']} observations and {counts['/action']} actions, {actions}",
+        f"{counts['/reward']} rewards, every term and sum",
+        f"{counts['/event']} events",
+        f"{counts['/command']} commands, {counts['/ack']} acknowledgements and {counts['/telemetry']} telemetry "
+        "frames, with each time of delivery",
+        f"{counts['/checkpoint']} checkpoints, with the link's random streams",
+    )
+

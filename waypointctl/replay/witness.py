@@ -1,0 +1,104 @@
+"""The logged flight as the witness of its replay: each message is compared as it is made again."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.log.messages import Action, Message, State
+from waypointctl.log.topics import BY_KIND
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.replay.difference import difference
+from waypointctl.replay.verdict import Divergence
+
+FloatArray = NDArray[np.float64]
+
+# Another processor may round a network's sums in another order; more than this is another action.
+ACTION_TOLERANCE = 1e-4
+
+
+class Diverged(Exception):
+    """The replay has parted from the log."""
+
+    def __init__(self, where: Divergence) -> None:
+        """Say where."""
+        self.where = where
+        super().__init__(where.component)
+
+
+class LogEnded(Exception):
+    """The log holds no more: it was cut short."""
+
+
+class Witness:
+    """A sink for the replay's messages, with the logged ones to hold them against."""
+
+    def __init__(self, logged: Iterator[Message]) -> None:
+        """Take the logged messages in their order."""
+        self._logged = logged
+        self._next: Message | None = next(logged, None)
+        self._step = 0
+        self._time_ns = 0
+        self.compared: Counter[str] = Counter()
+
+    def __call__(self, replayed: Message) -> None:
+        """Compare a message of the replay with the next one of the log."""
+        if isinstance(replayed, State):
+            self._step, self._time_ns = replayed.step, replayed.time_ns
+        logged = self._next
+        if logged is None:
+            raise LogEnded
+        found = difference(logged, replayed)
+        if found is not None:
+            raise self.diverged(BY_KIND[type(logged)].name, *found)
+        self.compared[BY_KIND[type(logged)].name] += 1
+        self._next = next(self._logged, None)
+
+    @property
+    def upcoming(self) -> Message | None:
+        """The next message of the log, not yet compared."""
+        return self._next
+
+    @property
+    def step(self) -> int:
+        """The control step under way."""
+        return self._step
+
+    def diverged(self, topic: str, component: str, logged: str, replayed: str) -> Diverged:
+        """Return the error that says where the two part: here."""
+        return Diverged(Divergence(self._step, self._time_ns, topic, component, logged, replayed))
+
+
+class AuditedPolicy:
+    """The log's policy, which hands out the logged actions after computing each again.
+
+    So the physics is driven by what was done, and what the network says is checked beside it: bit for bit on the
+    processor that flew, and within ACTION_TOLERANCE on another, whose float kernels may differ.
+    """
+
+    def __init__(self, policy: LoadedPolicy, witness: Witness, *, bitwise: bool) -> None:
+        """Audit `policy` against `witness`."""
+        self._policy = policy
+        self._witness = witness
+        self._bitwise = bitwise
+        self.robot = policy.robot
+        self.observation_layout = policy.observation_layout
+        self.reward_weights = policy.reward_weights
+        self.largest_difference = 0.0
+
+    def act(self, observation: FloatArray) -> FloatArray:
+        """Return the logged action (1, nu) for the observation (1, k) of the step under way."""
+        computed = self._policy.act(observation)
+        logged = self._witness.upcoming
+        if not isinstance(logged, Action) or logged.commanded.shape != computed[0].shape:
+            return computed  # the comparison that follows says what is wrong
+        gap = np.abs(computed[0] - logged.commanded)
+        allowed = 0.0 if self._bitwise else ACTION_TOLERANCE
+        for i in np.flatnonzero(~(gap <= allowed)):
+            texts = (repr(float(logged.commanded[i])), repr(float(computed[0, i])))
+            raise self._witness.diverged("/action", f"commanded[{i}]", *texts)
+        self.largest_difference = max(self.largest_difference, float(gap.max()))
+        return logged.commanded[np.newaxis].copy()
