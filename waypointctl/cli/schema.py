@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -20,10 +20,11 @@ def _mission() -> dict[str, Any]:
 _SCHEMAS: Final[dict[str, Callable[[], dict[str, Any]]]] = {"mission": _mission}
 
 
-def schema(
-    of: str = typer.Argument(metavar="|".join(_SCHEMAS), help="What the file is.", show_default=False),
-) -> None:
-    """Print a JSON Schema; an editor with it completes keys and marks mistakes as you type."""
+def schema(of: Annotated[str, typer.Argument(metavar="|".join(_SCHEMAS), help="What the file is.")]) -> None:
+    """Print a JSON Schema, for editors.
+
+    An editor that has it completes keys and marks mistakes as you type.
+    """
     if of not in _SCHEMAS:
         raise InputError(f"there is no schema of {of!r}", mend=f"choose one of: {', '.join(_SCHEMAS)}")
     typer.echo(json.dumps(_SCHEMAS[of](), indent=2))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -25,10 +25,13 @@ class _Checked:
 
 
 def validate(
-    missions: list[Path] = typer.Argument(metavar="MISSION.yaml...", help="Mission files.", show_default=False),
-    as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
+    missions: Annotated[list[Path], typer.Argument(metavar="MISSION.yaml...", help="Mission files.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Check mission files and list every problem; exit with 2 if there is one."""
+    """Check mission files and list every problem.
+
+    Exits with 2 if there is one.
+    """
     checked = [_check(path) for path in missions]
     good = all(result.file is not None for result in checked)
     if as_json:

@@ -66,7 +66,7 @@ class FileModel(BaseModel):
             return dict(given)
         for name in cls.keys_for_each:
             if name in given:
-                problem = f"{shared[0]} is given for {' and '.join(cls.keys_for_each)}, and {name} as well: keep one"
+                problem = f"'{shared[0]}' is for {' and '.join(cls.keys_for_each)}, and '{name}' is there too: keep one"
                 raise PydanticCustomError("shared_key", "{problem}", {"problem": problem})
         data = {key: value for key, value in given.items() if key not in shared}
         return data | {name: {key: given[key] for key in shared} for name in cls.keys_for_each}

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import GetJsonSchemaHandler
 
-from waypointctl.mission.quantity import unit_label
-from waypointctl.units import NUMBER_PATTERN, UNITS_BY_SUFFIX
+from waypointctl.mission.wording import unit_of, units_of
+from waypointctl.units import NUMBER_PATTERN
 
 if TYPE_CHECKING:
     from waypointctl.mission.file_model import FileModel
@@ -50,8 +50,8 @@ def _plain_items(schema: Schema) -> None:
 
 def _add_bare(schema: Schema, bare: str, name: str) -> None:
     """Let the field be written under its bare name; never under both."""
-    properties, suffix = schema["properties"], name.rpartition("_")[2]
-    properties[bare] = {**_with_unit(properties[name], suffix), "title": bare}
+    properties = schema["properties"]
+    properties[bare] = {**_with_unit(properties[name], name), "title": bare}
     one_of_them = [{"required": [name]}, {"required": [bare]}]
     rules = schema.setdefault("allOf", [])
     if name in schema.get("required", []):
@@ -61,21 +61,21 @@ def _add_bare(schema: Schema, bare: str, name: str) -> None:
         rules.append({"not": {"allOf": one_of_them}})
 
 
-def _with_unit(schema: Schema, suffix: str) -> Schema:
+def _with_unit(schema: Schema, field: str) -> Schema:
     """Return a schema with text that ends in a unit wherever `schema` has a number."""
     if schema.get("type") == "number":
-        label = f"a number with a unit, such as 1.5 {unit_label(suffix)}"
-        return {"type": "string", "pattern": _pattern(suffix), "description": schema.get("description", label)}
+        label = f"a number with a unit, such as 1.5 {unit_of(field)}"
+        return {"type": "string", "pattern": _pattern(field), "description": schema.get("description", label)}
     copy = {key: value for key, value in schema.items() if key != "default"}
     if "anyOf" in schema:
-        copy["anyOf"] = [_with_unit(part, suffix) for part in schema["anyOf"] if part.get("type") != "null"]
+        copy["anyOf"] = [_with_unit(part, field) for part in schema["anyOf"] if part.get("type") != "null"]
     if "items" in schema:
-        copy["items"] = _with_unit(schema["items"], suffix)
+        copy["items"] = _with_unit(schema["items"], field)
     return copy
 
 
-def _pattern(suffix: str) -> str:
-    return rf"^\s*{NUMBER_PATTERN}\s*({'|'.join(UNITS_BY_SUFFIX[suffix])})\s*$"
+def _pattern(field: str) -> str:
+    return rf"^\s*{NUMBER_PATTERN}\s*({'|'.join(units_of(field))})\s*$"
 
 
 def _add_shared_keys(schema: Schema, fields: tuple[str, ...], handler: GetJsonSchemaHandler) -> None:

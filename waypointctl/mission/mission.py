@@ -18,7 +18,7 @@ from waypointctl.mission.quantity import Quantity
 
 DAY_S: Final = 86_400.0
 
-Name: TypeAlias = Annotated[str, AfterValidator(line_of_text), Field(min_length=1, max_length=60)]
+Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=60), AfterValidator(line_of_text)]
 Coordinate: TypeAlias = Annotated[float, Quantity("m", ge=-10_000, le=10_000)]
 Position: TypeAlias = tuple[Coordinate, Coordinate]
 Acceptance: TypeAlias = Literal["box", "radius"]
@@ -102,13 +102,13 @@ class Expect(FileModel):
 class Mission(FileModel):
     """A mission as it is asked for."""
 
-    name: Annotated[str, AfterValidator(file_name), Field(min_length=1, max_length=80)] = Field(
+    name: Annotated[str, Field(min_length=1, max_length=80), AfterValidator(file_name)] = Field(
         description="letters, digits, '.', '_', '-' and spaces: it names the log"
     )
     description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
     seed: Annotated[int, Strict(), Field(ge=0, lt=2**63)] = Field(0, description="of everything that is random")
     robot: Literal["ant"] = "ant"
-    policy: Annotated[str, AfterValidator(line_of_text), Field(min_length=1, max_length=1000)] = Field(
+    policy: Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(line_of_text)] = Field(
         description="the policy bundle's folder, relative to the mission file"
     )
     start: Start = Start()
@@ -116,8 +116,8 @@ class Mission(FileModel):
         "mission", description="mission: the whole plan is sent at once; waypoint: each when the last was heard of"
     )
     defaults: Defaults = Defaults()
-    waypoints: Annotated[tuple[Waypoint, ...], AfterValidator(names_differ)] = Field(
-        min_length=1, max_length=1000, description="in the order in which they are to be reached"
+    waypoints: Annotated[tuple[Waypoint, ...], Field(min_length=1, max_length=1000), AfterValidator(names_differ)] = (
+        Field(description="in the order in which they are to be reached")
     )
     link: Link = Link()
     telemetry: TelemetryRate = TelemetryRate()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final, get_args
@@ -11,13 +10,17 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from waypointctl.mission.file_model import FileModel
-from waypointctl.mission.quantity import unit_label
+from waypointctl.mission.wording import how_to_write, path_text, shown, unit_of, units_of
 from waypointctl.mission.yaml_tree import DataPath, Mark, Tree
-from waypointctl.units import UNITS_BY_SUFFIX, bare_name
+from waypointctl.units import bare_name
 
-_MAX_SHOWN: Final = 60
+# What is wrong, by pydantic's error types; {names} are filled from the error's context.
+_SAYS: Final = {
+    "too_short": "has {actual_length} entries; at least {min_length} are needed",
+    "too_long": "has more than the {max_length} entries that are allowed",
+}
 
-# What pydantic's error types say the value is not; {names} are filled from the error's context.
+# What pydantic's error types say the value is not, in the same way.
 _EXPECTED: Final = {
     "float_type": "a number",
     "float_parsing": "a number",
@@ -46,7 +49,7 @@ _EXPECTED: Final = {
     "string_too_long": "text of at most {max_length} characters",
     "string_pattern_mismatch": "text of the form {pattern}",
 }
-_WITH_UNIT: Final = frozenset({"greater_than", "greater_than_equal", "less_than", "less_than_equal"})
+_BOUNDS: Final = frozenset({"greater_than", "greater_than_equal", "less_than", "less_than_equal"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +81,8 @@ def problems_of(error: ValidationError, tree: Tree, where: str, model: type[Base
     """Return what is wrong in the order of the file, each thing once."""
     found: dict[tuple[Mark, str], list[str]] = {}
     for details in error.errors(include_url=False):
+        if _is_echo(details, tree):
+            continue
         mark, path, text = _placed(details, tree, model)
         texts = found.setdefault((mark, path), [])
         if text not in texts:
@@ -94,28 +99,10 @@ def duplicate_problems(tree: Tree, where: str) -> list[Problem]:
     ]
 
 
-def path_text(path: Iterable[str | int]) -> str:
-    """Return a path as "waypoints[2].name"; a key that is no plain word is quoted."""
-    text = ""
-    for part in path:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        else:
-            key = part if re.fullmatch(r"[\w-]+", part) else shown(part)
-            text += f".{key}" if text else key
-    return text
-
-
-def shown(value: object) -> str:
-    """Return a value as a message shows it: as the file would have it, and short."""
-    if value is None or isinstance(value, bool):
-        return {None: "null", True: "true", False: "false"}[value]
-    if isinstance(value, dict):
-        return "a mapping"
-    if isinstance(value, list):
-        return f"a list of {len(value)}"
-    text = repr(value)
-    return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}..."
+def _is_echo(details: ErrorDetails, tree: Tree) -> bool:
+    """Tell whether a list is called too short only because pydantic leaves out the entries that are wrong."""
+    _, value = _in_file(details["loc"], tree.data)
+    return details["type"] == "too_short" and isinstance(value, list) and len(value) >= details["ctx"]["min_length"]
 
 
 def _placed(details: ErrorDetails, tree: Tree, model: type[BaseModel]) -> tuple[Mark, str, str]:
@@ -148,26 +135,25 @@ def _in_file(loc: Iterable[str | int], data: Any) -> tuple[DataPath, Any]:
 
 
 def _value_text(details: ErrorDetails, path: DataPath, value: object) -> str:
-    kind = details["type"]
-    context = details.get("ctx", {})
+    kind, context = details["type"], details.get("ctx", {})
     if kind == "value_error":
         return str(context["error"])
-    if kind == "too_short":
-        return f"has {context['actual_length']} entries; at least {context['min_length']} are needed"
-    if kind == "too_long":
-        return f"has more than the {context['max_length']} entries that are allowed"
-    if kind not in _EXPECTED:
+    if kind not in _SAYS and kind not in _EXPECTED:
         return details["msg"]
-    expected = _EXPECTED[kind].format(**{name: _round(bound) for name, bound in context.items()})
+    context = {name: _round(bound) for name, bound in context.items()}
+    if kind in _SAYS:
+        return _SAYS[kind].format(**context)
+    expected = _EXPECTED[kind].format(**context)
     field = next((part for part in reversed(details["loc"]) if isinstance(part, str)), "")
-    suffix = field.rpartition("_")[2]
-    if kind in _WITH_UNIT and bare_name(field):
-        expected += f" {unit_label(suffix)}"
-    # Text within a bound's reach is a number with its unit.
-    text = f"{value if kind in _WITH_UNIT and isinstance(value, str) else shown(value)} is not {expected}"
-    if kind == "float_type" and isinstance(value, str) and path[-1:] == (field,) and bare_name(field):
-        return f"{text}; write '{field}: 1' or '{bare_name(field)}: 1 {unit_label(suffix)}'"
-    return text
+    if bare_name(field) is None:
+        return f"{shown(value)} is not {expected}"
+    if kind == "float_type":
+        with_unit = " with its unit" if bare_name(field) in path else ""
+        return f"{shown(value)} is not {expected}{with_unit}; {how_to_write(field, 1)}"
+    if kind in _BOUNDS:
+        # Text that has come as far as this is a number with its unit, and needs no quotes.
+        return f"{value if isinstance(value, str) else shown(value)} is not {expected} {unit_of(field)}"
+    return f"{shown(value)} is not {expected}"
 
 
 def _round(bound: object) -> object:
@@ -180,7 +166,7 @@ def _missing_text(loc: tuple[str | int, ...]) -> str:
     bare = bare_name(name)
     if bare is None:
         return "is missing"
-    return f"is missing; write '{name}: ...' in {unit_label(name.rpartition('_')[2])}, or '{bare}: ...' with a unit"
+    return f"is missing; write '{name}: ...' in {unit_of(name)}, or '{bare}: ...' with a unit"
 
 
 def _unknown_key_text(loc: tuple[str | int, ...], model: type[BaseModel]) -> str:
@@ -200,9 +186,8 @@ def _spellings(key: str, known: list[str]) -> Iterator[str]:
     if bare is None or bare not in known:
         yield f"'{key}'"
         return
-    suffix = with_unit.rpartition("_")[2]
-    yield f"'{with_unit}' (a number in {unit_label(suffix)})"
-    yield f"'{bare}' (with its unit: {', '.join(UNITS_BY_SUFFIX[suffix])})"
+    yield f"'{with_unit}' (a number in {unit_of(with_unit)})"
+    yield f"'{bare}' (with its unit: {', '.join(units_of(with_unit))})"
 
 
 def _known_keys(model: type[BaseModel]) -> tuple[str, ...]:

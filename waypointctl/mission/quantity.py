@@ -14,7 +14,8 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from waypointctl.units import UNITS_BY_SUFFIX, bare_name, quantity
+from waypointctl.mission.wording import how_to_write, shown, units_of
+from waypointctl.units import bare_name, quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,30 +53,17 @@ def _to_number(given: object) -> object:
         return given
     bare, value = bare_name(given.field), given.value
     if given.twice:
-        raise PydanticCustomError("both_spellings", f"is given as {bare} and as {given.field}: keep one of them")
+        problem = f"is given as '{bare}' and as '{given.field}': keep one"
+        raise PydanticCustomError("both_spellings", "{problem}", {"problem": problem})
     if isinstance(value, str):
         try:
-            return quantity(value, UNITS_BY_SUFFIX[_suffix(given.field)])
+            return quantity(value, units_of(given.field))
         except ValueError as error:
             raise PydanticCustomError("quantity", "{problem}", {"problem": str(error)}) from error
     if isinstance(value, int | float) and not isinstance(value, bool):
-        raise PydanticCustomError("unit_missing", "{problem}", {"problem": f"{value} has no unit; {spelled(given)}"})
+        problem = f"{shown(value)} has no unit; {how_to_write(given.field, given.whole)}"
+        raise PydanticCustomError("unit_missing", "{problem}", {"problem": problem})
     return value
-
-
-def spelled(given: Bare) -> str:
-    """Return how to write, in both spellings, what was written without a unit."""
-    unit, bare = unit_label(_suffix(given.field)), bare_name(given.field)
-    if isinstance(given.whole, list):
-        numbers = [str(value) for value in given.whole]
-        with_units = ", ".join(f"{number} {unit}" for number in numbers)
-        return f"write '{bare}: [{with_units}]' or '{given.field}: [{', '.join(numbers)}]'"
-    return f"write '{bare}: {given.whole} {unit}' or '{given.field}: {given.whole}'"
-
-
-def unit_label(suffix: str) -> str:
-    """Return the unit that a name's suffix stands for as it is written: "Hz" for "hz"."""
-    return next(unit for unit, factor in UNITS_BY_SUFFIX[suffix].items() if factor == 1.0)
 
 
 def bare_values(field: str, value: object, *, twice: bool = False) -> object:
@@ -92,7 +80,3 @@ def bare_values(field: str, value: object, *, twice: bool = False) -> object:
         marked.append(element if unitless and unitless_seen else Bare(field, element, value))
         unitless_seen = unitless_seen or unitless
     return marked
-
-
-def _suffix(field: str) -> str:
-    return field.rpartition("_")[2]

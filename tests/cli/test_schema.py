@@ -1,0 +1,23 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from waypointctl.cli.main import app
+from waypointctl.errors import InputError
+from waypointctl.mission.files import mission_schema
+
+
+def test_prints_the_schema_of_a_mission() -> None:
+    result = CliRunner().invoke(app, ["schema", "mission"])
+    assert result.exit_code == 0
+    assert json.loads(result.stdout) == mission_schema()
+
+
+def test_an_unknown_schema_names_those_there_are() -> None:
+    result = CliRunner().invoke(app, ["schema", "rover"])
+    assert isinstance(result.exception, InputError)
+    with pytest.raises(InputError, match=r"no schema of 'rover'\n  choose one of: mission"):
+        raise result.exception

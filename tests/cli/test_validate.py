@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from waypointctl.cli.main import app
+
+ROOT = Path(__file__).parents[2]
+SHIPPED = sorted(str(path) for path in (ROOT / "missions").glob("*.yaml"))
+BAD = "name: n\npolicy: p\nsead: 3\nwaypoints:\n  - {position: [1 m, 2 m], timeout: 20}\n"
+
+
+@pytest.fixture
+def bad(tmp_path: Path) -> Path:
+    path = tmp_path / "bad.yaml"
+    path.write_text(BAD)
+    return path
+
+
+def test_says_ok_of_every_shipped_mission() -> None:
+    result = CliRunner().invoke(app, ["validate", *SHIPPED])
+    assert result.exit_code == 0
+    assert [line.split(":")[0] for line in result.stdout.splitlines()] == [f"OK {path}" for path in SHIPPED]
+
+
+def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
+    (tmp_path / "p").mkdir()
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: p\nwaypoints: [[3, 4], [3, 10]]\nlink: {up: {delay: 2 s, jitter: 10 ms}}\n")
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    assert result.stdout == f"OK {path}: dog, 2 waypoints, 11.0 m, link 2 s +- 0.01 s up, 0 s down, autonomy mission\n"
+    assert result.stderr == ""
+
+
+def test_a_policy_that_is_not_there_is_a_warning(tmp_path: Path) -> None:
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: nowhere\nwaypoints: [[3, 4]]\n")
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    assert result.exit_code == 0
+    assert result.stdout == f"OK {path}: dog, 1 waypoint, 5.0 m, link without delay, autonomy mission\n"
+    assert result.stderr == f"warning: {path}: there is no policy folder {tmp_path / 'nowhere'}\n"
+
+
+def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:
+    missing = bad.parent / "missing.yaml"
+    result = CliRunner().invoke(app, ["validate", str(bad), SHIPPED[0], str(missing)])
+    assert result.exit_code == 2
+    lines = result.stdout.splitlines()
+    assert lines[:2] == [
+        f"{bad}:3:1: sead: unknown key; did you mean 'seed'?",
+        f"{bad}:5:37: waypoints[0].timeout: 20 has no unit; write 'timeout: 20 s' or 'timeout_s: 20'",
+    ]
+    assert lines[2].startswith(f"OK {SHIPPED[0]}: ")
+    assert lines[3:] == [f"{missing}: there is no such file"]
+
+
+def test_json_is_one_object_and_nothing_else(bad: Path) -> None:
+    result = CliRunner().invoke(app, ["validate", "--json", SHIPPED[0], str(bad)])
+    assert result.exit_code == 2
+    assert result.stderr == ""
+    report = json.loads(result.stdout)
+    assert report["ok"] is False
+    good, wrong = report["missions"]
+    assert (good["ok"], good["name"], good["problems"]) == (True, Path(SHIPPED[0]).stem, [])
+    assert wrong == {
+        "file": str(bad),
+        "ok": False,
+        "problems": [
+            {"line": 3, "column": 1, "path": "sead", "problem": "unknown key; did you mean 'seed'?"},
+            {
+                "line": 5,
+                "column": 37,
+                "path": "waypoints[0].timeout",
+                "problem": "20 has no unit; write 'timeout: 20 s' or 'timeout_s: 20'",
+            },
+        ],
+    }
+
+
+def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None:
+    (tmp_path / "p").mkdir()
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: p\nwaypoints: [[3, 4]]\nlink: {delay: 2 s}\n")
+    result = CliRunner().invoke(app, ["validate", "--json", str(path)])
+    assert result.exit_code == 0
+    way = {"delay_s": 2.0, "jitter_s": 0.0}
+    assert json.loads(result.stdout) == {
+        "ok": True,
+        "missions": [
+            {
+                "file": str(path),
+                "ok": True,
+                "problems": [],
+                "name": "dog",
+                "waypoints": 1,
+                "path_length_m": 5.0,
+                "link": {"up": way, "down": way},
+                "autonomy": "mission",
+                "policy": str(tmp_path / "p"),
+                "policy_found": True,
+            }
+        ],
+    }
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"a: [", b"- 1", b"[" * 5000, b"a: &x [*x]"])
+def test_no_content_leads_to_a_traceback(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "m.yaml"
+    path.write_bytes(content)
+    command = [sys.executable, "-c", "from waypointctl.cli.main import main; main()", "validate", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stdout.startswith(f"{path}:1:")
+    assert done.stderr == ""
