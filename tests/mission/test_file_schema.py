@@ -42,6 +42,7 @@ def test_accepts_every_shipped_mission(path: Path, accepts: Callable[[str], bool
     "text",
     [
         "waypoints: [[7, 12]]",
+        "waypoints: [[7 m, 120 cm]]",
         "waypoints: [{position_m: [7, 12]}, {position: [7 m, -12.5 cm], timeout: 2e1 s, tolerance: .5m}]",
         "waypoints: [[7, 12]]\nlink: {delay: 1.28 s, jitter_s: 0.05}",
         "waypoints: [[7, 12]]\nlink: {up: {delay: 1 d}, down: {delay_s: 3}}",
@@ -60,6 +61,7 @@ def test_accepts_both_spellings_as_the_reader_does(text: str, accepts: Callable[
         "",
         "waypoints: []",
         "waypoints: [[7]]",
+        "waypoints: [[7 m, 12]]",
         "waypoints: [[7, 12, 0]]",
         "waypoints: [{}]",
         "waypoints: [{position: [7, 12]}]",

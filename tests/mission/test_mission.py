@@ -41,12 +41,14 @@ waypoints:
   - [7, 12]
   - {name: rock, position_m: [-1, 2.5], acceptance: box, tolerance_m: 1, timeout_s: 5, hold_s: 0}
   - {position: [1 km, -20 cm], hold: 2 s}
+  - [1 m, 2 mm]
 """
     )
     assert mission.legs() == (
         Leg(0, "WP1", 7.0, 12.0, "radius", 0.25, 60.0, 0.5),
         Leg(1, "rock", -1.0, 2.5, "box", 1.0, 5.0, 0.0),
         Leg(2, "WP3", 1000.0, -0.2, "radius", 0.25, 60.0, 2.0),
+        Leg(3, "WP4", 1.0, 0.002, "radius", 0.25, 60.0, 0.5),
     )
 
 
@@ -86,6 +88,12 @@ def test_a_mission_cannot_be_changed() -> None:
         (HEAD + "waypoints: [7]", "3:13: waypoints[0]: 7 is not a mapping of keys to values"),
         (HEAD + "waypoints: [[.nan, 1]]", "3:14: waypoints[0][0]: nan is not a finite number"),
         (HEAD + "waypoints: [[1, -.inf]]", "3:17: waypoints[0][1]: -inf is not a finite number"),
+        (HEAD + "waypoints: [[7 m, 12]]", "3:19: waypoints[0][1]: 12 has no unit; write 'position: [7 m, 12 m]'"),
+        (
+            HEAD + "waypoints: [{position_m: [7 m, 12]}]",
+            "3:27: waypoints[0].position_m[0]: '7 m' is not a number; "
+            "numbers in m go under 'position_m', numbers with a unit under 'position'",
+        ),
         (HEAD + "waypoints: [[1, 10001]]", "3:17: waypoints[0][1]: 10001 is not <= 10000 m"),
         (
             HEAD + "waypoints: [{}]",

@@ -43,12 +43,19 @@ class FileModel(BaseModel):
         shared = cls._shared_model()
         return (*cls.model_fields, *cls.bare_names(), *(shared.known_keys() if shared else ()))
 
+    @classmethod
+    def list_keys(cls) -> tuple[str, ...]:
+        """Return what a bare list here stands for: the field, and its bare name where it has one."""
+        field = cls.list_stands_for
+        return () if field is None else (field, *(bare for bare, name in cls.bare_names().items() if name == field))
+
     @model_validator(mode="before")
     @classmethod
     def _from_file(cls, given: Any) -> Any:
         """Bring what a file may write into the fields' own names; what is wrong with it is said by the fields."""
         if isinstance(given, list | tuple) and cls.list_stands_for is not None:
-            return {cls.list_stands_for: given}
+            has_text = any(isinstance(part, str) for part in given)
+            given = {cls.list_keys()[-1 if has_text else 0]: list(given)}
         if not isinstance(given, dict):
             return given
         data = cls._spread(given)

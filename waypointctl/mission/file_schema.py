@@ -32,10 +32,10 @@ def describe_spellings(model: type[FileModel], schema: Schema, handler: GetJsonS
     if model.keys_for_each:
         _add_shared_keys(schema, model.keys_for_each, handler)
     if model.list_stands_for is not None:
-        as_list = schema["properties"][model.list_stands_for]
+        as_list = [schema["properties"][key] for key in model.list_keys()]
         as_mapping = dict(schema)
         schema.clear()
-        schema["anyOf"] = [as_list, as_mapping]
+        schema["anyOf"] = [*as_list, as_mapping]
 
 
 def _plain_items(schema: Schema) -> None:

@@ -47,7 +47,7 @@ class Defaults(FileModel):
 
 
 class Waypoint(FileModel):
-    """A place to reach; what is None is taken from the mission's defaults. A bare [x, y] is a position in [m]."""
+    """A place to reach; what is None is taken from the mission's defaults. A bare [x, y] is the position."""
 
     list_stands_for: ClassVar[str | None] = "position_m"
 

@@ -148,12 +148,19 @@ def _value_text(details: ErrorDetails, path: DataPath, value: object) -> str:
     if bare_name(field) is None:
         return f"{shown(value)} is not {expected}"
     if kind == "float_type":
-        with_unit = " with its unit" if bare_name(field) in path else ""
-        return f"{shown(value)} is not {expected}{with_unit}; {how_to_write(field, 1)}"
+        return f"{shown(value)} is not {_number_mend(field, path)}"
     if kind in _BOUNDS:
         # Text that has come as far as this is a number with its unit, and needs no quotes.
         return f"{value if isinstance(value, str) else shown(value)} is not {expected} {unit_of(field)}"
     return f"{shown(value)} is not {expected}"
+
+
+def _number_mend(field: str, path: DataPath) -> str:
+    """Return what a value is not, and what to write instead, where a field takes a number with a unit."""
+    bare = bare_name(field)
+    if isinstance(path[-1], int):
+        return f"a number; numbers in {unit_of(field)} go under '{field}', numbers with a unit under '{bare}'"
+    return f"a number{' with its unit' if bare in path else ''}; {how_to_write(field, 1)}"
 
 
 def _round(bound: object) -> object:
