@@ -11,13 +11,19 @@ _PIPE_WIDTH: Final = 120  # columns where there is no terminal to ask, so that t
 
 
 def console(*, stderr: bool = False) -> Console:
-    """Return the console of stdout or stderr, with colours on a terminal only.
+    """Return the console of stdout or stderr, with colours and progress on a terminal only.
 
-    Text is printed as it is: a name with [brackets] in it is no markup.
+    What is printed is taken as it is: names from missions and logs are no markup.
     """
     from rich.console import Console
 
-    made = Console(stderr=stderr, highlight=False, markup=False)
-    if not made.is_terminal:
-        made.width = _PIPE_WIDTH
-    return made
+    def make(width: int | None) -> Console:
+        return Console(stderr=stderr, width=width, highlight=False, markup=False, emoji=False)
+
+    made = make(None)
+    return made if made.is_terminal else make(_PIPE_WIDTH)
+
+
+def is_live(people: Console) -> bool:
+    """Return whether what has been printed can be drawn over."""
+    return people.is_terminal and not people.is_dumb_terminal

@@ -10,6 +10,7 @@ from waypointctl import __version__
 from waypointctl.cli.eval import evaluate_policy
 from waypointctl.cli.info import info
 from waypointctl.cli.policies import policies
+from waypointctl.cli.run import run
 from waypointctl.cli.schema import schema
 from waypointctl.cli.validate import validate
 from waypointctl.errors import WaypointctlError
@@ -22,6 +23,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.command()(run)
 app.command("eval")(evaluate_policy)
 app.add_typer(policies, name="policies")
 

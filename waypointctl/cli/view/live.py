@@ -1,0 +1,153 @@
+"""The live view of a flight: a sink that draws at most ten times a second of wall time."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Final, Self
+
+from waypointctl.cli.view.chart import Scene, draw_map
+from waypointctl.cli.view.panels import clocks, commands, happenings, heading
+from waypointctl.cli.view.words import Happening, happening
+from waypointctl.replay.chronicle import Chronicle
+
+if TYPE_CHECKING:
+    from rich.console import Console, Group, RenderableType
+
+    from waypointctl.log.messages import Message, PlannedWaypoint
+
+PERIOD_S: Final = 0.1  # of wall time between two pictures; the flight itself is never slowed down
+_CLOCKS_WIDTH: Final = 34
+_CLOCKS_HEIGHT: Final = 7
+_WAY_POINTS: Final = 4000  # drawn of the way walked: more would cost time and show nothing
+_MOST_HAPPENINGS: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """How much of each part there is room for.
+
+    Attributes:
+        side_by_side: map and clocks beside each other, not one above the other.
+        map_columns: its width.
+        map_lines: its height; 0 for no map.
+        commands: how many; 0 for none.
+        happenings: how many; 0 for none.
+    """
+
+    side_by_side: bool
+    map_columns: int
+    map_lines: int
+    commands: int
+    happenings: int
+
+
+def sizes(width: int, height: int) -> Sizes:
+    """Divide a terminal of `width` columns and `height` lines; the last line stays free."""
+    lines = height - 2  # the heading, and the line the cursor is on
+    shown = min(_MOST_HAPPENINGS, max(0, (lines - _CLOCKS_HEIGHT - 1) // 3))
+    known = min(6, max(0, (lines - _CLOCKS_HEIGHT - 5) // 3))
+    left = lines - (shown + 1 if shown else 0) - (known + 2 if known else 0)
+    if width >= 2 * _CLOCKS_WIDTH:
+        return Sizes(True, width - _CLOCKS_WIDTH - 2, left if left >= 3 else 0, known, shown)
+    stacked = left - _CLOCKS_HEIGHT
+    return Sizes(False, width, stacked if stacked >= 4 else 0, known, shown)
+
+
+class LiveView:
+    """Draws the flight whose messages it is given; use it in a `with` block.
+
+    Attributes:
+        chronicle: the flight so far.
+        status: a word about the view, beside the title.
+    """
+
+    def __init__(self, people: Console, title: str, waypoints: Iterable[PlannedWaypoint]) -> None:
+        """Draw on `people`, a terminal, under `title`."""
+        from rich.live import Live
+
+        self.status = ""
+        self.chronicle = Chronicle()
+        self._waypoints = tuple(waypoints)
+        self._title = title
+        self._console = people
+        self._ascii_only = not people.encoding.lower().startswith("utf")
+        self.restart()
+        self._live = Live(console=people, auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
+
+    def __call__(self, message: Message) -> None:
+        """Take one message, and draw if it is time to."""
+        self.chronicle(message)
+        told = happening(message)
+        if told is not None:
+            self._happenings.append(told)
+        if time.monotonic() >= self._next_s:
+            self.draw()
+
+    def __enter__(self) -> Self:
+        """Begin to draw."""
+        self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Leave the last picture standing."""
+        self.status = ""
+        self.draw()
+        self._live.stop()
+
+    def restart(self) -> None:
+        """Forget the flight, to be told it again."""
+        self.chronicle = Chronicle(self._waypoints)
+        self._happenings = deque[Happening](maxlen=_MOST_HAPPENINGS)
+        self._next_s = 0.0
+
+    def draw(self) -> None:
+        """Draw now."""
+        self._live.update(self.picture(), refresh=True)
+        self._next_s = time.monotonic() + PERIOD_S
+
+    def picture(self) -> Group:
+        """Return the whole view, made to the terminal's size as it is now."""
+        from rich.console import Group
+        from rich.rule import Rule
+
+        width, height = self._console.size
+        plan = sizes(width, height)
+        parts: list[RenderableType] = [heading(self._title, self.status, self.chronicle, ascii_only=self._ascii_only)]
+        parts += self._upper(plan)
+        if plan.commands:
+            narrow = width < 2 * _CLOCKS_WIDTH
+            parts += [Rule(style="dim"), commands(self.chronicle, plan.commands, narrow=narrow)]
+        if plan.happenings:
+            newest = list(self._happenings)[-plan.happenings :]
+            parts += [Rule(style="dim"), happenings(newest)]
+        return Group(*parts)
+
+    def _upper(self, plan: Sizes) -> list[RenderableType]:
+        from rich.console import Group
+        from rich.table import Table
+
+        facts = clocks(self.chronicle)
+        if not plan.map_lines:
+            return [facts]
+        drawing = Group(*self._map(plan))
+        if not plan.side_by_side:
+            return [facts, drawing]
+        table = Table.grid(padding=(0, 2, 0, 0))
+        table.add_column(width=plan.map_columns, no_wrap=True)
+        table.add_column(width=_CLOCKS_WIDTH)
+        table.add_row(drawing, facts)
+        return [table]
+
+    def _map(self, plan: Sizes) -> list[RenderableType]:
+        chronicle = self.chronicle
+        x_m, y_m = chronicle.way(_WAY_POINTS)
+        frame = chronicle.telemetry
+        believed = None if frame is None else (frame.x_m, frame.y_m)
+        scene = Scene(x_m, y_m, chronicle.waypoints, believed)
+        return list(draw_map(scene, plan.map_columns, plan.map_lines, ascii_only=self._ascii_only))

@@ -1,0 +1,70 @@
+"""What is said of a flight when it is over, and of a log when it is replayed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from waypointctl.cli.console import console
+from waypointctl.cli.view.tables import command_table, effort_lines, reward_table, waypoint_table
+from waypointctl.cli.view.words import printable, size
+from waypointctl.units import seconds
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from waypointctl.ops.record import Recording
+    from waypointctl.replay.story import Story
+
+_OUTCOME_STYLES: Final = {"success": "bold green"}
+_BAD: Final = "bold red"
+_MAP_LINES: Final = 22
+_MAP_COLUMNS: Final = 78
+
+
+def print_flight(story: Story, recording: Recording, wall_s: float, *, stderr: bool) -> None:
+    """Print the summary of a flight that has just been flown in `wall_s` of wall time."""
+    out = console(stderr=stderr)
+    out.print()
+    _print_outcome(out, story)
+    _print_tables(out, story)
+    for line in effort_lines(story):
+        out.print(line, soft_wrap=True)
+    flown_s = seconds(recording.result.sim_time_ns)
+    out.print(f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
+    out.print(f"seed       {recording.seed}")
+    out.print(f"log        {recording.path} ({size(recording.path.stat().st_size)})", soft_wrap=True)
+    out.print(f"sha256     {recording.sha256}", soft_wrap=True)
+
+
+def print_story(story: Story, title: str, *, stderr: bool) -> None:
+    """Print the story of a logged flight."""
+    from waypointctl.cli.view.chart import Scene, draw_map
+
+    out = console(stderr=stderr)
+    out.print(printable(title), style="bold", soft_wrap=True)
+    _print_outcome(out, story)
+    out.print()
+    way = story.truth.thinned(_MAP_COLUMNS * 50)
+    believed = (float(story.belief.x_m[-1]), float(story.belief.y_m[-1])) if len(story.belief) else None
+    scene = Scene(way.x_m, way.y_m, story.waypoints, believed)
+    ascii_only = not out.encoding.lower().startswith("utf")
+    for row in draw_map(scene, min(out.width, _MAP_COLUMNS), _MAP_LINES, ascii_only=ascii_only):
+        out.print(row, crop=True)
+    _print_tables(out, story)
+    out.print(reward_table(story))
+    out.print()
+    for line in effort_lines(story):
+        out.print(line, soft_wrap=True)
+
+
+def _print_outcome(out: Console, story: Story) -> None:
+    style = _OUTCOME_STYLES.get(story.outcome, _BAD)
+    out.print(printable(f"{story.outcome}: {story.reason}"), style=style, soft_wrap=True)
+
+
+def _print_tables(out: Console, story: Story) -> None:
+    out.print()
+    out.print(waypoint_table(story))
+    out.print()
+    out.print(command_table(story, out.width))
+    out.print()

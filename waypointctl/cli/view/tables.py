@@ -1,0 +1,97 @@
+"""The story's tables: waypoints, commands, reward, effort."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from waypointctl.cli.view.words import number, printable
+from waypointctl.replay.story import Fate
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from waypointctl.replay.story import CommandStory, Story, WaypointStory
+
+
+_DELAYS_WIDTH: Final = 100  # columns, from which on there is room for the delay of each way
+
+
+def waypoint_table(story: Story) -> Table:
+    """Return the waypoints: when the robot reached each, and when the operator learned of it."""
+    table = _table("waypoint", "position [m]", "acceptance")
+    _add_numbers(table, "set out", "reached", "known", "delay [s]")
+    for waypoint in story.waypoints:
+        table.add_row(*_waypoint_row(waypoint), style=None if waypoint.fate is Fate.REACHED else "yellow")
+    return table
+
+
+def command_table(story: Story, width: int) -> Table:
+    """Return the commands: issued, received, acknowledged, ended, its end heard of; delays and round trip.
+
+    The delay of each way is left out where `width` columns are too few; the times say it too.
+    """
+    delays = ("up", "down") if width >= _DELAYS_WIDTH else ()
+    table = _table("#", "command")
+    _add_numbers(table, "issued", "received", "acked", "ended", "heard", *delays, "RTT [s]")
+    table.add_column("known as", no_wrap=True)
+    for command in story.commands:
+        ways = (command.uplink_ns, command.downlink_ns) if delays else ()
+        table.add_row(*_command_row(command, ways))
+    return table
+
+
+def reward_table(story: Story) -> Table:
+    """Return each reward term's sum and its part in each step."""
+    table = _table("reward")
+    _add_numbers(table, "sum", "a step")
+    for name, total in (*story.reward, ("total", story.reward_total)):
+        table.add_row(printable(name), f"{total:,.2f}", f"{total / story.steps:+.4f}" if story.steps else "-")
+    return table
+
+
+def effort_lines(story: Story) -> list[str]:
+    """Return how far, how fast, and how the time was spent."""
+    effort = story.effort
+    speed = "" if effort.mean_speed_mps is None else f", {effort.mean_speed_mps:.2f} m/s while walking"
+    spent = f"{effort.walking_ns / 1e9:.2f} s walking, {effort.standing_ns / 1e9:.2f} s standing"
+    if effort.standing_share is not None:
+        spent += f" ({effort.standing_share:.0%})"
+    if effort.fallen_ns:
+        spent += f", {effort.fallen_ns / 1e9:.2f} s fallen"
+    return [f"distance   {effort.distance_m:.2f} m{speed}", f"time       {spent}"]
+
+
+def _table(*headings: str) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold", show_edge=False)
+    for heading in headings:
+        table.add_column(heading, no_wrap=True, overflow="ellipsis")
+    return table
+
+
+def _add_numbers(table: Table, *headings: str) -> None:
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
+
+
+def _waypoint_row(waypoint: WaypointStory) -> tuple[str, ...]:
+    plan = waypoint.planned
+    learned, reached = waypoint.learned_ns, waypoint.reached_ns
+    delay = None if learned is None or reached is None else learned - reached
+    return (
+        printable(plan.name),
+        f"({plan.x_m:g}, {plan.y_m:g})",
+        f"{plan.acceptance} {plan.tolerance_m:g} m",
+        number(waypoint.started_ns),
+        str(waypoint.fate) if reached is None else number(reached),
+        number(learned),
+        number(delay),
+    )
+
+
+def _command_row(command: CommandStory, ways: tuple[int | None, ...]) -> tuple[str, ...]:
+    times = (command.issued_ns, command.received_ns, command.acknowledged_ns, command.ended_ns, command.concluded_ns)
+    numbers = map(number, (*times, *ways, command.round_trip_ns))
+    return (str(command.id), printable(command.what), *numbers, str(command.heard))

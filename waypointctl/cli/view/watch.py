@@ -1,0 +1,74 @@
+"""Watching a flight: the live view on a terminal, a line for each happening elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from contextlib import AbstractContextManager
+from types import TracebackType
+from typing import Protocol, Self
+
+from waypointctl.cli.console import console, is_live
+from waypointctl.cli.view.words import happening
+from waypointctl.log.messages import Message, PlannedWaypoint
+from waypointctl.replay.chronicle import Chronicle
+
+
+class Watch(AbstractContextManager["Watch"], Protocol):
+    """A sink that shows people the flight whose messages it is given."""
+
+    chronicle: Chronicle
+
+    def __call__(self, message: Message) -> None:
+        """Take one message."""
+
+    def restart(self) -> None:
+        """Forget the flight, to be told it again."""
+
+
+def watch(title: str, waypoints: Iterable[PlannedWaypoint]) -> Watch:
+    """Return what shows a flight on stderr."""
+    people = console(stderr=True)
+    if not is_live(people):
+        return PlainLines(waypoints)
+    from waypointctl.cli.view.live import LiveView
+
+    return LiveView(people, title, waypoints)
+
+
+class PlainLines:
+    """Writes one line to stderr for each happening.
+
+    Attributes:
+        chronicle: the flight so far.
+    """
+
+    def __init__(self, waypoints: Iterable[PlannedWaypoint]) -> None:
+        """Begin with the waypoints of the mission."""
+        self._waypoints = tuple(waypoints)
+        self._readers = True
+        self.restart()
+
+    def __call__(self, message: Message) -> None:
+        """Take one message."""
+        self.chronicle(message)
+        told = happening(message)
+        if told is None or not self._readers:
+            return
+        try:
+            print(told.line, file=sys.stderr, flush=True)
+        except BrokenPipeError:
+            self._readers = False  # whoever read has gone; that is no reason to end the flight
+
+    def __enter__(self) -> Self:
+        """Begin."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Leave what has been written."""
+
+    def restart(self) -> None:
+        """Forget the flight, to be told it again."""
+        self.chronicle = Chronicle(self._waypoints)

@@ -1,0 +1,227 @@
+"""A sink that gathers a flight's story while it happens, or from its log."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
+
+from waypointctl.log.messages import (
+    Ack,
+    Action,
+    Command,
+    Event,
+    EventKind,
+    Message,
+    PlannedWaypoint,
+    Reward,
+    Stage,
+    State,
+    Telemetry,
+)
+from waypointctl.replay.growing_track import GrowingTrack
+from waypointctl.replay.story import CommandStory, Effort, Fate, FloatArray, Story, WaypointStory
+
+_ONBOARD: Final = {
+    EventKind.COMMAND_RECEIVED: Stage.RECEIVED,
+    EventKind.LEG_STARTED: Stage.STARTED,
+    EventKind.PLAN_COMPLETED: Stage.COMPLETED,
+    EventKind.PLAN_FAILED: Stage.FAILED,
+    EventKind.FALL: Stage.FAILED,
+}
+_FATES: Final = {
+    EventKind.WAYPOINT_REACHED: Fate.REACHED,
+    EventKind.WAYPOINT_TIMEOUT: Fate.TIMED_OUT,
+    EventKind.WAYPOINT_SKIPPED: Fate.SKIPPED,
+}
+_ENDS: Final = (Stage.COMPLETED, Stage.FAILED, Stage.REJECTED)
+
+
+def tell(messages: Iterable[Message], waypoints: Iterable[PlannedWaypoint] = ()) -> Story:
+    """Return the story of a flight.
+
+    Args:
+        messages: all of them, in order.
+        waypoints: the mission's; without them, those that were commanded.
+    """
+    chronicle = Chronicle(waypoints)
+    for message in messages:
+        chronicle(message)
+    return chronicle.story()
+
+
+@dataclass(slots=True)
+class _Command:
+    what: str = ""
+    issued_ns: int = 0
+    received_ns: int | None = None
+    onboard: Stage | None = None
+    ended_ns: int | None = None
+    acks: list[Ack] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class _Waypoint:
+    planned: PlannedWaypoint
+    fate: Fate = Fate.OPEN
+    started_ns: int | None = None
+    reached_ns: int | None = None
+    learned_ns: int | None = None
+
+
+class Chronicle:
+    """Takes each message of a flight; ask it for the story at any time.
+
+    Attributes:
+        now_ns: the latest time that a message has shown, on either clock.
+        state: the newest true state of the robot.
+        telemetry: the newest frame that has arrived at the operator.
+        events: all so far.
+    """
+
+    def __init__(self, waypoints: Iterable[PlannedWaypoint] = ()) -> None:
+        """Begin with the waypoints of the mission, where they are known beforehand."""
+        self.now_ns = 0
+        self.state: State | None = None
+        self.telemetry: Telemetry | None = None
+        self.events: list[Event] = []
+        self._waypoints = {waypoint.index: _Waypoint(waypoint) for waypoint in waypoints}
+        self._commands: dict[int, _Command] = {}
+        self._truth, self._belief = GrowingTrack(), GrowingTrack()
+        self._reward: dict[str, float] = {}
+        self._reward_total = 0.0
+        self._source = ""
+        self._steps = 0
+        self._time_ns = {"policy": 0, "stance": 0, "off": 0}
+        self._way_m = {"policy": 0.0, "stance": 0.0, "off": 0.0}
+
+    def __call__(self, message: Message) -> None:
+        """Take one message."""
+        match message:
+            case State():
+                self._move(message)
+            case Action():
+                self._source = message.source
+                self._steps += 1
+            case Reward():
+                self._pay(message)
+            case Telemetry():
+                self._hear(message)
+            case Ack():
+                self.now_ns = max(self.now_ns, message.received_ns)
+                self._command(message.command_id).acks.append(message)
+            case Command():
+                self._receive(message)
+            case Event():
+                self._note(message)
+
+    @property
+    def commands(self) -> tuple[CommandStory, ...]:
+        """The commands so far, by id."""
+        return tuple(
+            CommandStory(id_, c.what, c.issued_ns, c.received_ns, c.onboard, c.ended_ns, tuple(c.acks))
+            for id_, c in sorted(self._commands.items())
+        )
+
+    @property
+    def waypoints(self) -> tuple[WaypointStory, ...]:
+        """The waypoints of the mission, and what has become of them so far."""
+        return tuple(
+            WaypointStory(w.planned, w.fate, w.started_ns, w.reached_ns, w.learned_ns)
+            for _, w in sorted(self._waypoints.items())
+        )
+
+    def way(self, most: int) -> tuple[FloatArray, FloatArray]:
+        """Return where the robot has been so far, x (n,) and y (n,) [m], in about `most` points."""
+        return self._truth.way(most)
+
+    def story(self) -> Story:
+        """Return the story so far."""
+        outcome, reason, ended_ns = self._ending()
+        return Story(
+            outcome=outcome,
+            reason=reason,
+            ended_ns=ended_ns,
+            steps=self._steps,
+            waypoints=self.waypoints,
+            commands=self.commands,
+            events=tuple(self.events),
+            reward=tuple(self._reward.items()),
+            reward_total=self._reward_total,
+            effort=self._effort(),
+            truth=self._truth.track(),
+            belief=self._belief.track(),
+        )
+
+    def _ending(self) -> tuple[str, str, int]:
+        for event in reversed(self.events):
+            if event.kind is EventKind.MISSION_ENDED:
+                outcome, _, reason = event.text.partition(": ")
+                return outcome, reason, event.time_ns
+        return "unfinished", "the log has no end", self.now_ns
+
+    def _effort(self) -> Effort:
+        time, way = self._time_ns, self._way_m
+        return Effort(sum(way.values()), way["policy"], time["policy"], time["stance"], time["off"])
+
+    def _move(self, state: State) -> None:
+        self.now_ns = max(self.now_ns, state.time_ns)
+        x_m, y_m = float(state.qpos[0]), float(state.qpos[1])
+        if self.state is not None and self._source:
+            before = self.state
+            self._time_ns[self._source] += state.time_ns - before.time_ns
+            self._way_m[self._source] += math.hypot(x_m - float(before.qpos[0]), y_m - float(before.qpos[1]))
+        self.state = state
+        speed_mps = math.hypot(float(state.qvel[0]), float(state.qvel[1]))
+        self._truth.add(state.time_ns, state.time_ns, x_m, y_m, speed_mps)
+
+    def _pay(self, reward: Reward) -> None:
+        for name, value in reward.terms:
+            self._reward[name] = self._reward.get(name, 0.0) + value
+        self._reward_total += reward.total
+
+    def _hear(self, frame: Telemetry) -> None:
+        self.now_ns = max(self.now_ns, frame.received_ns)
+        self.telemetry = frame
+        self._belief.add(frame.issued_ns, frame.received_ns, frame.x_m, frame.y_m, frame.speed_mps)
+        for index in frame.reached:
+            waypoint = self._waypoints.get(index)
+            if waypoint is not None and waypoint.learned_ns is None:
+                waypoint.learned_ns = frame.received_ns
+
+    def _receive(self, command: Command) -> None:
+        entry = self._command(command.id)
+        entry.issued_ns, entry.received_ns = command.issued_ns, command.received_ns
+        entry.what = f"{command.kind} {', '.join(waypoint.name for waypoint in command.waypoints)}"
+        for waypoint in command.waypoints:
+            self._waypoints.setdefault(waypoint.index, _Waypoint(waypoint))
+
+    def _note(self, event: Event) -> None:
+        self.now_ns = max(self.now_ns, event.time_ns)
+        self.events.append(event)
+        if event.kind is EventKind.COMMAND_SENT:
+            entry = self._command(event.command_id)
+            entry.what, entry.issued_ns = event.text.partition(": ")[2], event.time_ns
+        stage = _ONBOARD.get(event.kind)
+        if stage is not None and event.command_id in self._commands:
+            self._advance(self._commands[event.command_id], stage, event.time_ns)
+        waypoint = self._waypoints.get(event.waypoint)
+        if waypoint is not None:
+            self._visit(waypoint, event)
+
+    def _advance(self, command: _Command, stage: Stage, time_ns: int) -> None:
+        if command.onboard not in _ENDS:
+            command.onboard = stage
+            if stage in _ENDS:
+                command.ended_ns = time_ns
+
+    def _visit(self, waypoint: _Waypoint, event: Event) -> None:
+        waypoint.fate = _FATES.get(event.kind, waypoint.fate)
+        if event.kind is EventKind.LEG_STARTED:
+            waypoint.started_ns = event.time_ns
+        elif event.kind is EventKind.WAYPOINT_REACHED:
+            waypoint.reached_ns = event.time_ns
+
+    def _command(self, command_id: int) -> _Command:
+        return self._commands.setdefault(command_id, _Command())

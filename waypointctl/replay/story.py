@@ -1,0 +1,197 @@
+"""The story of a flight, as frozen records: what was commanded, what was reached, how the robot fared.
+
+All times are simulation time in [ns]. A `chronicle` gathers it from the flight's messages.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.log.messages import Ack, Event, PlannedWaypoint, Stage
+from waypointctl.units import NS_PER_S
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class Fate(StrEnum):
+    """What became of a waypoint."""
+
+    REACHED = "reached"
+    TIMED_OUT = "timed out"
+    SKIPPED = "skipped"
+    OPEN = "not reached"
+
+
+@dataclass(frozen=True, slots=True)
+class CommandStory:
+    """A command, from the operator's hand to what was heard of its end.
+
+    Attributes:
+        id: as it was sent.
+        what: its kind and its waypoints, for people.
+        issued_ns: on the operator's clock.
+        received_ns: on the robot's clock; None while it is under way.
+        onboard: the last stage it came to on board, None before it arrived.
+        ended_ns: when it ended on board, on the robot's clock.
+        acks: what has arrived of it at the operator, in order.
+    """
+
+    id: int
+    what: str
+    issued_ns: int
+    received_ns: int | None
+    onboard: Stage | None
+    ended_ns: int | None
+    acks: tuple[Ack, ...]
+
+    @property
+    def uplink_ns(self) -> int | None:
+        """How old it was when the robot received it."""
+        return None if self.received_ns is None else self.received_ns - self.issued_ns
+
+    @property
+    def downlink_ns(self) -> int | None:
+        """How old the first acknowledgement was when the operator received it."""
+        return self.acks[0].received_ns - self.acks[0].issued_ns if self.acks else None
+
+    @property
+    def acknowledged_ns(self) -> int | None:
+        """When the operator first heard of it again, on the operator's clock."""
+        return self.acks[0].received_ns if self.acks else None
+
+    @property
+    def round_trip_ns(self) -> int | None:
+        """From issuing it to its first acknowledgement, both on the operator's clock."""
+        return self.acks[0].received_ns - self.issued_ns if self.acks else None
+
+    @property
+    def heard(self) -> Stage:
+        """The last stage that the operator has heard of; SENT before the first acknowledgement."""
+        return self.acks[-1].stage if self.acks else Stage.SENT
+
+    @property
+    def concluded_ns(self) -> int | None:
+        """When the operator heard that it had ended, on the operator's clock."""
+        ends = (Stage.COMPLETED, Stage.FAILED, Stage.REJECTED)
+        return next((ack.received_ns for ack in self.acks if ack.stage in ends), None)
+
+
+@dataclass(frozen=True, slots=True)
+class WaypointStory:
+    """A waypoint, and what became of it.
+
+    Attributes:
+        planned: as it was, or would have been, commanded.
+        fate: as the robot knows it.
+        started_ns: when the robot set out for it, None if it never did.
+        reached_ns: on the robot's clock.
+        learned_ns: when the operator heard that it was reached.
+    """
+
+    planned: PlannedWaypoint
+    fate: Fate
+    started_ns: int | None
+    reached_ns: int | None
+    learned_ns: int | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Where the robot was: one row a control step of the truth, or a frame of telemetry."""
+
+    time_ns: IntArray  # (n,) when it was there
+    known_ns: IntArray  # (n,) when it was known: the same again for the truth, the arrival for telemetry
+    x_m: FloatArray  # (n,)
+    y_m: FloatArray  # (n,)
+    speed_mps: FloatArray  # (n,) over ground
+
+    def __len__(self) -> int:
+        """Return n."""
+        return len(self.time_ns)
+
+    def thinned(self, most: int) -> Track:
+        """Return every k-th row and the last one, so that there are no more than `most` + 1."""
+        stride = max(1, -(-len(self) // most))
+        rows = np.arange(0, len(self), stride)
+        if len(rows) and rows[-1] != len(self) - 1:
+            rows = np.append(rows, len(self) - 1)
+        columns = (self.time_ns, self.known_ns, self.x_m, self.y_m, self.speed_mps)
+        return Track(*(column[rows] for column in columns))
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How the robot spent its time.
+
+    Attributes:
+        distance_m: the way of the torso over ground, standing sway included.
+        walked_m: of that, while the policy had the motors.
+        walking_ns: the policy had the motors.
+        standing_ns: the standing controller had them.
+        fallen_ns: they were off.
+    """
+
+    distance_m: float
+    walked_m: float
+    walking_ns: int
+    standing_ns: int
+    fallen_ns: int
+
+    @property
+    def mean_speed_mps(self) -> float | None:
+        """The mean speed while walking, None if the robot never walked."""
+        return self.walked_m * NS_PER_S / self.walking_ns if self.walking_ns else None
+
+    @property
+    def standing_share(self) -> float | None:
+        """The share of the time that the robot stood, None if no time went by."""
+        total = self.walking_ns + self.standing_ns + self.fallen_ns
+        return self.standing_ns / total if total else None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Story:
+    """A flight, told.
+
+    Attributes:
+        outcome: "success", "failure" or "interrupted"; "unfinished" for a log without an end.
+        reason: why, in a few words.
+        ended_ns: when the mission ended on the operator's clock, or the last time there is.
+        steps: control steps flown.
+        waypoints: of the mission, in order.
+        commands: by id.
+        events: in the order they happened.
+        reward: each term's sum over the flight.
+        reward_total: the sum of what each step was paid.
+        effort: distance and time.
+        truth: where the robot was.
+        belief: where the operator was told it was.
+    """
+
+    outcome: str
+    reason: str
+    ended_ns: int
+    steps: int
+    waypoints: tuple[WaypointStory, ...]
+    commands: tuple[CommandStory, ...]
+    events: tuple[Event, ...]
+    reward: tuple[tuple[str, float], ...]
+    reward_total: float
+    effort: Effort
+    truth: Track
+    belief: Track
+
+    @property
+    def reached(self) -> int:
+        """How many waypoints the robot reached."""
+        return sum(waypoint.fate is Fate.REACHED for waypoint in self.waypoints)
+
+    @property
+    def learned(self) -> int:
+        """How many of them the operator has heard of."""
+        return sum(waypoint.learned_ns is not None for waypoint in self.waypoints)
