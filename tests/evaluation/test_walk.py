@@ -45,7 +45,7 @@ def walked_alone(policy: LoadedPolicy, trial: int) -> tuple[str, float, float]:
     index, limit_s, walked_m = 0, FIRST_S, 0.0
     for step in range(1, 10_000):
         goal, following = WAYPOINTS[index], WAYPOINTS[min(index + 1, 1)]
-        goals = Goals(goal[np.newaxis], following[np.newaxis], np.zeros((1, 4)))
+        goals = Goals(np.stack([goal, following])[np.newaxis], np.zeros((1, 4)))
         action = policy.act(layout("egocentric").observe(body_of(world.qpos, world.qvel), goals))
         before = world.qpos[0, :2].copy()
         world.step(np.clip(action, -1.0, 1.0))

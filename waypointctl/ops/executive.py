@@ -49,17 +49,13 @@ class Executive:
     since_ns: int = 0  # when this leg, or this hold, began
     reached: list[int] = field(default_factory=list)  # indices in the mission
     obeyed: set[int] = field(default_factory=set)  # ids of commands, each obeyed once
+    goals: FloatArray = field(default_factory=lambda: np.zeros((1, 2, 2)))  # this leg's waypoint and the next [m]
+    _acceptance: Acceptance = field(default_factory=Acceptance)  # this leg's
 
     @property
     def target(self) -> PlannedWaypoint | None:
         """The waypoint the robot walks to or holds at."""
         return self.plan[self.leg] if self.mode in (Mode.WALKING, Mode.HOLDING) else None
-
-    def goals(self) -> tuple[FloatArray, FloatArray]:
-        """Return the current waypoint (1, 2) and the following one (1, 2), the same again at the last [m]."""
-        current = self.plan[self.leg]
-        following = self.plan[min(self.leg + 1, len(self.plan) - 1)]
-        return np.array([[current.x_m, current.y_m]]), np.array([[following.x_m, following.y_m]])
 
     def obey(self, now_ns: int, command: Command) -> None:
         """Take a command that has arrived."""
@@ -109,8 +105,7 @@ class Executive:
         }
 
     def _walk(self, now_ns: int, waypoint: PlannedWaypoint, position: FloatArray) -> None:
-        goal, _ = self.goals()
-        if reached(Acceptance(waypoint.acceptance, waypoint.tolerance_m), position, goal)[0]:
+        if reached(self._acceptance, position, self.goals[:, 0])[0]:
             self.reached.append(waypoint.index)
             self._announce(now_ns, EventKind.WAYPOINT_REACHED, f"{waypoint.name} reached", waypoint=waypoint)
             if waypoint.hold_ns:
@@ -140,7 +135,9 @@ class Executive:
             self.report(now_ns, self.command_id, Stage.COMPLETED, "")
             return
         self.mode, self.leg, self.since_ns = Mode.WALKING, leg, now_ns
-        waypoint = self.plan[leg]
+        waypoint, following = self.plan[leg], self.plan[min(leg + 1, len(self.plan) - 1)]
+        self._acceptance = Acceptance(waypoint.acceptance, waypoint.tolerance_m)
+        self.goals = np.array([[[waypoint.x_m, waypoint.y_m], [following.x_m, following.y_m]]])
         self._announce(now_ns, EventKind.LEG_STARTED, f"walking to {waypoint.name}", waypoint=waypoint)
 
     def _announce(

@@ -29,9 +29,10 @@ from waypointctl.policy.protocol import Policy
 from waypointctl.sim.robots import Robot
 from waypointctl.sim.single import SingleRobot
 from waypointctl.sim.stance import stance_action
+from waypointctl.task.batched import clip_actions
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.observation import NOISE_SIZE, Goals, layout
-from waypointctl.task.reward import TERMS, RewardWeights, joints_at_limit, progress_speed, reward_terms
+from waypointctl.task.reward import TERMS, JointLimits, RewardWeights, progress_speed, reward_terms
 
 FloatArray = NDArray[np.float64]
 
@@ -58,6 +59,7 @@ class Vehicle:
         self._policy = policy
         self._layout = layout(policy.observation_layout)
         self._weights = RewardWeights(**policy.reward_weights)
+        self._limits = JointLimits.of_range(robot.joint_low, robot.joint_high)
         self._sink = sink
         self._downlink = downlink
         self._telemetry_period_ns = telemetry_period_ns
@@ -88,7 +90,7 @@ class Vehicle:
         """Log what is, choose an action, apply it for one control period, log what it was paid."""
         self.log_state(now_ns)
         source, commanded = self._choose(now_ns)
-        applied = np.clip(commanded, -1.0, 1.0)
+        applied = clip_actions(commanded)
         self._sink(Action(now_ns, self.step, source, commanded[0], applied[0]))
         before = self.plant.qpos[:, :2].copy()
         self.plant.step(applied)
@@ -109,7 +111,7 @@ class Vehicle:
 
     def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
         if self.executive.mode is Mode.WALKING:
-            observation = self._layout.observe(self._body, Goals(*self.executive.goals(), _NO_NOISE))
+            observation = self._layout.observe(self._body, Goals(self.executive.goals, _NO_NOISE))
             self._sink(Observation(now_ns, self.step, observation[0]))
             return "policy", self._policy.act(observation)
         if self.executive.mode is Mode.FALLEN:
@@ -124,11 +126,11 @@ class Vehicle:
         body, approach = self._body, _STILL
         if self.executive.mode is Mode.WALKING:
             period_s = self.robot.control_period_ns / 1e9
-            approach = progress_speed(before, body.position, self.executive.goals()[0], period_s)
-        at_limit = joints_at_limit(body.joints, self.robot.joint_low, self.robot.joint_high)
+            approach = progress_speed(before, body.position, self.executive.goals[:, 0], period_s)
+        at_limit = self._limits.count(body.joints)
         terms = reward_terms(self._weights, body, approach, applied, at_limit, np.array([self._fell]))
         named = tuple(zip(TERMS, terms[0].tolist(), strict=True))
-        self._sink(Reward(now_ns, self.step, named, float(terms.sum(axis=1)[0])))
+        self._sink(Reward(now_ns, self.step, named, float(np.add.reduce(terms, axis=1)[0])))
 
     def _acknowledge(self, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
         if stage in (Stage.COMPLETED, Stage.FAILED):

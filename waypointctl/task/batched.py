@@ -15,10 +15,15 @@ from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.observation import NOISE_SIZE, Goals, layout
 from waypointctl.task.progress import CourseProgress
-from waypointctl.task.reward import joints_at_limit, progress_speed, reward_terms
+from waypointctl.task.reward import JointLimits, progress_speed, reward_terms
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+
+
+def clip_actions(actions: FloatArray) -> FloatArray:
+    """Return what the motors do when asked for actions (n, nu): the fraction of full torque, in [-1, 1]."""
+    return np.minimum(np.maximum(actions, -1.0), 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +94,7 @@ class BatchedWaypointEnv:
         self.noise: FloatArray = np.zeros((num_robots, NOISE_SIZE))
         self.starts = [stream(seed, "start", i) for i in range(num_robots)]
         self.courses = [stream(seed, "course", i) for i in range(num_robots)]
+        self._limits = JointLimits.of_range(self.robot.joint_low, self.robot.joint_high)
         self._autoreset = autoreset
         self._period_s = self.robot.control_period_ns / 1e9
 
@@ -113,15 +119,15 @@ class BatchedWaypointEnv:
 
     def step(self, actions: FloatArray) -> Step:
         """Walk one control period with actions (n, nu), clipped to [-1, 1]."""
-        applied = np.clip(actions, -1.0, 1.0)
+        applied = clip_actions(actions)
         before = self.batch.qpos[:, :2].copy()
-        goal, _ = self.progress.goals()
+        goal = self.progress.goals()[:, 0]
         self.batch.step(applied)
 
         body = body_of(self.batch.qpos, self.batch.qvel)
         fell = fallen(body, self.robot.fall_height_m, self.robot.fall_up)
         approach = progress_speed(before, body.position, goal, self._period_s)
-        at_limit = joints_at_limit(body.joints, self.robot.joint_low, self.robot.joint_high)
+        at_limit = self._limits.count(body.joints)
         terms = reward_terms(self.config.reward, body, approach, applied, at_limit, fell)
 
         advance = self.progress.advance(self.config.acceptance, body.position)
@@ -135,7 +141,7 @@ class BatchedWaypointEnv:
             observation = self.observe()
         return Step(
             observation=observation,
-            reward=terms.sum(axis=1),
+            reward=np.add.reduce(terms, axis=1),
             terms=terms,
             terminated=fell,
             truncated=truncated,
@@ -146,5 +152,4 @@ class BatchedWaypointEnv:
         )
 
     def _observation(self, body: Body) -> FloatArray:
-        current, following = self.progress.goals()
-        return self.layout.observe(body, Goals(current, following, self.noise))
+        return self.layout.observe(body, Goals(self.progress.goals(), self.noise))

@@ -47,7 +47,7 @@ def body_of(qpos: FloatArray, qvel: FloatArray) -> Body:
         velocity=qvel[:, :3],
         rates=qvel[:, 3:6],
         roll=np.arctan2(2.0 * (w * x + y * z), up),
-        pitch=np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0)),
+        pitch=np.arcsin(np.minimum(np.maximum(2.0 * (w * y - z * x), -1.0), 1.0)),
         yaw=np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (yy + z * z)),
         up=up,
         joints=qpos[:, 7:],

@@ -28,13 +28,11 @@ class Goals:
     """Where n robots are to go.
 
     Attributes:
-        current: (n, 2) the waypoint to walk to [m].
-        following: (n, 2) the one after it, or the same again if it is the last [m].
+        waypoints: (n, 2, 2) the waypoint to walk to and the one after it, which is the same again at the last [m].
         noise: (n, 4) numbers drawn once an episode, for the layout that has them instead of goals.
     """
 
-    current: FloatArray
-    following: FloatArray
+    waypoints: FloatArray
     noise: FloatArray
 
 
@@ -81,35 +79,28 @@ def _fill_state_noise(out: FloatArray, body: Body, goals: Goals) -> None:
 
 def _fill_state_goal(out: FloatArray, body: Body, goals: Goals) -> None:
     _fill_state(out, body, goals)
-    out[:, 25:27] = goals.current
-    out[:, 27:29] = goals.following
+    out[:, 25:29] = goals.waypoints.reshape(-1, 4)
 
 
 def _fill_egocentric(out: FloatArray, body: Body, goals: Goals) -> None:
-    cos, sin = np.cos(body.yaw), np.sin(body.yaw)
-    _fill_bearing(out[:, 0:3], goals.current - body.position[:, :2], cos, sin)
-    _fill_bearing(out[:, 3:6], goals.following - body.position[:, :2], cos, sin)
-    vx, vy = body.velocity[:, 0], body.velocity[:, 1]
-    out[:, 6] = cos * vx + sin * vy
-    out[:, 7] = cos * vy - sin * vx
+    cos, sin = np.cos(body.yaw)[:, np.newaxis], np.sin(body.yaw)[:, np.newaxis]
+    offset = goals.waypoints - body.position[:, np.newaxis, :2]
+    x, y = offset[:, :, 0], offset[:, :, 1]
+    distance = np.sqrt(x * x + y * y)
+    inverse = 1.0 / np.maximum(distance, 1e-6)
+    out[:, 0:6:3] = (cos * x + sin * y) * inverse
+    out[:, 1:6:3] = (cos * y - sin * x) * inverse
+    out[:, 2:6:3] = np.minimum(distance, GOAL_RANGE_M) * (1.0 / GOAL_RANGE_M)
+    vx, vy = body.velocity[:, 0:1], body.velocity[:, 1:2]
+    out[:, 6:7] = cos * vx + sin * vy
+    out[:, 7:8] = cos * vy - sin * vx
     out[:, 8] = body.velocity[:, 2]
     out[:, 9:12] = body.rates
     out[:, 12] = body.roll
     out[:, 13] = body.pitch
     out[:, 14] = body.position[:, 2]
     out[:, 15:23] = body.joints
-    out[:, 23:31] = body.joint_rates
-    out[:, 23:31] *= JOINT_RATE_SCALE
-
-
-def _fill_bearing(out: FloatArray, offset: FloatArray, cos: FloatArray, sin: FloatArray) -> None:
-    """Write the direction (unit vector in the yaw frame) and the clipped distance of offsets (n, 2) into (n, 3)."""
-    x, y = offset[:, 0], offset[:, 1]
-    distance = np.sqrt(x * x + y * y)
-    inverse = 1.0 / np.maximum(distance, 1e-6)
-    out[:, 0] = (cos * x + sin * y) * inverse
-    out[:, 1] = (cos * y - sin * x) * inverse
-    out[:, 2] = np.minimum(distance, GOAL_RANGE_M) / GOAL_RANGE_M
+    np.multiply(body.joint_rates, JOINT_RATE_SCALE, out=out[:, 23:31])
 
 
 _JOINTS: Final = tuple(

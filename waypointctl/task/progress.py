@@ -47,6 +47,7 @@ class CourseProgress:
         self._first_steps = ns(deadline.first_s) // control_period_ns
         self._further_steps = ns(deadline.further_s) // control_period_ns
         self._rows = np.arange(num_robots)
+        self._columns = self._rows[:, np.newaxis]
 
     def assign(self, robot: int, waypoints: FloatArray) -> None:
         """Give one robot a course (m, 2) to begin now."""
@@ -58,10 +59,10 @@ class CourseProgress:
         self.steps[robot] = 0
         self.deadline[robot] = self._first_steps
 
-    def goals(self) -> tuple[FloatArray, FloatArray]:
-        """Return the current waypoints (n, 2) and the following ones (n, 2), the same for those at their last."""
+    def goals(self) -> FloatArray:
+        """Return the current waypoint and the following one, the same again at the last: (n, 2, 2) [m]."""
         following = np.minimum(self.index + 1, self.count - 1)
-        return self.waypoints[self._rows, self.index], self.waypoints[self._rows, following]
+        return self.waypoints[self._columns, np.stack([self.index, following], axis=1)]
 
     def advance(self, acceptance: Acceptance, position: FloatArray) -> Advance:
         """Count one control step that ended at position (n, >= 2); move the goals that were reached on."""

@@ -69,10 +69,23 @@ def progress_speed(before: FloatArray, after: FloatArray, goal: FloatArray, peri
     return (np.sqrt(dx * dx + dy * dy) - np.sqrt(ex * ex + ey * ey)) / period_s
 
 
-def joints_at_limit(joints: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Return how many joints (n,) of angles (n, nu) are within 1 % of the range of a limit (nu,), or past it."""
-    margin = JOINT_LIMIT_MARGIN * (high - low)
-    return ((joints < low + margin) | (joints > high - margin)).sum(axis=1).astype(np.float64)
+@dataclass(frozen=True, slots=True)
+class JointLimits:
+    """Where a joint counts as at its limit: (nu,) [rad]."""
+
+    low: FloatArray
+    high: FloatArray
+
+    @classmethod
+    def of_range(cls, low: FloatArray, high: FloatArray) -> JointLimits:
+        """Return the limits of joints with ranges low to high (nu,), less the margin."""
+        margin = JOINT_LIMIT_MARGIN * (high - low)
+        return cls(low + margin, high - margin)
+
+    def count(self, joints: FloatArray) -> FloatArray:
+        """Return how many joints (n,) of angles (n, nu) are at a limit."""
+        at_limit = (joints < self.low) | (joints > self.high)
+        return np.add.reduce(at_limit, axis=1, dtype=np.float64)
 
 
 def reward_terms(
@@ -96,10 +109,13 @@ def reward_terms(
     terms = np.empty((len(approach), len(TERMS)))
     terms[:, 0] = weights.progress * np.minimum(approach, weights.progress_cap_mps)
     terms[:, 1] = weights.alive * ~fell
-    terms[:, 2] = -weights.power * JOINT_RATE_SCALE * np.abs(applied * body.joint_rates).mean(axis=1)
-    terms[:, 3] = -weights.torque * (applied * applied).mean(axis=1)
+    mean = 1.0 / applied.shape[1]
+    power = np.add.reduce(np.abs(applied * body.joint_rates), axis=1)
+    terms[:, 2] = (-weights.power * JOINT_RATE_SCALE * mean) * power
+    terms[:, 3] = (-weights.torque * mean) * np.add.reduce(applied * applied, axis=1)
     terms[:, 4] = -weights.joint_limits * at_limit
     terms[:, 5] = -weights.tilt * (1.0 - body.up)
-    terms[:, 6] = -weights.wobble * (body.rates[:, 0] ** 2 + body.rates[:, 1] ** 2)
+    roll_pitch = body.rates[:, :2]
+    terms[:, 6] = -weights.wobble * np.add.reduce(roll_pitch * roll_pitch, axis=1)
     terms[:, 7] = -weights.fall * fell
     return terms
