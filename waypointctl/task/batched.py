@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from waypointctl.task.reward import JointLimits, progress_speed, reward_terms
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+Robots: TypeAlias = NDArray[np.intp] | slice
 
 
 def clip_actions(actions: FloatArray) -> FloatArray:
@@ -115,30 +117,29 @@ class BatchedWaypointEnv:
 
     def observe(self) -> FloatArray:
         """Return what the robots see now, (n, k)."""
-        return self._observation(body_of(self.batch.qpos, self.batch.qvel))
+        return self._observation(self._body(slice(None)), slice(None))
 
     def step(self, actions: FloatArray) -> Step:
         """Walk one control period with actions (n, nu), clipped to [-1, 1]."""
         applied = clip_actions(actions)
         before = self.batch.qpos[:, :2].copy()
-        goal = self.progress.goals()[:, 0]
         self.batch.step(applied)
 
-        body = body_of(self.batch.qpos, self.batch.qvel)
+        body = self._body(slice(None))
         fell = fallen(body, self.robot.fall_height_m, self.robot.fall_up)
-        approach = progress_speed(before, body.position, goal, self._period_s)
+        approach = progress_speed(before, body.position, self.progress.goals[:, 0], self._period_s)
         at_limit = self._limits.count(body.joints)
         terms = reward_terms(self.config.reward, body, approach, applied, at_limit, fell)
 
         advance = self.progress.advance(self.config.acceptance, body.position)
         success = advance.finished & ~fell
         truncated = (success | advance.timed_out) & ~fell
-        observation = self._observation(body)
+        observation = self._observation(body, slice(None))
         ended = np.flatnonzero(fell | truncated)
         final_observation = observation[ended]
         if self._autoreset and len(ended):
             self.begin(ended)
-            observation = self.observe()
+            observation[ended] = self._observation(self._body(ended), ended)
         return Step(
             observation=observation,
             reward=np.add.reduce(terms, axis=1),
@@ -151,5 +152,9 @@ class BatchedWaypointEnv:
             final_observation=final_observation,
         )
 
-    def _observation(self, body: Body) -> FloatArray:
-        return self.layout.observe(body, Goals(self.progress.goals(), self.noise))
+    def _body(self, robots: Robots) -> Body:
+        # Copies, column by column: a robot's state lies among much else in the batch's memory.
+        return body_of(self.batch.qpos[robots].copy(order="F"), self.batch.qvel[robots].copy(order="F"))
+
+    def _observation(self, body: Body, robots: Robots) -> FloatArray:
+        return self.layout.observe(body, Goals(self.progress.goals[robots], self.noise[robots]))

@@ -33,6 +33,7 @@ class CourseProgress:
         waypoints: (n, m, 2) in the world frame [m]; a shorter course repeats its last waypoint.
         count: (n,) waypoints of each course.
         index: (n,) the waypoint each robot walks to; stays at the last.
+        goals: (n, 2, 2) the waypoint each robot walks to and the one after it, the same again at the last [m].
         steps: (n,) control steps since the course began.
         deadline: (n,) the control step at which time runs out.
     """
@@ -42,12 +43,11 @@ class CourseProgress:
         self.waypoints: FloatArray = np.zeros((num_robots, max_waypoints, 2))
         self.count: IntArray = np.ones(num_robots, np.int64)
         self.index: IntArray = np.zeros(num_robots, np.int64)
+        self.goals: FloatArray = np.zeros((num_robots, 2, 2))
         self.steps: IntArray = np.zeros(num_robots, np.int64)
         self.deadline: IntArray = np.zeros(num_robots, np.int64)
         self._first_steps = ns(deadline.first_s) // control_period_ns
         self._further_steps = ns(deadline.further_s) // control_period_ns
-        self._rows = np.arange(num_robots)
-        self._columns = self._rows[:, np.newaxis]
 
     def assign(self, robot: int, waypoints: FloatArray) -> None:
         """Give one robot a course (m, 2) to begin now."""
@@ -58,18 +58,22 @@ class CourseProgress:
         self.index[robot] = 0
         self.steps[robot] = 0
         self.deadline[robot] = self._first_steps
-
-    def goals(self) -> FloatArray:
-        """Return the current waypoint and the following one, the same again at the last: (n, 2, 2) [m]."""
-        following = np.minimum(self.index + 1, self.count - 1)
-        return self.waypoints[self._columns, np.stack([self.index, following], axis=1)]
+        self.goals[robot] = self.waypoints[robot, [0, min(1, count - 1)]]
 
     def advance(self, acceptance: Acceptance, position: FloatArray) -> Advance:
         """Count one control step that ended at position (n, >= 2); move the goals that were reached on."""
         self.steps += 1
-        there = reached(acceptance, position, self.waypoints[self._rows, self.index])
-        last = self.index == self.count - 1
-        finished = there & last
-        self.index += there & ~last
-        self.deadline += there * self._further_steps
+        there = reached(acceptance, position, self.goals[:, 0])
+        finished = np.zeros_like(there)
+        if there.any():
+            finished = there & (self.index == self.count - 1)
+            self._move_on(np.flatnonzero(there), np.flatnonzero(there & ~finished))
         return Advance(reached=there, finished=finished, timed_out=~finished & (self.steps >= self.deadline))
+
+    def _move_on(self, there: NDArray[np.intp], further: NDArray[np.intp]) -> None:
+        """Give those that are there more time, and those that are not at their last their next waypoint."""
+        self.deadline[there] += self._further_steps
+        self.index[further] += 1
+        self.goals[further, 0] = self.goals[further, 1]
+        following = np.minimum(self.index[further] + 1, self.count[further] - 1)
+        self.goals[further, 1] = self.waypoints[further, following]
