@@ -1,0 +1,50 @@
+# Two commands do everything, each making its own .venv:
+#   make demo   fly a shipped mission with the shipped policy and prove its log
+#   make test   the tests
+VENV ?= .venv
+PYTHON ?= python3
+BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+DEMO_LOG := logs/demo.mcap
+
+.PHONY: demo test test-all check format bench train clean
+
+demo: $(VENV)/.run
+	$(BIN)/waypointctl run missions/paper-two-point-moon.yaml --out $(DEMO_LOG) --force
+	$(BIN)/waypointctl replay $(DEMO_LOG)
+
+test: $(VENV)/.dev
+	$(BIN)/python -m pytest -n 2 -m "not slow"
+
+test-all: $(VENV)/.dev
+	$(BIN)/python -m pytest -n 2
+
+check: $(VENV)/.dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+format: $(VENV)/.dev
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+bench: $(VENV)/.dev
+	$(BIN)/python bench/env_speed.py
+	$(BIN)/python bench/flight_speed.py
+	$(BIN)/python bench/log_write.py
+
+train: $(VENV)/.dev
+	$(BIN)/waypointctl train policies/ant-waypoint/train.yaml
+
+clean:
+	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache
+
+$(VENV)/.run: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(INSTALL) --editable .
+	touch $@
+
+$(VENV)/.dev: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(INSTALL) --editable ".[dev]"
+	touch $@ $(VENV)/.run
