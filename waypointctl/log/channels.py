@@ -2,70 +2,117 @@
 
 from __future__ import annotations
 
+import zlib
 from typing import IO, Final
 
 from google.protobuf.message import Message as ProtobufMessage
-from mcap.writer import CompressionType, Writer
-from mcap_protobuf.schema import register_schema
+from mcap import records as mcap
+from mcap_protobuf.schema import build_file_descriptor_set
 
 from waypointctl import __version__
+from waypointctl.log.chunk import MESSAGE_BYTES, Channel, OpenChunk, encoded
 from waypointctl.log.header import Attachment
+from waypointctl.log.records import MAGIC
+from waypointctl.log.summary import Summary
 from waypointctl.units import NS_PER_S
 
 CHUNK_BYTES: Final = 256 * 1024  # before compression; only a single message larger than this makes a larger chunk
-_RECORD_BYTES: Final = 31  # of a message record around its data
 
 
 class ChannelWriter:
-    """Writes protobuf messages to channels, by topic.
+    """Writes protobuf messages to channels.
 
     A chunk ends, and all that was written reaches the operating system, when the simulated second changes:
     a killed process loses less than one. No wall clock is asked, so the bytes depend on the messages alone.
     """
 
     def __init__(self, stream: IO[bytes]) -> None:
-        """Begin an MCAP file in `stream`."""
-        # chunk_size is kept out of reach: write() ends the chunks, before they are too large rather than after.
-        self._mcap = Writer(stream, 2 * CHUNK_BYTES, CompressionType.ZSTD, enable_data_crcs=True)
-        self._mcap.start(library=f"waypointctl {__version__}")
-        self._channels: dict[str, int] = {}
+        """Begin an MCAP file in `stream`, which stands at its start."""
+        self._stream = stream
+        self._offset = 0
+        self._crc = 0  # of all that has been put
+        self._summary = Summary()
+        self._channels: list[Channel] = []
         self._schemas: dict[type[ProtobufMessage], int] = {}
-        self._sequences: dict[str, int] = {}
-        self._pending_bytes = 0
-        self._second = 0
+        self._chunk = OpenChunk(self._channels)
+        self._second_ends_ns = NS_PER_S
+        self._put(MAGIC)
+        self._put(encoded(mcap.Header(profile="", library=f"waypointctl {__version__}")))
 
     def attach(self, attachment: Attachment) -> None:
         """Write an attachment; it has no times, because nothing but the simulation has a clock."""
-        self._mcap.add_attachment(0, 0, attachment.name, attachment.media_type, attachment.data)
+        name, media_type, data = attachment.name, attachment.media_type, attachment.data
+        record = encoded(mcap.Attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=data))
+        index = mcap.AttachmentIndex(
+            offset=self._offset,
+            length=len(record),
+            log_time=0,
+            create_time=0,
+            data_size=len(data),
+            name=name,
+            media_type=media_type,
+        )
+        self._summary.attachments.append(index)
+        self._put(record)
 
     def describe(self, name: str, metadata: dict[str, str]) -> None:
         """Write a metadata record."""
-        self._mcap.add_metadata(name, metadata)
+        record = encoded(mcap.Metadata(name=name, metadata=metadata))
+        self._summary.metadata.append(mcap.MetadataIndex(offset=self._offset, length=len(record), name=name))
+        self._put(record)
 
-    def open(self, topic: str, schema: type[ProtobufMessage]) -> None:
-        """Announce a topic whose messages are of `schema`."""
-        if schema not in self._schemas:
-            self._schemas[schema] = register_schema(self._mcap, schema)
-        self._channels[topic] = self._mcap.register_channel(topic, "protobuf", self._schemas[schema])
-        self._sequences[topic] = 0
+    def open(self, topic: str, schema: type[ProtobufMessage]) -> Channel:
+        """Announce a topic whose messages are of `schema`; return what its messages are written to."""
+        channel = Channel(len(self._channels) + 1)
+        record = mcap.Channel(
+            id=channel.id, topic=topic, message_encoding="protobuf", metadata={}, schema_id=self._schema(schema)
+        )
+        self._channels.append(channel)
+        self._summary.channels.append(record)
+        self._chunk.define(record)
+        return channel
 
-    def write(self, topic: str, log_time_ns: int, publish_time_ns: int, data: bytes) -> None:
-        """Write one message to an open topic."""
-        size = len(data) + _RECORD_BYTES
-        second = log_time_ns // NS_PER_S
-        if second > self._second or self._pending_bytes + size > CHUNK_BYTES:
+    def write(self, channel: Channel, log_time_ns: int, publish_time_ns: int, data: bytes) -> None:
+        """Write one message to an open channel."""
+        if log_time_ns >= self._second_ends_ns:
             self.flush()
-            self._second = max(second, self._second)
-        sequence = self._sequences[topic]
-        self._sequences[topic] = sequence + 1
-        self._pending_bytes += size
-        self._mcap.add_message(self._channels[topic], log_time_ns, data, publish_time_ns, sequence)
+            self._second_ends_ns = (log_time_ns // NS_PER_S + 1) * NS_PER_S
+        elif len(self._chunk) + MESSAGE_BYTES + len(data) > CHUNK_BYTES:
+            self.flush()
+        self._chunk.append(channel, log_time_ns, publish_time_ns, data)
 
     def flush(self) -> None:
         """End the chunk and hand everything to the operating system."""
-        self._mcap.flush()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
-        self._pending_bytes = 0
+        self._seal()
+        self._stream.flush()
 
     def finish(self) -> None:
         """Write the index and the end of the file; the stream stays open."""
-        self._mcap.finish()  # type: ignore[no-untyped-call]  # mcap leaves it unannotated
+        self._seal()
+        self._put(encoded(mcap.DataEnd(self._crc)))
+        self._put(self._summary.encode(self._offset))
+        self._put(MAGIC)
+
+    def _schema(self, schema: type[ProtobufMessage]) -> int:
+        if schema not in self._schemas:
+            record = mcap.Schema(
+                id=len(self._schemas) + 1,
+                data=build_file_descriptor_set(schema).SerializeToString(),
+                encoding="protobuf",
+                name=schema.DESCRIPTOR.full_name,
+            )
+            self._schemas[schema] = record.id
+            self._summary.schemas.append(record)
+            self._chunk.define(record)
+        return self._schemas[schema]
+
+    def _seal(self) -> None:
+        chunk = self._chunk.seal(self._offset)
+        if chunk is not None:
+            self._summary.add_chunk(chunk)
+            self._put(chunk.data)
+
+    def _put(self, data: bytes) -> None:
+        self._stream.write(data)
+        self._offset += len(data)
+        self._crc = zlib.crc32(data, self._crc)

@@ -35,7 +35,7 @@ class LogWriter:
         self._stream = _create(path, self.part)
         self._view = FoxgloveView(header.kinematics, header.waypoints)
         try:
-            self._channels = ChannelWriter(self._stream)
+            self._file = ChannelWriter(self._stream)
             self._begin(header)
         except OSError as error:
             with suppress(OSError):  # closing tries to write again
@@ -47,7 +47,7 @@ class LogWriter:
         topic = BY_KIND[type(message)]
         log_time_ns, publish_time_ns = topic.times_ns(message)
         try:
-            self._channels.write(topic.name, log_time_ns, publish_time_ns, topic.encode(message))
+            self._file.write(self._channels[topic.name], log_time_ns, publish_time_ns, topic.encode(message))
             for frame in self._view(message):
                 self._show(frame)
         except OSError as error:
@@ -75,24 +75,22 @@ class LogWriter:
     def _begin(self, header: LogHeader) -> None:
         root = header.kinematics.body_names[0]
         for attachment in (*header.attachments, Attachment(LAYOUT_NAME, "application/json", layout(root))):
-            self._channels.attach(attachment)
+            self._file.attach(attachment)
         own = {"schema_version": str(SCHEMA_VERSION), "robot": header.robot}
-        self._channels.describe(METADATA_NAME, own | dict(header.metadata) | own)
-        for topic in TOPICS:
-            self._channels.open(topic.name, topic.schema)
-        for name, schema in VIEW_TOPICS.items():
-            self._channels.open(name, schema)
+        self._file.describe(METADATA_NAME, own | dict(header.metadata) | own)
+        schemas = {topic.name: topic.schema for topic in TOPICS} | VIEW_TOPICS
+        self._channels = {name: self._file.open(name, schema) for name, schema in schemas.items()}
         for frame in self._view.start():
             self._show(frame)
-        self._channels.flush()
+        self._file.flush()
 
     def _show(self, frame: Frame) -> None:
-        self._channels.write(frame.topic, frame.time_ns, frame.time_ns, frame.data)
+        self._file.write(self._channels[frame.topic], frame.time_ns, frame.time_ns, frame.data)
 
     def _finish(self) -> None:
         try:
             with self._stream:
-                self._channels.finish()
+                self._file.finish()
         except OSError as error:
             raise self._refusal(error) from error
 
