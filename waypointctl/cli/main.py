@@ -10,6 +10,7 @@ from waypointctl import __version__
 from waypointctl.cli.eval import evaluate_policy
 from waypointctl.cli.info import info
 from waypointctl.cli.policies import policies
+from waypointctl.cli.replay import replay
 from waypointctl.cli.run import run
 from waypointctl.cli.schema import schema
 from waypointctl.cli.validate import validate
@@ -24,6 +25,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(run)
+app.command()(replay)
 app.command("eval")(evaluate_policy)
 app.add_typer(policies, name="policies")
 

@@ -55,6 +55,8 @@ def run(
         with claimed(mission_file.mission.name, out, force=force) as path:
             began_s = time.monotonic()
             with watch(mission_file.mission.name, plan) as view:
+                if rate is not None:
+                    view.say(f"at {rate:g} times real time")
                 sink = view if rate is None else paced(view, Pace(rate), interrupted)
                 recording = record(mission_file, loaded, path, watch=sink, interrupted=interrupted)
             wall_s = time.monotonic() - began_s

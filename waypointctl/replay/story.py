@@ -11,7 +11,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.log.messages import Ack, Event, PlannedWaypoint, Stage
+from waypointctl.log.messages import Ack, Event, EventKind, PlannedWaypoint, Stage
 from waypointctl.units import NS_PER_S
 
 FloatArray = NDArray[np.float64]
@@ -195,3 +195,8 @@ class Story:
     def learned(self) -> int:
         """How many of them the operator has heard of."""
         return sum(waypoint.learned_ns is not None for waypoint in self.waypoints)
+
+    @property
+    def falls(self) -> int:
+        """How often the robot fell."""
+        return sum(event.kind is EventKind.FALL for event in self.events)

@@ -16,6 +16,7 @@ from waypointctl.replay.chronicle import Chronicle
 
 if TYPE_CHECKING:
     from rich.console import Console, Group, RenderableType
+    from rich.rule import Rule
 
     from waypointctl.log.messages import Message, PlannedWaypoint
 
@@ -52,9 +53,10 @@ def sizes(width: int, height: int) -> Sizes:
     known = min(6, max(0, (lines - _CLOCKS_HEIGHT - 5) // 3))
     left = lines - (shown + 1 if shown else 0) - (known + 2 if known else 0)
     if width >= 2 * _CLOCKS_WIDTH:
-        return Sizes(True, width - _CLOCKS_WIDTH - 2, left if left >= 3 else 0, known, shown)
+        columns = width - _CLOCKS_WIDTH - 2
+        return Sizes(True, columns, min(left, columns // 2 + 2) if left >= 3 else 0, known, shown)
     stacked = left - _CLOCKS_HEIGHT
-    return Sizes(False, width, stacked if stacked >= 4 else 0, known, shown)
+    return Sizes(False, width, min(stacked, width // 2 + 2) if stacked >= 4 else 0, known, shown)
 
 
 class LiveView:
@@ -62,15 +64,13 @@ class LiveView:
 
     Attributes:
         chronicle: the flight so far.
-        status: a word about the view, beside the title.
     """
 
     def __init__(self, people: Console, title: str, waypoints: Iterable[PlannedWaypoint]) -> None:
         """Draw on `people`, a terminal, under `title`."""
         from rich.live import Live
 
-        self.status = ""
-        self.chronicle = Chronicle()
+        self._status = ""
         self._waypoints = tuple(waypoints)
         self._title = title
         self._console = people
@@ -96,7 +96,7 @@ class LiveView:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         """Leave the last picture standing."""
-        self.status = ""
+        self.say("")
         self.draw()
         self._live.stop()
 
@@ -106,6 +106,12 @@ class LiveView:
         self._happenings = deque[Happening](maxlen=_MOST_HAPPENINGS)
         self._next_s = 0.0
 
+    def say(self, status: str) -> None:
+        """Put a word about the view itself beside the title."""
+        if status != self._status:
+            self._status = status
+            self.draw()
+
     def draw(self) -> None:
         """Draw now."""
         self._live.update(self.picture(), refresh=True)
@@ -114,19 +120,23 @@ class LiveView:
     def picture(self) -> Group:
         """Return the whole view, made to the terminal's size as it is now."""
         from rich.console import Group
-        from rich.rule import Rule
 
         width, height = self._console.size
         plan = sizes(width, height)
-        parts: list[RenderableType] = [heading(self._title, self.status, self.chronicle, ascii_only=self._ascii_only)]
+        parts: list[RenderableType] = [heading(self._title, self._status, self.chronicle, ascii_only=self._ascii_only)]
         parts += self._upper(plan)
         if plan.commands:
             narrow = width < 2 * _CLOCKS_WIDTH
-            parts += [Rule(style="dim"), commands(self.chronicle, plan.commands, narrow=narrow)]
+            parts += [self._rule(), commands(self.chronicle, plan.commands, narrow=narrow)]
         if plan.happenings:
             newest = list(self._happenings)[-plan.happenings :]
-            parts += [Rule(style="dim"), happenings(newest)]
+            parts += [self._rule(), happenings(newest)]
         return Group(*parts)
+
+    def _rule(self) -> Rule:
+        from rich.rule import Rule
+
+        return Rule(style="dim", characters="-" if self._ascii_only else "─")
 
     def _upper(self, plan: Sizes) -> list[RenderableType]:
         from rich.console import Group

@@ -18,13 +18,11 @@ class Pace:
 
     Attributes:
         rate: simulated seconds in a second.
-        paused: nothing passes.
     """
 
-    def __init__(self, rate: float, *, idle: Callable[[float], None] = time.sleep, paused: bool = False) -> None:
+    def __init__(self, rate: float, idle: Callable[[float], None] = time.sleep) -> None:
         """Start the clock; `idle` is called with how long to wait [s], and may return sooner."""
         self.rate = rate
-        self.paused = paused
         self._idle = idle
         self._simulated_s = 0.0
         self._wall_s = time.monotonic()
@@ -43,10 +41,6 @@ class Pace:
         """Return when it is time for `time_ns`, or when `stopped` says so."""
         self._catch_up(time_ns)
         while not stopped():
-            if self.paused:
-                self._idle(_NAP_S)
-                self.restart(time_ns)
-                continue
             left_s = self._wall_s + (seconds(time_ns) - self._simulated_s) / self.rate - time.monotonic()
             if left_s <= 0:
                 return

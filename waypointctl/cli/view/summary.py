@@ -14,8 +14,9 @@ if TYPE_CHECKING:
 
     from waypointctl.ops.record import Recording
     from waypointctl.replay.story import Story
+    from waypointctl.replay.verdict import Verification
 
-_OUTCOME_STYLES: Final = {"success": "bold green"}
+_GOOD: Final = "bold green"
 _BAD: Final = "bold red"
 _MAP_LINES: Final = 22
 _MAP_COLUMNS: Final = 78
@@ -34,6 +35,22 @@ def print_flight(story: Story, recording: Recording, wall_s: float, *, stderr: b
     out.print(f"seed       {recording.seed}")
     out.print(f"log        {recording.path} ({size(recording.path.stat().st_size)})", soft_wrap=True)
     out.print(f"sha256     {recording.sha256}", soft_wrap=True)
+
+
+def print_verdict(verification: Verification, *, stderr: bool) -> None:
+    """Print whether the flight happened again, what was compared, and where it parted if it did."""
+    out = console(stderr=stderr)
+    verdict = verification.verdict
+    style = _GOOD if verdict == "exact" else _BAD
+    out.print(printable(f"{verdict.upper()}: {verification.reason}"), style=style, soft_wrap=True)
+    for check in verification.checks:
+        out.print(f"  {check}", soft_wrap=True)
+    first = verification.first_divergence
+    if first is not None:
+        where = f"step {first.step}, {seconds(first.time_ns):.3f} s, {first.topic}, {first.component}"
+        for line in (where, f"logged    {first.logged}", f"replayed  {first.replayed}"):
+            out.print(f"  {printable(line)}", soft_wrap=True)
+    out.print()
 
 
 def print_story(story: Story, title: str, *, stderr: bool) -> None:
@@ -58,7 +75,7 @@ def print_story(story: Story, title: str, *, stderr: bool) -> None:
 
 
 def _print_outcome(out: Console, story: Story) -> None:
-    style = _OUTCOME_STYLES.get(story.outcome, _BAD)
+    style = _GOOD if story.outcome == "success" else _BAD
     out.print(printable(f"{story.outcome}: {story.reason}"), style=style, soft_wrap=True)
 
 

@@ -25,6 +25,9 @@ class Watch(AbstractContextManager["Watch"], Protocol):
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
 
+    def say(self, status: str) -> None:
+        """Put a word about the view itself beside what it shows, where there is room for one."""
+
 
 def watch(title: str, waypoints: Iterable[PlannedWaypoint]) -> Watch:
     """Return what shows a flight on stderr."""
@@ -72,3 +75,6 @@ class PlainLines:
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
         self.chronicle = Chronicle(self._waypoints)
+
+    def say(self, status: str) -> None:
+        """Say nothing: among the lines of a flight it would be out of place."""

@@ -1,0 +1,109 @@
+"""`waypointctl replay`: prove a log, tell its story, draw it, show it again."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from waypointctl.cli.options import not_negative, positive
+from waypointctl.errors import OutputError
+
+if TYPE_CHECKING:
+    from waypointctl.log.reader import Log
+    from waypointctl.replay.story import Story
+    from waypointctl.replay.verdict import Verification
+
+
+def replay(
+    log: Annotated[Path, typer.Argument(metavar="LOG.mcap", help="The log.", show_default=False)],
+    verify: Annotated[bool, typer.Option("--verify", help="Prove it, and tell nothing of the flight.")] = False,
+    png: Annotated[
+        Path | None, typer.Option(help="Also draw path, speed and commands into this PNG.", show_default=False)
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
+    rate: Annotated[
+        float | None,
+        typer.Option(callback=positive, help="Only show the flight: this many seconds a second.", show_default=False),
+    ] = None,
+    start_offset: Annotated[
+        float | None, typer.Option(callback=not_negative, help="Show it from this second on.", show_default=False)
+    ] = None,
+    loop: Annotated[bool, typer.Option("--loop", help="Show it over and over.")] = False,
+    start_paused: Annotated[bool, typer.Option("--start-paused", help="Show it when space is pressed.")] = False,
+) -> None:
+    """Simulate a logged flight again, compare every bit, and tell its story.
+
+    Everything comes from the log. Exit with 0 if the replay is exact, 1 if it diverged or cannot be verified. With
+    --rate, --start-offset, --loop or --start-paused the flight is only shown, live on a terminal.
+    """
+    from json import dumps as to_json
+
+    from waypointctl.cli.view.story_json import story_json, verification_json
+    from waypointctl.cli.view.summary import print_story
+    from waypointctl.log.reader import open_log
+    from waypointctl.replay.logged import mission_name, story_of
+
+    if rate is not None or start_offset is not None or loop or start_paused:
+        if verify or json or png is not None:
+            raise typer.BadParameter("the flight is either shown or verified: leave out --verify, --json and --png.")
+        from waypointctl.cli.view.playback import Playback, play
+
+        play(open_log(log), Playback(rate or 1.0, start_offset or 0.0, loop, start_paused))
+        return
+    if png is not None:
+        _refuse_unwritable(png)
+    opened = open_log(log)
+    verification = _prove(log, stderr=json)
+    found = verification_json(verification)
+    if not verify or png is not None:
+        story = story_of(opened)
+        if not verify:
+            print_story(story, mission_name(opened), stderr=json)
+            found["story"] = story_json(story, mission_name(opened))
+        if png is not None:
+            _draw(story, opened, verification, png)
+    if json:
+        sys.stdout.write(f"{to_json(found, indent=2)}\n")
+    raise typer.Exit(0 if verification.verdict == "exact" else 1)
+
+
+def _prove(log: Path, *, stderr: bool) -> Verification:
+    from waypointctl.cli.console import console, is_live
+    from waypointctl.cli.view.summary import print_verdict
+    from waypointctl.replay.verify import verify
+
+    people = console(stderr=True)
+    if is_live(people):
+        with people.status("simulating the flight again"):
+            verification = verify(log)
+    else:
+        verification = verify(log)
+    print_verdict(verification, stderr=stderr)
+    return verification
+
+
+def _draw(story: Story, log: Log, verification: Verification, png: Path) -> None:
+    from waypointctl.replay.logged import mission_name
+    from waypointctl.replay.picture.page import draw
+
+    proof = f"replay {verification.verdict}, {verification.steps} control steps"
+    picture = draw(story, mission_name(log), proof)
+    try:
+        png.write_bytes(picture)
+    except OSError as error:
+        raise OutputError(f"cannot be written: {error.strerror}", where=str(png)) from error
+    typer.echo(f"drawn into {png}", err=True)
+
+
+def _refuse_unwritable(path: Path) -> None:
+    """Refuse a picture that could not be written, before the flight is simulated for it."""
+    if path.is_dir():
+        raise OutputError("is a folder; the picture is a file", where=str(path), mend="Name the file: flight.png.")
+    if not path.parent.is_dir():
+        raise OutputError("cannot be written: its folder does not exist", where=str(path), mend="Create the folder.")
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise OutputError("cannot be written: no permission", where=str(path), mend="Choose another place.")

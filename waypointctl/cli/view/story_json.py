@@ -1,0 +1,88 @@
+"""A flight's story and its proof as plain data for --json; fields are only ever added."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from waypointctl.units import seconds
+
+if TYPE_CHECKING:
+    from waypointctl.replay.story import CommandStory, Story, WaypointStory
+    from waypointctl.replay.verdict import Verification
+
+Plain = dict[str, object]
+
+
+def verification_json(verification: Verification) -> Plain:
+    """Return the verdict and what it rests on."""
+    first = verification.first_divergence
+    return {
+        "verdict": str(verification.verdict),
+        "steps": verification.steps,
+        "first_divergence": None if first is None else asdict(first),
+        "reason": verification.reason,
+        "checks": list(verification.checks),
+    }
+
+
+def story_json(story: Story, mission: str) -> Plain:
+    """Return the story; times in [s] from mission start, None for what never came."""
+    effort = story.effort
+    return {
+        "mission": mission,
+        "outcome": story.outcome,
+        "reason": story.reason,
+        "ended_s": seconds(story.ended_ns),
+        "control_steps": story.steps,
+        "waypoints_reached": story.reached,
+        "waypoints_known": story.learned,
+        "waypoints_total": len(story.waypoints),
+        "falls": story.falls,
+        "distance_m": effort.distance_m,
+        "mean_speed_mps": effort.mean_speed_mps,
+        "walking_s": seconds(effort.walking_ns),
+        "standing_s": seconds(effort.standing_ns),
+        "fallen_s": seconds(effort.fallen_ns),
+        "standing_share": effort.standing_share,
+        "reward": dict(story.reward),
+        "reward_total": story.reward_total,
+        "waypoints": [_waypoint(waypoint) for waypoint in story.waypoints],
+        "commands": [_command(command) for command in story.commands],
+    }
+
+
+def _waypoint(waypoint: WaypointStory) -> Plain:
+    plan = waypoint.planned
+    return {
+        "name": plan.name,
+        "x_m": plan.x_m,
+        "y_m": plan.y_m,
+        "acceptance": plan.acceptance,
+        "tolerance_m": plan.tolerance_m,
+        "fate": str(waypoint.fate),
+        "started_s": _seconds(waypoint.started_ns),
+        "reached_s": _seconds(waypoint.reached_ns),
+        "known_s": _seconds(waypoint.learned_ns),
+    }
+
+
+def _command(command: CommandStory) -> Plain:
+    return {
+        "id": command.id,
+        "command": command.what,
+        "issued_s": seconds(command.issued_ns),
+        "received_s": _seconds(command.received_ns),
+        "acknowledged_s": _seconds(command.acknowledged_ns),
+        "ended_s": _seconds(command.ended_ns),
+        "concluded_s": _seconds(command.concluded_ns),
+        "uplink_s": _seconds(command.uplink_ns),
+        "downlink_s": _seconds(command.downlink_ns),
+        "round_trip_s": _seconds(command.round_trip_ns),
+        "known_as": str(command.heard),
+        "on_board": None if command.onboard is None else str(command.onboard),
+    }
+
+
+def _seconds(time_ns: int | None) -> float | None:
+    return None if time_ns is None else seconds(time_ns)

@@ -1,0 +1,37 @@
+"""The flight that a log holds: its name, its waypoints, its story."""
+
+from __future__ import annotations
+
+from waypointctl.errors import MissionError
+from waypointctl.log.messages import PlannedWaypoint
+from waypointctl.log.reader import Log
+from waypointctl.mission.files import parse_mission
+from waypointctl.ops.header import MISSION
+from waypointctl.ops.operator import planned_waypoints
+from waypointctl.replay.chronicle import tell
+from waypointctl.replay.story import Story
+
+
+def mission_name(log: Log) -> str:
+    """Return the name of the mission that was flown."""
+    return log.metadata.get("mission") or log.path.stem
+
+
+def waypoints_in(log: Log) -> tuple[PlannedWaypoint, ...]:
+    """Return the mission's waypoints; none where the log carries no mission that can be read."""
+    source = log.attachments.get(MISSION)
+    if source is None:
+        return ()
+    try:
+        return planned_waypoints(parse_mission(source, f"{log.path}/{MISSION}"))
+    except MissionError:
+        return ()  # the story is then told of the waypoints that were commanded; the proof names what is wrong
+
+
+def story_of(log: Log) -> Story:
+    """Return the story of a log's flight.
+
+    Raises:
+        LogError: a message cannot be read.
+    """
+    return tell(log.messages(), waypoints_in(log))

@@ -1,0 +1,70 @@
+"""The whole picture of a flight, as a PNG."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from typing import Final
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from waypointctl.replay.picture import palette
+from waypointctl.replay.picture.path import draw_path
+from waypointctl.replay.picture.sequence import draw_sequence
+from waypointctl.replay.picture.speed import draw_speed
+from waypointctl.replay.story import Story
+from waypointctl.units import seconds
+
+WIDTH: Final = 1600  # pixels
+HEIGHT: Final = 1000
+_DPI: Final = 100
+_STYLE: Final = {
+    "text.parse_math": False,  # a dollar sign in a waypoint's name is a dollar sign
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 11,
+    "text.color": palette.INK,
+    "font.size": 10,
+}
+
+
+def draw(story: Story, title: str, proof: str) -> bytes:
+    """Return the picture of a story as PNG, WIDTH by HEIGHT pixels; the same story gives the same bytes.
+
+    Args:
+        story: what to draw.
+        title: the mission's name.
+        proof: what replay found, for the last line.
+    """
+    with mpl.rc_context(_STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from")  # of a script the font lacks: drawn as a box
+        figure = Figure(figsize=(WIDTH / _DPI, HEIGHT / _DPI), dpi=_DPI)
+        FigureCanvasAgg(figure)
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.98, top=0.88, bottom=0.09)
+        draw_path(figure.add_subplot(grid[:, 0]), story)
+        speed = figure.add_subplot(grid[0, 1])
+        sequence = figure.add_subplot(grid[1, 1], sharex=speed)
+        draw_speed(speed, story)
+        draw_sequence(sequence, story)
+        sequence.set_xlim(0.0, max(1.0, seconds(story.ended_ns)) * 1.02)
+        _write_frame(figure, story, title, proof)
+        image = io.BytesIO()
+        figure.savefig(image, format="png", dpi=_DPI, metadata={"Software": None})
+    return image.getvalue()
+
+
+def _write_frame(figure: Figure, story: Story, title: str, proof: str) -> None:
+    color = palette.REACHED if story.outcome == "success" else palette.FAILED
+    figure.text(0.05, 0.955, title, fontsize=17, fontweight="bold", va="center")
+    figure.text(0.05, 0.922, f"{story.outcome}: {story.reason}", fontsize=11.5, color=color, va="center")
+    effort = story.effort
+    facts = [f"{effort.distance_m:.1f} m walked"]
+    if effort.mean_speed_mps is not None:
+        facts.append(f"{effort.mean_speed_mps:.2f} m/s while walking")
+    if effort.standing_share is not None:
+        facts.append(f"standing {effort.standing_share:.0%} of the time")
+    figure.text(0.98, 0.955, ", ".join(facts), fontsize=10.5, ha="right", va="center")
+    figure.text(0.98, 0.015, proof, fontsize=8.5, color=palette.OPEN, ha="right", va="center")

@@ -1,0 +1,87 @@
+"""Speed over time: the robot's own, and what the operator was told, when it was told."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from waypointctl.log.messages import EventKind
+from waypointctl.replay.picture import palette
+from waypointctl.replay.story import FloatArray, Story, Track
+from waypointctl.units import NS_PER_S, seconds
+
+_WINDOW_NS: Final = NS_PER_S // 2  # of the moving mean: a stride or two
+_POINTS: Final = 6000
+_MOST_NAMES: Final = 20  # above that many waypoints their names would cover each other
+_SHOWN: Final = {EventKind.FALL: "fall", EventKind.WAYPOINT_TIMEOUT: "timeout"}
+
+
+def draw_speed(axes: Axes, story: Story) -> None:
+    """Draw the speeds and the legs of a story over time [s]."""
+    _draw_legs(axes, story)
+    truth = story.truth.thinned(_POINTS)
+    mean = np.interp(truth.time_ns, story.truth.time_ns, _moving_mean(story.truth)) if len(truth) else truth.speed_mps
+    axes.plot(truth.time_ns / NS_PER_S, truth.speed_mps, color=palette.ROBOT, linewidth=0.6, alpha=0.35)
+    axes.plot(truth.time_ns / NS_PER_S, mean, color=palette.ROBOT, linewidth=1.8, label="robot, mean of 0.5 s")
+    told = story.belief.thinned(_POINTS)
+    axes.step(
+        told.known_ns / NS_PER_S,
+        told.speed_mps,
+        where="post",
+        color=palette.OPERATOR,
+        linewidth=1.0,
+        label="as known to the operator",
+    )
+    for event in story.events:
+        if event.kind in _SHOWN:
+            axes.axvline(seconds(event.time_ns), color=palette.FAILED, linewidth=1.2)
+            _name(axes, seconds(event.time_ns), _SHOWN[event.kind], palette.FAILED)
+    axes.set(ylabel="speed [m/s]", title="Speed")
+    axes.set_ylim(bottom=0.0)
+    axes.grid(color=palette.FAINT, linewidth=0.4)
+    axes.legend(loc="upper right", fontsize=9, framealpha=0.85)
+
+
+def _draw_legs(axes: Axes, story: Story) -> None:
+    for waypoint in story.waypoints:
+        if waypoint.started_ns is None:
+            continue
+        end_ns = waypoint.reached_ns if waypoint.reached_ns is not None else _end_of_leg(story, waypoint.planned.index)
+        color = palette.FATES[waypoint.fate]
+        axes.axvspan(seconds(waypoint.started_ns), seconds(end_ns), color=color, alpha=0.10, linewidth=0)
+        if waypoint.reached_ns is not None:
+            axes.axvline(seconds(waypoint.reached_ns), color=color, linewidth=1.0)
+            if len(story.waypoints) <= _MOST_NAMES:
+                _name(axes, seconds(waypoint.reached_ns), waypoint.planned.name, color)
+
+
+def _end_of_leg(story: Story, index: int) -> int:
+    """Return when the robot gave a waypoint up [ns], or the end of the flight."""
+    ends = (EventKind.WAYPOINT_TIMEOUT, EventKind.FALL)
+    given_up = (event.time_ns for event in story.events if event.kind in ends and event.waypoint in (index, -1))
+    return next(given_up, story.ended_ns)
+
+
+def _name(axes: Axes, time_s: float, text: str, color: str) -> None:
+    axes.annotate(
+        text,
+        (time_s, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(-2, -3),
+        textcoords="offset points",
+        rotation=90,
+        ha="right",
+        va="top",
+        fontsize=8,
+        color=color,
+    )
+
+
+def _moving_mean(track: Track) -> FloatArray:
+    """Return the mean speed of the window centred on each row (n,)."""
+    total = np.concatenate([[0.0], np.cumsum(track.speed_mps)])
+    first = np.searchsorted(track.time_ns, track.time_ns - _WINDOW_NS // 2, "left")
+    last = np.searchsorted(track.time_ns, track.time_ns + _WINDOW_NS // 2, "right")
+    return np.asarray((total[last] - total[first]) / (last - first), np.float64)
