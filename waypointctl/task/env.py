@@ -1,0 +1,146 @@
+"""One robot on its course as a Gymnasium environment: the batched env with a batch of one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.errors import InputError
+from waypointctl.seeding import stream
+from waypointctl.task.batched import BatchedWaypointEnv, Step
+from waypointctl.task.config import TaskConfig
+from waypointctl.task.progress import CourseProgress
+from waypointctl.task.reward import TERMS
+from waypointctl.task.start import Start
+
+try:
+    import gymnasium
+except ModuleNotFoundError as error:
+    problem = "waypointctl's environment needs gymnasium, which is not installed: pip install 'waypointctl[train]'"
+    raise ModuleNotFoundError(problem, name=error.name) from error
+
+FloatArray = NDArray[np.float64]
+
+OPTIONS: Final = ("waypoints", "position_m", "heading_rad")
+
+# Beyond this MuJoCo calls a coordinate bad and begins its world anew (mjMAXVAL), so no observation is larger.
+_LARGEST: Final = 1e10
+
+
+class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
+    """A robot that is to walk a course of waypoints.
+
+    Observation: (k,) float64 in the layout that the config names. Action: (nu,) float32, the fraction of full torque
+    of each motor. An episode is terminated by a fall, truncated by its deadline and by success.
+
+    `info` of a step has `reward_<term>` for each term of the reward, `waypoint_index` (of the waypoint walked to, from
+    0), `waypoint_reached` (in this step), `success`, `fell` and `timed_out`; that of a reset has `waypoint_index` and
+    `waypoints` (m, 2) [m].
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  # declared so by Gymnasium
+
+    def __init__(self, config: TaskConfig | None = None) -> None:
+        """Make the robot's world; `config` is the task, the paper's course and waypoints unless told."""
+        self._config = config or TaskConfig()
+        self._env = BatchedWaypointEnv(self._config, 1, 0, threads=1, autoreset=False)
+        self._seeded = False
+        largest = np.full(self._env.layout.size, _LARGEST)
+        full_torque = np.ones(self._env.robot.num_joints, np.float32)
+        self.observation_space = gymnasium.spaces.Box(-largest, largest, dtype=np.float64)
+        self.action_space = gymnasium.spaces.Box(-full_torque, full_torque, dtype=np.float32)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[FloatArray, dict[str, Any]]:
+        """Begin an episode.
+
+        Args:
+            seed: of every start and course from here on: robot 0's of a BatchedWaypointEnv with that seed.
+            options: of this episode alone: "waypoints", the course (m, 2) [m] instead of a drawn one; "position_m",
+                (2,) the torso's place at the start; "heading_rad", the robot's heading there.
+
+        Raises:
+            InputError: an option that does not exist or has no such value.
+        """
+        super().reset(seed=seed)
+        given = options or {}
+        waypoints = _waypoints(given)
+        start = _start(given, self._config.start)
+        if seed is not None or not self._seeded:
+            self._seed(int(self.np_random.integers(2**63)) if seed is None else seed)
+        count = self._config.course.count if waypoints is None else len(waypoints)
+        self._make_room(count)
+        self._env.config = replace(self._config, start=start)
+        self._env.begin([0], waypoints)
+        course = self._env.progress.waypoints[0, :count].copy()
+        return self._env.observe()[0], {"waypoint_index": 0, "waypoints": course}
+
+    def step(self, action: NDArray[np.float32]) -> tuple[FloatArray, float, bool, bool, dict[str, Any]]:
+        """Walk one control period with action (nu,), clipped to [-1, 1]."""
+        step = self._env.step(np.asarray(action, np.float64)[np.newaxis])
+        terminated, truncated = bool(step.terminated[0]), bool(step.truncated[0])
+        return step.observation[0], float(step.reward[0]), terminated, truncated, self._info(step)
+
+    def _info(self, step: Step) -> dict[str, Any]:
+        success = bool(step.success[0])
+        return {
+            **{f"reward_{name}": float(value) for name, value in zip(TERMS, step.terms[0], strict=True)},
+            "waypoint_index": int(self._env.progress.index[0]),
+            "waypoint_reached": bool(step.reached[0]),
+            "success": success,
+            "fell": bool(step.terminated[0]),
+            "timed_out": bool(step.truncated[0]) and not success,
+        }
+
+    def _seed(self, seed: int) -> None:
+        self._env.starts = [stream(seed, "start", 0)]
+        self._env.courses = [stream(seed, "course", 0)]
+        self._seeded = True
+
+    def _make_room(self, count: int) -> None:
+        """Let a course have `count` waypoints."""
+        if count > self._env.progress.waypoints.shape[1]:
+            period_ns = self._env.robot.control_period_ns
+            self._env.progress = CourseProgress(1, count, self._config.deadline, period_ns)
+
+
+def _waypoints(options: Mapping[str, Any]) -> FloatArray | None:
+    for name in options:
+        if name not in OPTIONS:
+            raise InputError(f"there is no option {name!r} of reset; there are: {', '.join(OPTIONS)}")
+    given = options.get("waypoints")
+    if given is None:
+        return None
+    waypoints = _numbers("waypoints", given)
+    if waypoints.ndim != 2 or waypoints.shape[1] != 2 or not len(waypoints):
+        raise InputError(f"options['waypoints'] has the shape {waypoints.shape}; it is to be (m, 2), a row each")
+    return waypoints
+
+
+def _start(options: Mapping[str, Any], start: Start) -> Start:
+    if options.get("position_m") is not None:
+        position = _numbers("position_m", options["position_m"])
+        if position.shape != (2,):
+            raise InputError(f"options['position_m'] has the shape {position.shape}; it is to be (2,), x and y in m")
+        start = replace(start, position_m=(float(position[0]), float(position[1])))
+    if options.get("heading_rad") is not None:
+        heading = _numbers("heading_rad", options["heading_rad"])
+        if heading.shape != ():
+            raise InputError(f"options['heading_rad'] has the shape {heading.shape}; it is to be one number in rad")
+        start = replace(start, heading_rad=float(heading))
+    return start
+
+
+def _numbers(name: str, given: object) -> FloatArray:
+    try:
+        numbers = np.array(given, np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"options[{name!r}] is to be numbers: {error}") from error
+    if not np.isfinite(numbers).all():
+        raise InputError(f"options[{name!r}] is {numbers.tolist()}; every number is to be finite")
+    return numbers
