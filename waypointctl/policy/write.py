@@ -45,18 +45,22 @@ def write_bundle(folder: Path, description: PolicyDescription, onnx: bytes, safe
         PolicyError: the network does not fit the description; nothing is written.
         OutputError: the folder cannot be written.
     """
-    files = bundle_files(description, onnx, safetensors)
-    policy = load_policy_bytes(files, str(folder))
+    policy = load_policy_bytes(bundle_files(description, onnx, safetensors), str(folder))
+    copy_bundle(policy, folder)
+    return policy
+
+
+def copy_bundle(policy: LoadedPolicy, folder: Path) -> None:
+    """Write a policy's files into `folder`, in the way and with the errors of `write_bundle`."""
     staging = folder.parent / f".{folder.name}.{os.getpid()}.tmp"
     try:
         staging.mkdir(parents=True)
-        _put(folder, staging, files)
+        _put(folder, staging, policy.files)
     except OSError as error:
         problem = f"the policy cannot be written: {error.strerror}"
         raise OutputError(problem, where=str(folder), mend="give a folder in a place you can write to") from error
     finally:
         shutil.rmtree(staging, ignore_errors=True)
-    return policy
 
 
 def _record(content: bytes) -> dict[str, str | int]:

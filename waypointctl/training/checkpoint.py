@@ -1,49 +1,74 @@
-"""Checkpoints: a bundle that can fly, and all that training needs to go on bit for bit. No pickle.
-
-A checkpoint is taken between an update and the next rollout. It holds weights, optimiser, normaliser, the state of
-every robot and of every random stream; what a learning rate or a phase is follows from the step.
-"""
+"""Checkpoints: a bundle that can fly, and all that training needs to go on bit for bit. No pickle."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-import numpy as np
-import torch
-from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, ValidationError
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.training.export import export_policy
 from waypointctl.training.learner import Learner
-from waypointctl.training.recipe import RecipeFile
+from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.snapshot import LearnerFacts, Snapshot, restore, take
 
 ARRAYS: Final = "training.safetensors"
 FACTS: Final = "training.json"
 FOLDER: Final = "checkpoints"
+RECIPE: Final = "train.yaml"  # in the run's folder, as it was when the run began
 
-Arrays = dict[str, NDArray[Any]]
+_REMOVE: Final = "Remove the folder to go on from the checkpoint before it."
 
 
-def save_checkpoint(learner: Learner, recipe_file: RecipeFile, runs: Path, wall_time_s: float) -> Path:
+class Facts(BaseModel):
+    """What of a checkpoint is no array.
+
+    Attributes:
+        recipe_sha256: of the recipe's file.
+        seed: of the run, which need not be the file's.
+        phase_steps: the lengths of the phases, which need not be the file's.
+        wall_time_s: spent on training until then.
+        learner: its state.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    recipe_sha256: str
+    seed: int
+    phase_steps: list[int]
+    wall_time_s: float
+    learner: LearnerFacts
+
+
+def save_checkpoint(learner: Learner, recipe_file: RecipeFile, run: Path, wall_time_s: float) -> Path:
     """Write a checkpoint into the run's folder and return its own folder, which appears whole.
+
+    A checkpoint of this step that is there already was taken of the very same state, and stays.
 
     Raises:
         OutputError: it cannot be written.
     """
-    final = runs / FOLDER / f"step-{learner.steps:010d}"
+    final = run / FOLDER / f"step-{learner.steps:010d}"
+    if final.exists():
+        return final
     staging = final.with_name(f".{final.name}.{os.getpid()}.tmp")
     try:
         staging.parent.mkdir(parents=True, exist_ok=True)
         export_policy(learner, recipe_file, staging, wall_time_s)
-        (staging / ARRAYS).write_bytes(save(_arrays(learner)))
-        (staging / FACTS).write_text(json.dumps(_facts(learner, recipe_file, wall_time_s)))
-        shutil.rmtree(final, ignore_errors=True)
+        snapshot = take(learner)
+        arrays = save(snapshot.arrays)
+        facts = _facts(recipe_file, wall_time_s, snapshot)
+        (staging / ARRAYS).write_bytes(arrays)
+        text = json.dumps({"sha256": _sha256(facts, arrays), "facts": facts.model_dump(mode="json")})
+        (staging / FACTS).write_text(text, encoding="utf-8")
         staging.rename(final)
     except OSError as error:
         raise OutputError(f"the checkpoint cannot be written: {error.strerror}", where=str(final)) from error
@@ -52,119 +77,86 @@ def save_checkpoint(learner: Learner, recipe_file: RecipeFile, runs: Path, wall_
     return final
 
 
-def newest_checkpoint(runs: Path) -> Path:
-    """Return the folder of a run's newest checkpoint.
+def newest_checkpoint(run: Path) -> Path | None:
+    """Return the folder of a run's newest checkpoint, None if there is none."""
+    steps = {int(path.name[5:]): path for path in (run / FOLDER).glob("step-*") if path.name[5:].isdecimal()}
+    return steps[max(steps)] if steps else None
+
+
+def begun_as(recipe_file: RecipeFile, checkpoint: Path) -> RecipeFile:
+    """Return the recipe with the seed and the steps that a checkpoint's run began with.
 
     Raises:
-        RecipeError: there is none.
+        RecipeError: the checkpoint is damaged, or of another recipe.
     """
-    folders = sorted(path for path in (runs / FOLDER).glob("step-*") if (path / FACTS).is_file())
-    if not folders:
-        raise RecipeError("no checkpoint to resume from", where=str(runs), mend="Train without --resume.")
-    return folders[-1]
+    facts, _ = _read(checkpoint)
+    _refuse_other_file(facts, recipe_file, checkpoint)
+    recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps).model_copy(update={"seed": facts.seed})
+    return replace(recipe_file, recipe=recipe)
 
 
 def load_checkpoint(learner: Learner, recipe_file: RecipeFile, folder: Path) -> float:
     """Put a fresh learner where a checkpoint was taken; return the wall time spent until then [s].
 
     Raises:
-        RecipeError: the checkpoint is damaged, or of another recipe.
+        RecipeError: the checkpoint is damaged, or of another recipe, seed or number of steps.
     """
+    facts, arrays = _read(folder)
+    _refuse_other_file(facts, recipe_file, folder)
+    recipe = recipe_file.recipe
+    for what, began, now in (
+        ("seed", facts.seed, recipe.seed),
+        ("steps", facts.phase_steps, [phase.steps for phase in recipe.phases]),
+    ):
+        if began != now:
+            problem = f"the run began with {what} {began}, not {now}"
+            raise RecipeError(problem, where=str(folder), mend="Resume it as it began, or begin another run.")
     try:
-        facts = json.loads((folder / FACTS).read_text())
-        arrays = load((folder / ARRAYS).read_bytes())
-    except (OSError, ValueError, SafetensorError) as error:
-        raise RecipeError(f"the checkpoint cannot be read: {error}", where=str(folder)) from error
-    if facts["recipe_sha256"] != recipe_file.sha256 or facts["total_steps"] != recipe_file.recipe.total_steps:
-        mend = "Resume with the recipe, seed and steps that the run began with, or train anew."
-        raise RecipeError("the checkpoint was made by another recipe", where=str(folder), mend=mend)
-    _restore_learner(learner, arrays, facts)
-    _restore_env(learner, arrays, facts)
-    _restore_random(arrays, facts)
-    return float(facts["wall_time_s"])
+        restore(learner, Snapshot(load(arrays), facts.learner))
+    except (KeyError, RuntimeError, ValueError, SafetensorError) as error:
+        problem = f"the checkpoint does not fit this version of waypointctl: {error}"
+        raise RecipeError(problem, where=str(folder), mend="Resume with the version it was made by.") from error
+    return facts.wall_time_s
 
 
-def _arrays(learner: Learner) -> Arrays:
-    ppo, env, statistics = learner.ppo, learner.env, learner.normaliser.obs_rms
-    arrays: Arrays = {f"policy.{name}": value.numpy() for name, value in ppo.policy.state_dict().items()}
-    for index, state in ppo.policy.optimizer.state_dict()["state"].items():
-        arrays |= {f"optimiser.{index}.{name}": value.numpy() for name, value in state.items()}
-    arrays |= {"normaliser.mean": statistics.mean, "normaliser.var": statistics.var}
-    arrays |= {"learner.last_obs": _present(ppo._last_obs), "learner.starts": _present(ppo._last_episode_starts)}
-    arrays |= {f"progress.{name}": getattr(env.progress, name) for name in _PROGRESS}
-    arrays |= {"env.integration": env.batch.integration, "env.noise": env.noise}
-    arrays |= {"random.torch": torch.get_rng_state().numpy(), "random.numpy": _legacy_state()["state"]["key"]}
-    return {name: np.ascontiguousarray(array) for name, array in arrays.items()}
-
-
-_PROGRESS: Final = ("waypoints", "count", "index", "steps", "deadline")
-
-
-def _facts(learner: Learner, recipe_file: RecipeFile, wall_time_s: float) -> dict[str, Any]:
-    legacy = _legacy_state()
-    return {
-        "recipe_sha256": recipe_file.sha256,
-        "total_steps": learner.recipe.total_steps,
-        "steps": learner.steps,
-        "updates": learner.ppo._n_updates,
-        "wall_time_s": wall_time_s,
-        "normaliser_count": float(learner.normaliser.obs_rms.count),
-        "random_numpy": {
-            "pos": legacy["state"]["pos"],
-            "has_gauss": legacy["has_gauss"],
-            "gauss": legacy["gauss"],
-        },
-        "random_starts": [rng.bit_generator.state for rng in learner.env.starts],
-        "random_courses": [rng.bit_generator.state for rng in learner.env.courses],
-    }
-
-
-def _restore_learner(learner: Learner, arrays: Arrays, facts: dict[str, Any]) -> None:
-    ppo, statistics = learner.ppo, learner.normaliser.obs_rms
-    parts = _section(arrays, "policy")
-    ppo.policy.load_state_dict({name: torch.from_numpy(array) for name, array in parts.items()})
-    optimiser = ppo.policy.optimizer.state_dict()
-    moments: dict[int, dict[str, torch.Tensor]] = {}
-    for name, array in _section(arrays, "optimiser").items():
-        index, _, kind = name.partition(".")
-        moments.setdefault(int(index), {})[kind] = torch.from_numpy(array)
-    ppo.policy.optimizer.load_state_dict(optimiser | {"state": moments})
-    statistics.mean, statistics.var = arrays["normaliser.mean"], arrays["normaliser.var"]
-    statistics.count = facts["normaliser_count"]
-    ppo._last_obs, ppo._last_episode_starts = arrays["learner.last_obs"], arrays["learner.starts"]
-    ppo.num_timesteps, ppo._n_updates = facts["steps"], facts["updates"]
-
-
-def _restore_env(learner: Learner, arrays: Arrays, facts: dict[str, Any]) -> None:
-    env = learner.env
-    env.batch.integration[:] = arrays["env.integration"]
-    env.noise[:] = arrays["env.noise"]
-    for name in _PROGRESS:
-        getattr(env.progress, name)[:] = arrays[f"progress.{name}"]
-    for streams, states in ((env.starts, facts["random_starts"]), (env.courses, facts["random_courses"])):
-        for rng, state in zip(streams, states, strict=True):
-            rng.bit_generator.state = state
-
-
-def _restore_random(arrays: Arrays, facts: dict[str, Any]) -> None:
-    torch.set_rng_state(torch.from_numpy(arrays["random.torch"]))
-    legacy = facts["random_numpy"]
-    # Stable-baselines3 shuffles minibatches with numpy's global generator.
-    np.random.set_state(  # noqa: NPY002
-        ("MT19937", arrays["random.numpy"], legacy["pos"], legacy["has_gauss"], legacy["gauss"])
+def _facts(recipe_file: RecipeFile, wall_time_s: float, snapshot: Snapshot) -> Facts:
+    recipe = recipe_file.recipe
+    return Facts(
+        recipe_sha256=recipe_file.sha256,
+        seed=recipe.seed,
+        phase_steps=[phase.steps for phase in recipe.phases],
+        wall_time_s=wall_time_s,
+        learner=snapshot.facts,
     )
 
 
-def _legacy_state() -> dict[str, Any]:
-    state = np.random.get_state(legacy=False)  # noqa: NPY002 - the generator that stable-baselines3 uses
-    assert isinstance(state, dict)
-    return state
+def _sha256(facts: Facts, arrays: bytes) -> str:
+    return hashlib.sha256(facts.model_dump_json().encode() + arrays).hexdigest()
 
 
-def _section(arrays: Arrays, name: str) -> Arrays:
-    return {key.removeprefix(f"{name}."): array for key, array in arrays.items() if key.startswith(f"{name}.")}
+def _read(folder: Path) -> tuple[Facts, bytes]:
+    try:
+        content = json.loads((folder / FACTS).read_bytes())
+        arrays = (folder / ARRAYS).read_bytes()
+        facts = Facts.model_validate(content["facts"])
+        expected = content["sha256"]
+    except OSError as error:
+        problem = f"the checkpoint cannot be read: {error.strerror}: {Path(str(error.filename)).name}"
+        raise RecipeError(problem, where=str(folder), mend=_REMOVE) from error
+    except (KeyError, TypeError, ValueError, ValidationError) as error:
+        problem = f"the checkpoint is damaged: {FACTS} is not what it was"
+        raise RecipeError(problem, where=str(folder), mend=_REMOVE) from error
+    if _sha256(facts, arrays) != expected:
+        problem = f"the checkpoint is damaged: {FACTS} and {ARRAYS} are not what they were"
+        raise RecipeError(problem, where=str(folder), mend=_REMOVE)
+    return facts, arrays
 
 
-def _present(value: Any) -> NDArray[Any]:
-    assert isinstance(value, np.ndarray)
-    return value
+def _refuse_other_file(facts: Facts, recipe_file: RecipeFile, folder: Path) -> None:
+    if facts.recipe_sha256 != recipe_file.sha256:
+        mend = (
+            f"Resume with {folder.parents[1] / RECIPE}, the recipe as it was when the run began, or begin another run."
+        )
+        raise RecipeError(
+            f"the checkpoint was made by another recipe than {recipe_file.path}", where=str(folder), mend=mend
+        )

@@ -16,7 +16,7 @@ from waypointctl.policy.manifest import ActionSpec, NetworkSpec, ObservationSpec
 from waypointctl.policy.write import write_bundle
 from waypointctl.training.learner import Learner
 from waypointctl.training.onnx_export import mlp_to_onnx
-from waypointctl.training.recipe import RecipeFile
+from waypointctl.training.recipe_file import RecipeFile
 
 PACKAGES: Final = ("waypointctl", "mujoco", "mjbatch", "numpy", "torch", "stable-baselines3")
 ACTION_MEANING: Final = "motor torque of each joint as a fraction of its maximum, in the model's actuator order"
@@ -28,7 +28,7 @@ def export_policy(learner: Learner, recipe_file: RecipeFile, folder: Path, wall_
     Raises:
         OutputError: the folder cannot be written.
     """
-    statistics = learner.normaliser.obs_rms
+    statistics = learner.statistics
     onnx = mlp_to_onnx(
         _layers(learner),
         learner.recipe.network.activation,
@@ -43,7 +43,7 @@ def export_policy(learner: Learner, recipe_file: RecipeFile, folder: Path, wall_
 def weights(learner: Learner) -> dict[str, NDArray[np.generic]]:
     """Return everything learnt, by name: PPO's parameters and the normaliser's statistics."""
     tensors = {name: tensor.detach().cpu().numpy() for name, tensor in learner.ppo.policy.state_dict().items()}
-    statistics = learner.normaliser.obs_rms
+    statistics = learner.statistics
     return tensors | {
         "normaliser.mean": statistics.mean,
         "normaliser.var": statistics.var,

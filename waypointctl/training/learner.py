@@ -7,6 +7,7 @@ from typing import Final
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
@@ -18,7 +19,15 @@ ACTIVATIONS: Final = {"elu": nn.ELU, "tanh": nn.Tanh, "relu": nn.ReLU}
 
 
 class Learner:
-    """A policy being trained: the robots, the normaliser and PPO."""
+    """A policy being trained: the robots, the normaliser and PPO.
+
+    Attributes:
+        recipe: what it follows.
+        env: the robots.
+        robots: `env` as stable-baselines3 takes it.
+        normaliser: of the observations, around `robots`.
+        ppo: the algorithm, with policy and optimiser.
+    """
 
     def __init__(self, recipe: Recipe, threads: int) -> None:
         """Begin a training. threads: of physics and of torch; 0 is one a core."""
@@ -55,7 +64,15 @@ class Learner:
     @property
     def steps(self) -> int:
         """Control steps of all robots so far."""
+        # PPO asks for the first learning rate while it is being made.
         return int(self.ppo.num_timesteps) if hasattr(self, "ppo") else 0
+
+    @property
+    def statistics(self) -> RunningMeanStd:
+        """Mean and variance (k,) of the observations so far."""
+        statistics = self.normaliser.obs_rms
+        assert isinstance(statistics, RunningMeanStd)
+        return statistics
 
     def enter_phase(self) -> int:
         """Pay as the phase of the present step says; return its number."""
@@ -65,5 +82,5 @@ class Learner:
 
     def learn(self, callback: BaseCallback) -> None:
         """Train from the present step to the recipe's last, or until the callback ends it."""
-        fresh = self.steps == 0
-        self.ppo.learn(self.recipe.total_steps - self.steps, callback, reset_num_timesteps=fresh)
+        # Not reset, even at step 0: a checkpoint of that step has begun its episodes, and a new learner begins them.
+        self.ppo.learn(self.recipe.total_steps - self.steps, callback, reset_num_timesteps=False)

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, Strict, model_validator
 
-from waypointctl.errors import RecipeError
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
-from waypointctl.mission.yaml_source import read_model, read_source
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.reward import RewardWeights
 from waypointctl.task.start import Start
 
-Count: TypeAlias = Annotated[int, Strict(), Field(gt=0)]
-Fraction: TypeAlias = Annotated[float, Field(ge=0, le=1)]
-Rate: TypeAlias = Annotated[float, Field(gt=0, le=1)]
-Cost: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Count: TypeAlias = Annotated[int, Strict(), Field(gt=0, le=10**12)]
+Few: TypeAlias = Annotated[int, Strict(), Field(gt=0, le=65_536)]  # of what takes memory
+Fraction: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1)]
+Rate: TypeAlias = Annotated[float, Strict(), Field(gt=0, le=1)]
+Cost: TypeAlias = Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
+Factor: TypeAlias = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
 Length: TypeAlias = Annotated[float, Quantity("m", gt=0, le=10_000)]
 Place: TypeAlias = Annotated[float, Quantity("m", ge=-10_000, le=10_000)]
 Duration: TypeAlias = Annotated[float, Quantity("s", gt=0, le=86_400)]
@@ -35,7 +34,7 @@ class CourseRecipe(FileModel):
     perimeter: Literal["square", "legs"] = Field(
         "square", description="square: each in a square; legs: each at a random distance and bearing from the last"
     )
-    count: Count = Field(4, description="waypoints an episode, the paper's M")
+    count: Few = Field(4, description="waypoints an episode, the paper's M")
     centre_m: tuple[Place, Place] = Field((10.0, 10.0), description="of the square")
     side_m: Length = Field(5.0, description="of the square")
     leg_m: tuple[Length, Length] = Field((1.0, 12.0), description="the shortest and the longest leg")
@@ -67,14 +66,16 @@ class StartRecipe(FileModel):
     position_m: tuple[Place, Place] = (0.0, 0.0)
     heading: Literal["random", "along_x"] = "along_x"
     joint_spread_rad: Annotated[float, Quantity("rad", ge=0, le=1)] = 0.1
-    speed_spread: Annotated[float, Field(ge=0, le=5)] = Field(0.1, description="in m/s and rad/s")
+    speed_spread: Annotated[float, Strict(), Field(ge=0, le=5)] = Field(0.1, description="in m/s and rad/s")
 
 
 class RewardRecipe(FileModel):
     """What the policy is paid, term by term, in units of walking speed."""
 
     progress: Cost = Field(1.0, description="for each m/s of approach to the current waypoint")
-    progress_cap_mps: Annotated[float, Field(gt=0)] = Field(math.inf, description="a faster approach pays no more")
+    progress_cap_mps: Annotated[float, Strict(), Field(gt=0)] = Field(
+        math.inf, description="a faster approach pays no more"
+    )
     alive: Cost = Field(1.0, description="for each step not fallen")
     power: Cost = Field(2.0, description="against mean |action x scaled joint speed|")
     torque: Cost = Field(0.1, description="against mean action squared")
@@ -87,26 +88,26 @@ class RewardRecipe(FileModel):
 class NetworkRecipe(FileModel):
     """The policy's network; the value function has one of the same shape."""
 
-    hidden: Annotated[tuple[Count, ...], Field(min_length=1, max_length=12)] = (128, 128, 128)
+    hidden: Annotated[tuple[Few, ...], Field(min_length=1, max_length=12)] = (128, 128, 128)
     activation: Literal["elu", "tanh", "relu"] = "elu"
-    initial_log_std: Annotated[float, Field(ge=-5, le=2)] = -0.7
+    initial_log_std: Annotated[float, Strict(), Field(ge=-5, le=2)] = -0.7
 
 
 class PpoRecipe(FileModel):
     """Proximal policy optimisation, in stable-baselines3's terms."""
 
-    robots: Count = Field(256, description="side by side")
-    rollout_steps: Count = Field(48, description="of each robot, between updates")
-    minibatch: Count = 2048
-    epochs: Count = 4
+    robots: Few = Field(256, description="side by side")
+    rollout_steps: Few = Field(48, description="of each robot, between updates")
+    minibatch: Annotated[int, Strict(), Field(ge=2)] = Field(2048, description="samples of each step of the optimiser")
+    epochs: Few = Field(4, description="how often an update goes through the samples")
     gamma: Fraction = 0.99
     gae_lambda: Fraction = 0.95
     clip: Rate = 0.2
     entropy: Fraction = 0.0
-    value: Annotated[float, Field(gt=0, le=10)] = Field(0.5, description="weight of the value loss")
-    max_gradient: Annotated[float, Field(gt=0)] = 0.5
-    reward_scale: Annotated[float, Field(gt=0)] = Field(0.1, description="of all rewards, for the value function")
-    clip_observation: Annotated[float, Field(gt=0)] = Field(10.0, description="of normalised observations")
+    value: Annotated[float, Strict(), Field(gt=0, le=10)] = Field(0.5, description="weight of the value loss")
+    max_gradient: Factor = Field(0.5, description="norm that the gradient is clipped to")
+    reward_scale: Factor = Field(0.1, description="of all rewards, for the value function")
+    clip_observation: Factor = Field(10.0, description="of normalised observations")
 
     @model_validator(mode="after")
     def _whole_minibatches(self) -> PpoRecipe:
@@ -127,7 +128,7 @@ class PhaseRecipe(FileModel):
 class EvaluationRecipe(FileModel):
     """The test that follows training."""
 
-    trials: Count = Field(100, description="of each of the paper's cases")
+    trials: Few = Field(100, description="of each of the paper's cases")
     seed: Annotated[int, Strict(), Field(ge=0)] = 1
 
 
@@ -188,31 +189,19 @@ class Recipe(FileModel):
         )
 
     def scaled_to(self, steps: int) -> Recipe:
-        """Return the recipe with its phases shortened or stretched to `steps` control steps in all."""
-        factor = steps / self.total_steps
-        phases = [phase.model_copy(update={"steps": max(1, round(phase.steps * factor))}) for phase in self.phases]
-        return self.model_copy(update={"phases": tuple(phases)})
+        """Return the recipe with its phases shortened or stretched to `steps` control steps in all.
 
+        No phase vanishes: with fewer steps than phases there are as many steps as phases.
+        """
+        total, begun, ends = self.total_steps, 0, [0]
+        for phase in self.phases:
+            begun += phase.steps
+            ends.append(max(ends[-1] + 1, (2 * begun * steps + total) // (2 * total)))
+        return self.with_phase_steps([end - begin for begin, end in pairwise(ends)])
 
-@dataclass(frozen=True, slots=True)
-class RecipeFile:
-    """A recipe and the file that it came from."""
-
-    recipe: Recipe
-    source: bytes
-    path: Path
-
-    @property
-    def sha256(self) -> str:
-        """Of the file's bytes."""
-        return hashlib.sha256(self.source).hexdigest()
-
-
-def load_recipe(path: Path) -> RecipeFile:
-    """Read a recipe.
-
-    Raises:
-        RecipeError: there is no such file, or it is not a recipe; everything wrong is listed with line and column.
-    """
-    source = read_source(path, RecipeError)
-    return RecipeFile(read_model(source, str(path), Recipe, RecipeError), source, path)
+    def with_phase_steps(self, steps: Sequence[int]) -> Recipe:
+        """Return the recipe with other lengths of its phases, in control steps, one for each."""
+        lengths = zip(self.phases, steps, strict=True)
+        return self.model_copy(
+            update={"phases": tuple(phase.model_copy(update={"steps": length}) for phase, length in lengths)}
+        )

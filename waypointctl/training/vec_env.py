@@ -95,9 +95,7 @@ class BatchedVecEnv(VecEnv):
         """Refuse: the robots share one env."""
         raise AttributeError(f"the robots of a batch share one env; {attr_name} cannot be set for some of them")
 
-    def env_method(
-        self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any
-    ) -> list[Any]:
+    def env_method(self, method_name: str, *args: Any, indices: VecEnvIndices = None, **kwargs: Any) -> list[Any]:
         """Refuse: the robots share one env."""
         raise AttributeError(f"the robots of a batch share one env; call {method_name} on BatchedVecEnv.env")
 
@@ -105,6 +103,6 @@ class BatchedVecEnv(VecEnv):
         """No robot has a wrapper of its own."""
         return [False for _ in self._get_indices(indices)]
 
-    def seed(self, seed: int | None = None) -> Sequence[None | int]:
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Leave the seeds alone: the batched env was given its own when it was made."""
         return [None] * self.num_envs

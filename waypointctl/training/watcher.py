@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from stable_baselines3.common.callbacks import BaseCallback
 
@@ -16,7 +16,7 @@ from waypointctl.training.vec_env import Tally
 
 Watch: TypeAlias = Callable[[TrainingStatus | CheckpointSaved], None]
 
-WINDOW = 20  # rollouts that "lately" looks back on
+WINDOW: Final = 20  # rollouts that "lately" looks back on
 
 
 @dataclass(slots=True)
@@ -61,7 +61,7 @@ class Watcher(BaseCallback):
         Args:
             learner: the training.
             watch: told how it goes after every rollout.
-            save: writes a checkpoint.
+            save: writes a checkpoint; the last one at the end of training.
             interrupted: asked before every rollout; True ends the training with a checkpoint.
             begun_s: when it began, on the clock of time.monotonic, earlier sessions counted in.
         """
@@ -72,21 +72,35 @@ class Watcher(BaseCallback):
         self._interrupted = interrupted
         self._begun_s = begun_s
         self._recent = Recent()
-        self.stopped = False
+        self.stopped = False  # before the recipe's last step
         self.saved: CheckpointSaved | None = None
-        self._next_checkpoint = learner.steps + learner.recipe.checkpoint_steps
+        self._next_checkpoint = 0
+        self._set_next_checkpoint()
 
     def _on_training_start(self) -> None:
         self._recent.times_s.append(time.monotonic())
 
     def _on_rollout_start(self) -> None:
         # Between an update and a rollout: the one moment from which training can go on exactly.
+        self.logger.dump(self._learner.steps)
         self._learner.enter_phase()
         self.stopped = self._interrupted()
         if self.stopped or self._learner.steps >= self._next_checkpoint:
-            self._next_checkpoint += self._learner.recipe.checkpoint_steps
-            self.saved = self._save()
-            self._watch(self.saved)
+            self._checkpoint()
+
+    def _on_training_end(self) -> None:
+        if not self.stopped:
+            self.logger.dump(self._learner.steps)
+            self._checkpoint()
+
+    def _checkpoint(self) -> None:
+        self.saved = self._save()
+        self._set_next_checkpoint()
+        self._watch(self.saved)
+
+    def _set_next_checkpoint(self) -> None:
+        every = self._learner.recipe.checkpoint_steps
+        self._next_checkpoint = (self._learner.steps // every + 1) * every
 
     def _on_step(self) -> bool:
         return not self.stopped

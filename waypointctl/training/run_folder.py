@@ -1,0 +1,128 @@
+"""A run's folder: where it is, who may write it, and what a training puts where.
+
+runs/ant-waypoint/        the run, named for its recipe: -2, -3, ... where the name is taken
+    train.yaml            the recipe as it was when the run began
+    checkpoints/step-.../ each a bundle, and all that training needs to go on
+    tensorboard/          scalars
+    manifest.json ...     the bundle and its evaluation, when it is complete and goes nowhere else
+"""
+
+from __future__ import annotations
+
+import fcntl
+import itertools
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from waypointctl.errors import OutputError, RecipeError
+from waypointctl.training.checkpoint import FOLDER, newest_checkpoint
+
+_ELSEWHERE = "Give a folder in a place that you can write to."
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where a training writes.
+
+    Attributes:
+        run: the run's folder.
+        out: where the bundle goes when it is complete.
+    """
+
+    run: Path
+    out: Path
+
+
+def places(name: str, runs: Path, out: Path | None, *, resume: bool) -> Places:
+    """Return where a training of the recipe `name` writes; a new run's folder is made.
+
+    Args:
+        name: of the recipe.
+        runs: the folder of all runs.
+        out: where the bundle shall go; a folder in `runs` is the run's folder at the same time.
+        resume: go on with a run: with `out` if that is one, else with the newest of that name.
+
+    Raises:
+        RecipeError: there is no run to go on with.
+        OutputError: a folder cannot be written.
+    """
+    if out is not None:
+        refuse_unwritable(out)
+        if out.resolve().parent == runs.resolve():
+            return Places(out, out)
+    refuse_unwritable(runs)
+    run = _newest_run(name, runs) if resume else _new_run(name, runs)
+    return Places(run, out or run)
+
+
+def refuse_unwritable(folder: Path) -> None:
+    """Refuse a folder that cannot be made or written, before there is anything to write.
+
+    Raises:
+        OutputError: it, or what it would be made in, is no folder or is read-only.
+    """
+    try:
+        nearest = next(path for path in (folder, *folder.parents) if path.exists())
+    except OSError as error:
+        raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(folder), mend=_ELSEWHERE) from error
+    if not nearest.is_dir():
+        problem = "this is a file" if nearest == folder else f"{str(nearest)!r} is a file"
+    elif not os.access(nearest, os.W_OK | os.X_OK):
+        problem = "no permission"
+    else:
+        return
+    raise OutputError(f"the folder cannot be written: {problem}", where=str(folder), mend=_ELSEWHERE)
+
+
+@contextmanager
+def held(run: Path) -> Iterator[None]:
+    """Make a run's folder and keep every other training out of it.
+
+    Raises:
+        OutputError: it cannot be written, or another training is at it.
+    """
+    try:
+        run.mkdir(parents=True, exist_ok=True)
+        lock = (run / ".lock").open("w")
+    except OSError as error:
+        raise OutputError(f"the run cannot be written: {error.strerror}", where=str(run), mend=_ELSEWHERE) from error
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # let go of when the process ends, however it does
+        except BlockingIOError:
+            raise OutputError("another training is writing this run", where=str(run)) from None
+        for killed in (run / FOLDER).glob(".*.tmp"):
+            shutil.rmtree(killed, ignore_errors=True)
+        yield
+
+
+def _new_run(name: str, runs: Path) -> Path:
+    names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
+    return next(path for path in (runs / name for name in names) if _made(path))
+
+
+def _made(path: Path) -> bool:
+    try:
+        path.mkdir(parents=True)
+    except FileExistsError:
+        return False
+    except OSError as error:
+        raise OutputError(f"the run cannot be made: {error.strerror}", where=str(path), mend=_ELSEWHERE) from error
+    return True
+
+
+def _newest_run(name: str, runs: Path) -> Path:
+    """Return the run of that name that was worked on last."""
+    own = re.compile(rf"{re.escape(name)}(-[0-9]+)?")
+    folders = runs.iterdir() if runs.is_dir() else iter(())
+    found = [(newest_checkpoint(path), path) for path in folders if own.fullmatch(path.name)]
+    begun = [(checkpoint.stat().st_mtime_ns, path) for checkpoint, path in found if checkpoint is not None]
+    if not begun:
+        mend = "Train without --resume, or name a run's folder with --out."
+        raise RecipeError(f"no run of {name!r} with a checkpoint to resume from", where=str(runs), mend=mend)
+    return max(begun)[1]
