@@ -66,6 +66,7 @@ class _Waypoint:
     planned: PlannedWaypoint
     fate: Fate = Fate.OPEN
     started_ns: int | None = None
+    ended_ns: int | None = None
     reached_ns: int | None = None
     learned_ns: int | None = None
 
@@ -128,7 +129,7 @@ class Chronicle:
     def waypoints(self) -> tuple[WaypointStory, ...]:
         """The waypoints of the mission, and what has become of them so far."""
         return tuple(
-            WaypointStory(w.planned, w.fate, w.started_ns, w.reached_ns, w.learned_ns)
+            WaypointStory(w.planned, w.fate, w.started_ns, w.ended_ns, w.reached_ns, w.learned_ns)
             for _, w in sorted(self._waypoints.items())
         )
 
@@ -206,6 +207,8 @@ class Chronicle:
         stage = _ONBOARD.get(event.kind)
         if stage is not None and event.command_id in self._commands:
             self._advance(self._commands[event.command_id], stage, event.time_ns)
+        if event.kind is EventKind.FALL:
+            self._end_legs(event.time_ns)
         waypoint = self._waypoints.get(event.waypoint)
         if waypoint is not None:
             self._visit(waypoint, event)
@@ -220,8 +223,16 @@ class Chronicle:
         waypoint.fate = _FATES.get(event.kind, waypoint.fate)
         if event.kind is EventKind.LEG_STARTED:
             waypoint.started_ns = event.time_ns
+            waypoint.ended_ns = None
         elif event.kind is EventKind.WAYPOINT_REACHED:
-            waypoint.reached_ns = event.time_ns
+            waypoint.reached_ns = waypoint.ended_ns = event.time_ns
+        elif event.kind is EventKind.WAYPOINT_TIMEOUT:
+            waypoint.ended_ns = event.time_ns
+
+    def _end_legs(self, time_ns: int) -> None:
+        for waypoint in self._waypoints.values():
+            if waypoint.started_ns is not None and waypoint.ended_ns is None:
+                waypoint.ended_ns = time_ns
 
     def _command(self, command_id: int) -> _Command:
         return self._commands.setdefault(command_id, _Command())

@@ -33,6 +33,5 @@ class GrowingTrack:
 
     def track(self) -> Track:
         """Return a copy of all rows."""
-        times = (np.array(column, np.int64) for column in (self._time_ns, self._known_ns))
-        values = (np.array(column, np.float64) for column in (self._x_m, self._y_m, self._speed_mps))
-        return Track(*times, *values)
+        times = (np.array(self._time_ns, np.int64), np.array(self._known_ns, np.int64))
+        return Track(*times, np.array(self._x_m), np.array(self._y_m), np.array(self._speed_mps))

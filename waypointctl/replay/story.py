@@ -89,6 +89,7 @@ class WaypointStory:
         planned: as it was, or would have been, commanded.
         fate: as the robot knows it.
         started_ns: when the robot set out for it, None if it never did.
+        ended_ns: when it was reached or given up, None for a leg that was under way to the end.
         reached_ns: on the robot's clock.
         learned_ns: when the operator heard that it was reached.
     """
@@ -96,6 +97,7 @@ class WaypointStory:
     planned: PlannedWaypoint
     fate: Fate
     started_ns: int | None
+    ended_ns: int | None
     reached_ns: int | None
     learned_ns: int | None
 
@@ -120,8 +122,7 @@ class Track:
         rows = np.arange(0, len(self), stride)
         if len(rows) and rows[-1] != len(self) - 1:
             rows = np.append(rows, len(self) - 1)
-        columns = (self.time_ns, self.known_ns, self.x_m, self.y_m, self.speed_mps)
-        return Track(*(column[rows] for column in columns))
+        return Track(self.time_ns[rows], self.known_ns[rows], self.x_m[rows], self.y_m[rows], self.speed_mps[rows])
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,6 +62,7 @@ def _waypoint(waypoint: WaypointStory) -> Plain:
         "tolerance_m": plan.tolerance_m,
         "fate": str(waypoint.fate),
         "started_s": _seconds(waypoint.started_ns),
+        "ended_s": _seconds(waypoint.ended_ns),
         "reached_s": _seconds(waypoint.reached_ns),
         "known_s": _seconds(waypoint.learned_ns),
     }

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from waypointctl.cli.view.words import number, printable
+from waypointctl.cli.view.words import at, number, printable
+from waypointctl.log.messages import EventKind
 from waypointctl.replay.story import Fate
 
 if TYPE_CHECKING:
@@ -58,7 +59,11 @@ def effort_lines(story: Story) -> list[str]:
         spent += f" ({effort.standing_share:.0%})"
     if effort.fallen_ns:
         spent += f", {effort.fallen_ns / 1e9:.2f} s fallen"
-    return [f"distance   {effort.distance_m:.2f} m{speed}", f"time       {spent}"]
+    lines = [f"distance   {effort.distance_m:.2f} m{speed}", f"time       {spent}"]
+    if story.falls:
+        falls = (at(event.time_ns) for event in story.events if event.kind is EventKind.FALL)
+        lines.append(f"fell       at {', '.join(falls)}")
+    return lines
 
 
 def _table(*headings: str) -> Table:

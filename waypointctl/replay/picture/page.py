@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import warnings
-from typing import Final
+from typing import Any, Final
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -20,7 +20,7 @@ from waypointctl.units import seconds
 WIDTH: Final = 1600  # pixels
 HEIGHT: Final = 1000
 _DPI: Final = 100
-_STYLE: Final = {
+_STYLE: Final[dict[Any, Any]] = {
     "text.parse_math": False,  # a dollar sign in a waypoint's name is a dollar sign
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -43,7 +43,9 @@ def draw(story: Story, title: str, proof: str) -> bytes:
         warnings.filterwarnings("ignore", "Glyph .* missing from")  # of a script the font lacks: drawn as a box
         figure = Figure(figsize=(WIDTH / _DPI, HEIGHT / _DPI), dpi=_DPI)
         FigureCanvasAgg(figure)
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.98, top=0.88, bottom=0.09)
+        grid = figure.add_gridspec(
+            2, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.98, top=0.88, bottom=0.1, hspace=0.27
+        )
         draw_path(figure.add_subplot(grid[:, 0]), story)
         speed = figure.add_subplot(grid[0, 1])
         sequence = figure.add_subplot(grid[1, 1], sharex=speed)

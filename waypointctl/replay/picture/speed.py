@@ -14,6 +14,7 @@ from waypointctl.units import NS_PER_S, seconds
 
 _WINDOW_NS: Final = NS_PER_S // 2  # of the moving mean: a stride or two
 _POINTS: Final = 6000
+_HEADROOM: Final = 1.25  # for the names of the waypoints
 _MOST_NAMES: Final = 20  # above that many waypoints their names would cover each other
 _SHOWN: Final = {EventKind.FALL: "fall", EventKind.WAYPOINT_TIMEOUT: "timeout"}
 
@@ -39,29 +40,23 @@ def draw_speed(axes: Axes, story: Story) -> None:
             axes.axvline(seconds(event.time_ns), color=palette.FAILED, linewidth=1.2)
             _name(axes, seconds(event.time_ns), _SHOWN[event.kind], palette.FAILED)
     axes.set(ylabel="speed [m/s]", title="Speed")
-    axes.set_ylim(bottom=0.0)
+    top = max((float(np.max(track.speed_mps)) for track in (truth, told) if len(track)), default=0.0)
+    axes.set_ylim(0.0, max(top, 0.1) * _HEADROOM)
     axes.grid(color=palette.FAINT, linewidth=0.4)
-    axes.legend(loc="upper right", fontsize=9, framealpha=0.85)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
 
 
 def _draw_legs(axes: Axes, story: Story) -> None:
     for waypoint in story.waypoints:
         if waypoint.started_ns is None:
             continue
-        end_ns = waypoint.reached_ns if waypoint.reached_ns is not None else _end_of_leg(story, waypoint.planned.index)
+        end_ns = story.ended_ns if waypoint.ended_ns is None else waypoint.ended_ns
         color = palette.FATES[waypoint.fate]
         axes.axvspan(seconds(waypoint.started_ns), seconds(end_ns), color=color, alpha=0.10, linewidth=0)
         if waypoint.reached_ns is not None:
             axes.axvline(seconds(waypoint.reached_ns), color=color, linewidth=1.0)
             if len(story.waypoints) <= _MOST_NAMES:
                 _name(axes, seconds(waypoint.reached_ns), waypoint.planned.name, color)
-
-
-def _end_of_leg(story: Story, index: int) -> int:
-    """Return when the robot gave a waypoint up [ns], or the end of the flight."""
-    ends = (EventKind.WAYPOINT_TIMEOUT, EventKind.FALL)
-    given_up = (event.time_ns for event in story.events if event.kind in ends and event.waypoint in (index, -1))
-    return next(given_up, story.ended_ns)
 
 
 def _name(axes: Axes, time_s: float, text: str, color: str) -> None:
