@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.sim.bare import BareWorld, random_start
+from waypointctl.sim.batch import RobotBatch
+from waypointctl.sim.robots import load_robot
+
+ROBOTS = 7
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_every_robot_goes_as_it_goes_in_a_bare_mj_step_loop(threads: int) -> None:
+    rng = np.random.default_rng(threads)
+    batch = RobotBatch(load_robot("ant"), ROBOTS, threads)
+    worlds = [BareWorld() for _ in range(ROBOTS)]
+    for step in range(400):
+        fresh = np.flatnonzero(rng.random(ROBOTS) < 0.02) if step else np.arange(ROBOTS)
+        starts = [random_start(rng) for _ in fresh]
+        if starts:
+            batch.place(fresh, np.stack([qpos for qpos, _ in starts]), np.stack([qvel for _, qvel in starts]))
+        for i, start in zip(fresh, starts, strict=True):
+            worlds[i].place(*start)
+        applied = rng.uniform(-1.0, 1.0, (ROBOTS, 8))
+        batch.step(applied)
+        for i, world in enumerate(worlds):
+            world.step(applied[i])
+            np.testing.assert_array_equal(batch.integration[i], world.integration)
+            np.testing.assert_array_equal(batch.qpos[i], world.data.qpos)
+            np.testing.assert_array_equal(batch.qvel[i], world.data.qvel)
+
+
+def test_a_robot_that_is_placed_leaves_the_others_alone() -> None:
+    rng = np.random.default_rng(0)
+    batch = RobotBatch(load_robot("ant"), 3)
+    for i in range(3):
+        qpos, qvel = random_start(rng)
+        batch.place(np.array([i]), qpos[np.newaxis], qvel[np.newaxis])
+    batch.step(np.zeros((3, 8)))
+    before = batch.integration.copy()
+    qpos, qvel = random_start(rng)
+    batch.place(np.array([1]), qpos[np.newaxis], qvel[np.newaxis])
+    np.testing.assert_array_equal(batch.integration[[0, 2]], before[[0, 2]])
+    assert not np.array_equal(batch.integration[1], before[1])
