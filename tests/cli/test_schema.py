@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 from waypointctl.cli.main import app
 from waypointctl.errors import InputError
 from waypointctl.mission.files import mission_schema
+from waypointctl.training.recipe_file import recipe_schema
 
 
 def test_prints_the_schema_of_a_mission() -> None:
@@ -16,8 +17,14 @@ def test_prints_the_schema_of_a_mission() -> None:
     assert json.loads(result.stdout) == mission_schema()
 
 
+def test_prints_the_schema_of_a_recipe() -> None:
+    result = CliRunner().invoke(app, ["schema", "recipe"])
+    assert result.exit_code == 0
+    assert json.loads(result.stdout) == recipe_schema()
+
+
 def test_an_unknown_schema_names_those_there_are() -> None:
     result = CliRunner().invoke(app, ["schema", "rover"])
     assert isinstance(result.exception, InputError)
-    with pytest.raises(InputError, match=r"no schema of 'rover'\n  choose one of: mission"):
+    with pytest.raises(InputError, match=r"no schema of 'rover'\n  choose one of: mission, recipe"):
         raise result.exception

@@ -12,10 +12,8 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rich.table import Table
-
     from waypointctl.evaluation.evaluate import Progress
-    from waypointctl.evaluation.result import CaseResult, Evaluation
+    from waypointctl.evaluation.result import Evaluation
     from waypointctl.evaluation.suite import Suite
 
 
@@ -34,6 +32,7 @@ def evaluate_policy(
 ) -> None:
     """Walk each path of a suite many times with deterministic actions and count successes, falls and timeouts."""
     from waypointctl.cli.console import console
+    from waypointctl.cli.view.evaluation import evaluation_table
     from waypointctl.evaluation.evaluate import evaluate
     from waypointctl.evaluation.result import refuse_unwritable, write_evaluation
     from waypointctl.evaluation.suite import load_suite
@@ -45,7 +44,7 @@ def evaluate_policy(
     loaded = load_policy(policy)
     with _progress(chosen, trials) as progress:
         evaluation = evaluate(loaded, chosen, trials, seed, threads, progress)
-    console(stderr=json).print(_table(evaluation))
+    console(stderr=json).print(evaluation_table(evaluation))
     if out is not None:
         write_evaluation(evaluation, out)
     if json:
@@ -76,38 +75,3 @@ def _progress(suite: Suite, trials: int) -> Iterator[Progress | None]:
     with Bars(console=people, transient=True) as bars:
         tasks = {case.name: bars.add_task(case.name, total=trials) for case in suite.cases}
         yield lambda case, ended: bars.update(tasks[case], completed=ended)
-
-
-def _table(evaluation: Evaluation) -> Table:
-    from rich import box
-    from rich.table import Table
-
-    acceptance = evaluation.acceptance
-    title = (
-        f"{evaluation.policy} in the suite {evaluation.suite}, seed {evaluation.seed}, "
-        f"{acceptance.shape} of {acceptance.size_m:g} m"
-    )
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
-    table.add_column("case", no_wrap=True)
-    table.add_column("waypoints [m]")
-    for heading in ("success", "rate", "95 % interval", "paper", "falls", "late", "time [s]", "SPL"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for case in evaluation.cases:
-        table.add_row(*_row(case))
-    return table
-
-
-def _row(case: CaseResult) -> tuple[str, ...]:
-    low, high = case.wilson95
-    return (
-        case.name,
-        " ".join(f"({x:g}, {y:g})" for x, y in case.waypoints),
-        f"{case.successes}/{case.trials}",
-        f"{case.rate:.1%}",
-        f"{low:.1%} - {high:.1%}",
-        "" if case.paper is None else f"{case.paper:.0%}",
-        str(case.falls),
-        str(case.timeouts),
-        "" if case.mean_time_s is None else f"{case.mean_time_s:.2f}",
-        f"{case.spl:.3f}",
-    )

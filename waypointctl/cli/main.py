@@ -13,6 +13,7 @@ from waypointctl.cli.policies import policies
 from waypointctl.cli.replay import replay
 from waypointctl.cli.run import run
 from waypointctl.cli.schema import schema
+from waypointctl.cli.train import train_policy
 from waypointctl.cli.validate import validate
 from waypointctl.errors import WaypointctlError
 
@@ -26,6 +27,7 @@ app = typer.Typer(
 )
 app.command()(run)
 app.command()(replay)
+app.command("train")(train_policy)
 app.command("eval")(evaluate_policy)
 app.add_typer(policies, name="policies")
 

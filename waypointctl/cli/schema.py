@@ -17,7 +17,13 @@ def _mission() -> dict[str, Any]:
     return mission_schema()
 
 
-_SCHEMAS: Final[dict[str, Callable[[], dict[str, Any]]]] = {"mission": _mission}
+def _recipe() -> dict[str, Any]:
+    from waypointctl.training.recipe_file import recipe_schema
+
+    return recipe_schema()
+
+
+_SCHEMAS: Final[dict[str, Callable[[], dict[str, Any]]]] = {"mission": _mission, "recipe": _recipe}
 
 
 def schema(of: Annotated[str, typer.Argument(metavar="|".join(_SCHEMAS), help="What the file is.")]) -> None:
@@ -27,4 +33,4 @@ def schema(of: Annotated[str, typer.Argument(metavar="|".join(_SCHEMAS), help="W
     """
     if of not in _SCHEMAS:
         raise InputError(f"there is no schema of {of!r}", mend=f"choose one of: {', '.join(_SCHEMAS)}")
-    typer.echo(json.dumps(_SCHEMAS[of](), indent=2))
+    typer.echo(json.dumps(_SCHEMAS[of](), indent=2, allow_nan=False))

@@ -24,6 +24,7 @@ from waypointctl.log.messages import (
 )
 from waypointctl.ops.executive import Executive
 from waypointctl.ops.link import Link
+from waypointctl.ops.pay import reward_weights
 from waypointctl.ops.sink import Sink
 from waypointctl.policy.protocol import Policy
 from waypointctl.sim.robots import Robot
@@ -58,7 +59,7 @@ class Vehicle:
         self.step = 0
         self._policy = policy
         self._layout = layout(policy.observation_layout)
-        self._weights = RewardWeights(**policy.reward_weights)
+        self._weights = reward_weights(policy)
         self._limits = JointLimits.of_range(robot.joint_low, robot.joint_high)
         self._sink = sink
         self._downlink = downlink

@@ -18,12 +18,11 @@ from waypointctl.errors import OutputError, RecipeError
 from waypointctl.training.export import export_policy
 from waypointctl.training.learner import Learner
 from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.run_folder import FOLDER, RECIPE, require_checkpoint
 from waypointctl.training.snapshot import LearnerFacts, Snapshot, restore, take
 
 ARRAYS: Final = "training.safetensors"
 FACTS: Final = "training.json"
-FOLDER: Final = "checkpoints"
-RECIPE: Final = "train.yaml"  # in the run's folder, as it was when the run began
 
 _REMOVE: Final = "Remove the folder to go on from the checkpoint before it."
 
@@ -77,18 +76,13 @@ def save_checkpoint(learner: Learner, recipe_file: RecipeFile, run: Path, wall_t
     return final
 
 
-def newest_checkpoint(run: Path) -> Path | None:
-    """Return the folder of a run's newest checkpoint, None if there is none."""
-    steps = {int(path.name[5:]): path for path in (run / FOLDER).glob("step-*") if path.name[5:].isdecimal()}
-    return steps[max(steps)] if steps else None
-
-
-def begun_as(recipe_file: RecipeFile, checkpoint: Path) -> RecipeFile:
-    """Return the recipe with the seed and the steps that a checkpoint's run began with.
+def begun_as(recipe_file: RecipeFile, run: Path) -> RecipeFile:
+    """Return the recipe with the seed and the steps that a run began with.
 
     Raises:
-        RecipeError: the checkpoint is damaged, or of another recipe.
+        RecipeError: the run has no checkpoint, or its newest is damaged or of another recipe.
     """
+    checkpoint = require_checkpoint(run)
     facts, _ = _read(checkpoint)
     _refuse_other_file(facts, recipe_file, checkpoint)
     recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps).model_copy(update={"seed": facts.seed})

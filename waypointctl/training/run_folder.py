@@ -18,11 +18,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from waypointctl.errors import OutputError, RecipeError
-from waypointctl.training.checkpoint import FOLDER, newest_checkpoint
 
-_ELSEWHERE = "Give a folder in a place that you can write to."
+FOLDER: Final = "checkpoints"
+RECIPE: Final = "train.yaml"
+
+_ELSEWHERE: Final = "Give a folder in a place that you can write to."
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,24 @@ def refuse_unwritable(folder: Path) -> None:
     else:
         return
     raise OutputError(f"the folder cannot be written: {problem}", where=str(folder), mend=_ELSEWHERE)
+
+
+def newest_checkpoint(run: Path) -> Path | None:
+    """Return the folder of a run's newest checkpoint, None if there is none."""
+    steps = {int(path.name[5:]): path for path in (run / FOLDER).glob("step-*") if path.name[5:].isdecimal()}
+    return steps[max(steps)] if steps else None
+
+
+def require_checkpoint(run: Path) -> Path:
+    """Return the folder of a run's newest checkpoint.
+
+    Raises:
+        RecipeError: there is none.
+    """
+    checkpoint = newest_checkpoint(run)
+    if checkpoint is None:
+        raise RecipeError("no checkpoint to resume from", where=str(run), mend="Train without --resume.")
+    return checkpoint
 
 
 @contextmanager

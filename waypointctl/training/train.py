@@ -8,16 +8,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from waypointctl.errors import OutputError, RecipeError
+from waypointctl.errors import OutputError
 from waypointctl.evaluation.evaluate import Progress, evaluate
 from waypointctl.evaluation.result import EVALUATION, Evaluation
 from waypointctl.evaluation.suite import load_suite
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.write import copy_bundle
-from waypointctl.training.checkpoint import RECIPE, load_checkpoint, newest_checkpoint, save_checkpoint
+from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
 from waypointctl.training.learner import Learner
 from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.run_folder import held, refuse_unwritable
+from waypointctl.training.run_folder import RECIPE, held, newest_checkpoint, refuse_unwritable, require_checkpoint
 from waypointctl.training.scalars import scalar_logger
 from waypointctl.training.status import CheckpointSaved
 from waypointctl.training.watcher import Watch, Watcher
@@ -92,14 +92,11 @@ def train(
 
 def _begin(learner: Learner, recipe_file: RecipeFile, run: Path, resume: bool) -> float:
     """Return the wall time spent until now [s]."""
-    checkpoint = newest_checkpoint(run)
-    if checkpoint and not resume:
+    if resume:
+        return load_checkpoint(learner, recipe_file, require_checkpoint(run))
+    if newest_checkpoint(run):
         problem = "has the checkpoints of an earlier training"
         raise OutputError(problem, where=str(run), mend="Resume that training, or choose another folder.")
-    if resume and not checkpoint:
-        raise RecipeError("no checkpoint to resume from", where=str(run), mend="Train without --resume.")
-    if checkpoint:
-        return load_checkpoint(learner, recipe_file, checkpoint)
     _place_recipe(recipe_file, run)
     return 0.0
 

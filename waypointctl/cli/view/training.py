@@ -1,0 +1,189 @@
+"""Watching a training: one panel on a terminal, a line now and then elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from types import TracebackType
+from typing import TYPE_CHECKING, Final, Protocol, Self
+
+from waypointctl.cli.console import console, is_live
+from waypointctl.cli.view.training_words import count, line, percent, span, sparkline
+from waypointctl.training.status import CheckpointSaved, TrainingStatus
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+    from rich.panel import Panel
+
+    from waypointctl.training.recipe import Recipe
+
+LINE_PERIOD_S: Final = 10.0  # between two lines where there is no terminal
+PICTURE_PERIOD_S: Final = 0.2  # between two pictures where there is one
+_WIDEST: Final = 100  # columns of the panel
+_LABELS: Final = 12  # columns of the labels, with their gap
+
+
+class TrainingView(AbstractContextManager["TrainingView"], Protocol):
+    """Shows people how a training and its evaluation go."""
+
+    def __call__(self, news: TrainingStatus | CheckpointSaved) -> None:
+        """Take news of the training."""
+
+    def evaluating(self, case: str, ended: int) -> None:
+        """Take news of the evaluation: how many trials of a case have ended."""
+
+
+def watch_training(recipe: Recipe, title: str, interrupted: Callable[[], bool]) -> TrainingView:
+    """Return what shows a training on stderr, under a title; `interrupted` says whether it has been asked to end."""
+    people = console(stderr=True)
+    return LivePanel(people, recipe, title, interrupted) if is_live(people) else PlainLines(recipe)
+
+
+class PlainLines:
+    """Writes a line to stderr each ten seconds, for each checkpoint, and for each case of the evaluation."""
+
+    def __init__(self, recipe: Recipe) -> None:
+        """Begin."""
+        self._phases = len(recipe.phases)
+        self._trials = recipe.evaluation.trials
+        self._next_s = 0.0
+        self._unsaid: TrainingStatus | None = None
+        self._readers = True
+
+    def __call__(self, news: TrainingStatus | CheckpointSaved) -> None:
+        """Take news of the training."""
+        if isinstance(news, TrainingStatus):
+            self._unsaid = news
+            if time.monotonic() < self._next_s:
+                return
+        self._say_last()
+        if isinstance(news, CheckpointSaved):
+            self._say(line(news, self._phases))
+
+    def evaluating(self, case: str, ended: int) -> None:
+        """Take news of the evaluation."""
+        if ended == self._trials:
+            self._say(f"evaluated {case}")
+
+    def __enter__(self) -> Self:
+        """Begin."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Leave what has been written."""
+
+    def _say_last(self) -> None:
+        if self._unsaid is not None:
+            self._say(line(self._unsaid, self._phases))
+            self._unsaid = None
+            self._next_s = time.monotonic() + LINE_PERIOD_S
+
+    def _say(self, text: str) -> None:
+        if not self._readers:
+            return
+        try:
+            print(text, file=sys.stderr, flush=True)
+        except BrokenPipeError:
+            self._readers = False  # whoever read has gone; that is no reason to end the training
+
+
+class LivePanel:
+    """Draws one panel and draws it over."""
+
+    def __init__(self, people: Console, recipe: Recipe, title: str, interrupted: Callable[[], bool]) -> None:
+        """Draw on `people`, a terminal."""
+        from rich.live import Live
+
+        self._console = people
+        self._recipe = recipe
+        self._title = title
+        self._interrupted = interrupted
+        self._ascii_only = not people.encoding.lower().startswith("utf")
+        self._status: TrainingStatus | None = None
+        self._saved: CheckpointSaved | None = None
+        self._evaluation = ""
+        self._history: list[tuple[float, float]] = []
+        self._next_s = 0.0
+        self._live = Live(console=people, auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
+
+    def __call__(self, news: TrainingStatus | CheckpointSaved) -> None:
+        """Take news of the training."""
+        if isinstance(news, CheckpointSaved):
+            self._saved = news
+        else:
+            self._status = news
+            if news.success_rate is not None:
+                self._history.append((news.steps / news.total_steps, news.success_rate))
+        self._draw_in_time()
+
+    def evaluating(self, case: str, ended: int) -> None:
+        """Take news of the evaluation."""
+        self._evaluation = f"{case}, {ended} of {self._recipe.evaluation.trials} trials"
+        self._draw_in_time()
+
+    def __enter__(self) -> Self:
+        """Begin to draw."""
+        self._live.start()
+        self.draw()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Leave the last picture standing."""
+        self.draw()
+        self._live.stop()
+
+    def draw(self) -> None:
+        """Draw now."""
+        self._live.update(self.picture(), refresh=True)
+        self._next_s = time.monotonic() + PICTURE_PERIOD_S
+
+    def picture(self) -> Panel:
+        """Return the panel, made to the terminal's width as it is now."""
+        from rich.box import ASCII, ROUNDED
+        from rich.panel import Panel
+        from rich.table import Table
+        from rich.text import Text
+
+        width = min(self._console.width, _WIDEST)
+        table = Table.grid(padding=(0, 2, 0, 0))
+        table.add_column(style="dim", no_wrap=True, width=_LABELS - 2)
+        table.add_column(no_wrap=True, overflow="ellipsis")
+        for label, value in self._rows(width - _LABELS - 6):
+            table.add_row(label, value)
+        hint = "stopping after this update" if self._interrupted() else "Ctrl-C stops it with a checkpoint"
+        box = ASCII if self._ascii_only else ROUNDED
+        return Panel(table, title=Text(self._title), subtitle=Text(hint), box=box, width=width, title_align="left")
+
+    def _rows(self, columns: int) -> list[tuple[str, RenderableType]]:
+        from rich.progress_bar import ProgressBar
+
+        status = self._status
+        if status is None:
+            return [("", "making the robots")]
+        bar = ProgressBar(status.total_steps, status.steps, width=columns)
+        rows: list[tuple[str, RenderableType]] = [
+            ("", bar),
+            ("steps", f"{count(status.steps)} of {count(status.total_steps)}, {status.steps / status.total_steps:.1%}"),
+            ("speed", f"{count(status.steps_per_s)} steps/s"),
+            ("time", f"{span(status.elapsed_s)} elapsed, {span(status.remaining_s)} left"),
+            ("phase", f"{status.phase + 1} of {len(self._recipe.phases)}, learning rate {status.learning_rate:.2e}"),
+            ("reward", f"{status.mean_reward:.3f} a step"),
+            ("episodes", self._episodes(status)),
+            ("success", sparkline(self._history, columns, ascii_only=self._ascii_only)),
+            ("checkpoint", "none yet" if self._saved is None else str(self._saved.folder)),
+        ]
+        return [*rows, ("evaluation", self._evaluation)] if self._evaluation else rows
+
+    def _episodes(self, status: TrainingStatus) -> str:
+        rates = ((status.success_rate, "success"), (status.fall_rate, "fall"), (status.timeout_rate, "timeout"))
+        return f"{', '.join(f'{percent(rate)} {what}' for rate, what in rates)} of the last {status.episodes}"
+
+    def _draw_in_time(self) -> None:
+        if time.monotonic() >= self._next_s:
+            self.draw()

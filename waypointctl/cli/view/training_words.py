@@ -1,0 +1,65 @@
+"""How a training is going, in words and one line of blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from waypointctl.training.status import CheckpointSaved, TrainingStatus
+
+_BLOCKS: Final = "▁▂▃▄▅▆▇█"
+_PLAIN_BLOCKS: Final = "_.-=+*#%"
+
+
+def count(number: float) -> str:
+    """Return a number of steps: 512, 11.7 k, 1.97 M."""
+    for factor, unit, digits in ((1e9, "G", 2), (1e6, "M", 2), (1e3, "k", 1)):
+        if number >= factor:
+            return f"{number / factor:.{digits}f} {unit}"
+    return f"{number:.0f}"
+
+
+def span(time_s: float) -> str:
+    """Return a time as 2:47 or 1:02:47."""
+    minutes, seconds = divmod(round(time_s), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
+
+
+def percent(rate: float | None) -> str:
+    """Return a rate, or a dash for one that nothing is known of."""
+    return "-" if rate is None else f"{rate:.0%}"
+
+
+def line(news: TrainingStatus | CheckpointSaved, phases: int) -> str:
+    """Return one line; `phases` is how many the recipe has."""
+    if isinstance(news, CheckpointSaved):
+        return f"checkpoint {news.folder}"
+    parts = (
+        f"{news.steps / news.total_steps:6.1%}",
+        f"{count(news.steps)} of {count(news.total_steps)} steps",
+        f"{count(news.steps_per_s)}/s",
+        f"phase {news.phase + 1}/{phases}",
+        f"success {percent(news.success_rate)}",
+        f"fall {percent(news.fall_rate)}",
+        f"timeout {percent(news.timeout_rate)}",
+        f"reward {news.mean_reward:.2f}",
+        f"rate {news.learning_rate:.1e}",
+        f"{span(news.remaining_s)} left",
+    )
+    return "  ".join(parts)
+
+
+def sparkline(history: Sequence[tuple[float, float]], columns: int, *, ascii_only: bool) -> str:
+    """Return values from 0 to 1 as a row of blocks.
+
+    Args:
+        history: (where along the row, 0 to 1; the value), in order; the newest in a column counts.
+        columns: of the whole row; what is ahead stays empty.
+        ascii_only: draw with characters that every terminal has.
+    """
+    blocks = _PLAIN_BLOCKS if ascii_only else _BLOCKS
+    row = [" "] * columns
+    for place, value in history:
+        row[min(int(place * columns), columns - 1)] = blocks[min(int(value * len(blocks)), len(blocks) - 1)]
+    return "".join(row)
