@@ -33,7 +33,7 @@ from waypointctl.sim.stance import stance_action
 from waypointctl.task.batched import clip_actions
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.observation import NOISE_SIZE, Goals, layout
-from waypointctl.task.reward import TERMS, JointLimits, RewardWeights, progress_speed, reward_terms
+from waypointctl.task.reward import TERMS, JointLimits, progress_speed, reward_terms
 
 FloatArray = NDArray[np.float64]
 
@@ -157,4 +157,3 @@ class Vehicle:
         self._frame += 1
         self._next_telemetry_ns = now_ns + self._telemetry_period_ns
         self._downlink.send(now_ns, lambda arrives_ns: replace(frame, received_ns=arrives_ns))
-
