@@ -20,8 +20,8 @@ def test_every_robot_goes_as_it_goes_in_a_bare_mj_step_loop(threads: int) -> Non
         starts = [random_start(rng) for _ in fresh]
         if starts:
             batch.place(fresh, np.stack([qpos for qpos, _ in starts]), np.stack([qvel for _, qvel in starts]))
-        for i, start in zip(fresh, starts, strict=True):
-            worlds[i].place(*start)
+        for robot, start in zip(fresh, starts, strict=True):
+            worlds[robot].place(*start)
         applied = rng.uniform(-1.0, 1.0, (ROBOTS, 8))
         batch.step(applied)
         for i, world in enumerate(worlds):

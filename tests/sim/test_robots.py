@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -84,7 +86,8 @@ def test_an_unknown_robot_is_refused_with_those_there_are() -> None:
         robot_from_mjb("rover", "", b"")
 
 
-def test_a_model_that_does_not_load_or_compile_is_refused() -> None:
+def test_a_model_that_does_not_load_or_compile_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # where MuJoCo leaves its MUJOCO_LOG.TXT
     mjcf = load_robot("ant").mjcf
     with pytest.raises(InputError, match=f"does not load in MuJoCo {mujoco.__version__}"):
         robot_from_mjb("ant", mjcf, load_robot("ant").to_mjb()[:1000])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Final
 
 from waypointctl.log.messages import Ack, Clock, Command, Event, EventKind, Severity, Telemetry
@@ -113,7 +114,9 @@ class Flight:
         if not self._operator.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
             return self._close("failure", f"longer than {expect.max_time_s:g} s: {facts}", ended_ns)
         if reached < wanted or self._operator.verdict == FALL:
-            return self._close("failure", f"{self._operator.verdict or 'skipped'}: {facts}, {wanted} expected", ended_ns)
+            return self._close(
+                "failure", f"{self._operator.verdict or 'skipped'}: {facts}, {wanted} expected", ended_ns
+            )
         return self._close("success", facts, ended_ns)
 
     def interrupt(self) -> FlightResult:
@@ -131,7 +134,7 @@ class Flight:
 
     def _send(self, orders: list[Order], now_ns: int) -> None:
         for order in orders:
-            command = self._uplink.send(now_ns, lambda arrives_ns, order=order: self._command(order, now_ns, arrives_ns))
+            command = self._uplink.send(now_ns, partial(self._command, order, now_ns))
             names = ", ".join(waypoint.name for waypoint in command.waypoints)
             text = f"command {command.id} sent: {command.kind} {names}"
             self._announce(now_ns, EventKind.COMMAND_SENT, text, command_id=command.id)

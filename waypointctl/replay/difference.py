@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from waypointctl.log.messages import Message
+from waypointctl.log.messages import FloatArray, Message
 
 
 def difference(logged: Message, replayed: Message) -> tuple[str, str, str] | None:
@@ -26,6 +26,11 @@ def difference(logged: Message, replayed: Message) -> tuple[str, str, str] | Non
     return None
 
 
+def different_bits(a: FloatArray, b: FloatArray) -> list[int]:
+    """Return where two arrays (n,) differ in their bits."""
+    return [int(at) for at in np.flatnonzero(a.view(np.uint64) != b.view(np.uint64))]
+
+
 def bits_of(value: float) -> int:
     """Return the 64 bits of a float."""
     return int(struct.unpack("<Q", struct.pack("<d", value))[0])
@@ -37,8 +42,8 @@ def _pairs(name: str, logged: Any, replayed: Any) -> Iterator[tuple[str, Any, An
         if logged.shape != replayed.shape:
             yield f"{name}.shape", logged.shape, replayed.shape
         else:
-            for index in np.flatnonzero(logged.view(np.uint64) != replayed.view(np.uint64)):
-                yield f"{name}[{index}]", float(logged[index]), float(replayed[index])
+            for at in different_bits(logged, replayed):
+                yield f"{name}[{at}]", float(logged[at]), float(replayed[at])
     elif isinstance(logged, float):
         if bits_of(logged) != bits_of(replayed):
             yield name, logged, replayed

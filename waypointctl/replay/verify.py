@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
+
+from pydantic import ValidationError
 
 from waypointctl.errors import InputError
 from waypointctl.log.messages import Event, EventKind, State
@@ -15,13 +17,15 @@ from waypointctl.mission.mission import Mission
 from waypointctl.ops.fly import fly
 from waypointctl.ops.header import MISSION, MJB, MJCF, POLICY_FOLDER, platform_facts
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
+from waypointctl.policy.manifest import MANIFEST, Manifest
 from waypointctl.replay.verdict import Divergence, Verdict, Verification
 from waypointctl.replay.witness import AuditedPolicy, Diverged, LogEnded, Witness
 from waypointctl.sim.robots import Robot, compile_mjb, robot_from_mjb
 
 _DECISIVE: Final = {"version_mujoco": "MuJoCo", "architecture": "the architecture"}
 _NETWORK: Final = ("version_onnxruntime", "processor")
-_HASHED: Final = {"sha256_mission": MISSION, "sha256_mjcf": MJCF, "sha256_mjb": MJB}
+_MANIFEST: Final = f"{POLICY_FOLDER}{MANIFEST}"
+_HASHED: Final = {"sha256_mission": MISSION, "sha256_mjcf": MJCF, "sha256_mjb": MJB, "sha256_policy": _MANIFEST}
 
 
 def verify(path: Path) -> Verification:
@@ -37,10 +41,10 @@ def verify(path: Path) -> Verification:
     log = open_log(path)
     if reason := _unverifiable(log):
         return Verification(Verdict.UNVERIFIABLE, 0, None, reason, ())
-    if altered := _altered(log):
-        reason = f"diverged before the flight: {altered.component} is not what was recorded"
-        return Verification(Verdict.DIVERGED, 0, altered, reason, ())
     try:
+        if altered := _altered(log):
+            reason = f"diverged before the flight: {altered.component} is not what was recorded"
+            return Verification(Verdict.DIVERGED, 0, altered, reason, ())
         mission, robot, policy = _contents(log)
     except InputError as error:
         return Verification(Verdict.UNVERIFIABLE, 0, None, f"what the log carries cannot be used: {error}", ())
@@ -54,14 +58,14 @@ def _fly_again(log: Log, mission: Mission, robot: Robot, policy: LoadedPolicy) -
     audited = AuditedPolicy(policy, witness, bitwise=same_network)
     stopped = _interrupted_at(log)
     try:
-        fly(mission, audited, witness, robot=robot, interrupted=lambda: witness.step + 1 >= stopped)
+        fly(mission, audited, witness, robot=robot, interrupted=lambda: witness.compared["/state"] >= stopped)
         if witness.upcoming is not None:
             raise witness.diverged("/event", "end", type(witness.upcoming).__name__, "the flight is over")
     except Diverged as error:
         return _diverged(error.where, witness, log)
     except LogEnded:
-        where = Divergence(witness.step, 0, "/event", "end", "the log ends", "the flight goes on")
-        return _diverged(where, witness, log)
+        ended = witness.diverged("/event", "end", "the log ends", "the flight goes on")
+        return _diverged(ended.where, witness, log)
     steps = witness.compared["/action"]
     checks = _checks(witness, audited, same_network)
     return Verification(Verdict.EXACT, steps, None, f"{steps} control steps replayed, every bit the same", checks)
@@ -84,20 +88,31 @@ def _unverifiable(log: Log) -> str:
         there = log.metadata.get(key, "unknown")
         if there != here[key]:
             return f"{name} differs: the log was made with {there}, this is {here[key]}; no replay is exact across them"
-    needed = (MISSION, MJCF, MJB, f"{POLICY_FOLDER}manifest.json")
-    missing = [name for name in needed if name not in log.attachments]
+    missing = [name for name in _HASHED.values() if name not in log.attachments]
     return f"the log does not carry {', '.join(missing)}" if missing else ""
 
 
 def _altered(log: Log) -> Divergence | None:
     """Return what the log carries that is not what its metadata says, or not what its model's source compiles to."""
-    for key, name in _HASHED.items():
-        found = hashlib.sha256(log.attachments[name]).hexdigest()
-        if found != log.metadata.get(key):
-            return Divergence(-1, 0, "attachment", name, log.metadata.get(key, "no hash"), found)
-    recorded = log.metadata["sha256_mjb"]
+    for name, recorded in _recorded_hashes(log):
+        found = hashlib.sha256(log.attachments.get(name, b"")).hexdigest()
+        if found != recorded:
+            return Divergence(-1, 0, "attachment", name, recorded, found)
+    recorded = log.metadata["sha256_mjb"]  # as the attachment's has just been found to be
     compiled = hashlib.sha256(compile_mjb(log.attachments[MJCF].decode())).hexdigest()
     return None if compiled == recorded else Divergence(-1, 0, "attachment", MJB, recorded, compiled)
+
+
+def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
+    """Yield what was recorded of each attachment; that of the policy's manifest before those of its files."""
+    for key, name in _HASHED.items():
+        yield name, log.metadata.get(key, "no hash")
+    try:
+        manifest = Manifest.model_validate_json(log.attachments[_MANIFEST])
+    except ValidationError:
+        return  # loading the policy says what is wrong with it
+    for name, record in manifest.files.items():
+        yield f"{POLICY_FOLDER}{name}", record.sha256
 
 
 def _contents(log: Log) -> tuple[Mission, Robot, LoadedPolicy]:
@@ -138,4 +153,3 @@ def _checks(witness: Witness, audited: AuditedPolicy, same_network: bool) -> tup
         "frames, with each time of delivery",
         f"{counts['/checkpoint']} checkpoints, with the link's random streams",
     )
-

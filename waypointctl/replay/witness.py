@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from waypointctl.log.messages import Action, Message, State
 from waypointctl.log.topics import BY_KIND
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.difference import difference
+from waypointctl.replay.difference import difference, different_bits
 from waypointctl.replay.verdict import Divergence
 
 FloatArray = NDArray[np.float64]
@@ -95,10 +95,15 @@ class AuditedPolicy:
         logged = self._witness.upcoming
         if not isinstance(logged, Action) or logged.commanded.shape != computed[0].shape:
             return computed  # the comparison that follows says what is wrong
-        gap = np.abs(computed[0] - logged.commanded)
-        allowed = 0.0 if self._bitwise else ACTION_TOLERANCE
-        for i in np.flatnonzero(~(gap <= allowed)):
+        for i in self._unlike(logged.commanded, computed[0]):
             texts = (repr(float(logged.commanded[i])), repr(float(computed[0, i])))
             raise self._witness.diverged("/action", f"commanded[{i}]", *texts)
-        self.largest_difference = max(self.largest_difference, float(gap.max()))
         return logged.commanded[np.newaxis].copy()
+
+    def _unlike(self, logged: FloatArray, computed: FloatArray) -> list[int]:
+        """Return where two actions (nu,) differ by more than they may."""
+        if self._bitwise:
+            return different_bits(logged, computed)
+        gap = np.abs(computed - logged)
+        self.largest_difference = max(self.largest_difference, float(gap.max()))
+        return [int(at) for at in np.flatnonzero(~(gap <= ACTION_TOLERANCE))]
