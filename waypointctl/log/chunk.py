@@ -19,8 +19,10 @@ from mcap.records import Chunk, ChunkIndex, McapRecord
 
 _MESSAGE: Final = struct.Struct("<BQHIQQ")  # opcode, length, channel, sequence, log_time, publish_time
 _MESSAGE_INDEX: Final = struct.Struct("<BQHI")  # opcode, length, channel, bytes of entries
+_MESSAGE_OPCODE: Final = int(Opcode.MESSAGE)  # packed twice as fast as the enumeration's member
 _HEAD_BYTES: Final = 9  # opcode and length, which the length does not count
 MESSAGE_BYTES: Final = _MESSAGE.size  # of a message record around its data
+ZSTD_LEVEL: Final = 1  # of measured floats, higher levels make 1 % less for half as much time again
 
 
 class Channel:
@@ -59,7 +61,7 @@ class OpenChunk:
         """Begin a chunk for messages of `channels`, which may grow."""
         self._channels = channels
         self._records = bytearray()
-        self._compressor = zstandard.ZstdCompressor()
+        self._compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL)
 
     def __len__(self) -> int:
         """Return how many bytes it has, before compression."""
@@ -74,7 +76,7 @@ class OpenChunk:
         records = self._records
         channel.entries += (log_time_ns, len(records))
         length = _MESSAGE.size - _HEAD_BYTES + len(data)
-        records += _MESSAGE.pack(Opcode.MESSAGE, length, channel.id, channel.sequence, log_time_ns, publish_time_ns)
+        records += _MESSAGE.pack(_MESSAGE_OPCODE, length, channel.id, channel.sequence, log_time_ns, publish_time_ns)
         records += data
         channel.sequence += 1
 

@@ -1,62 +1,17 @@
-"""Messages to protobuf bytes. The inverse is decode.py."""
+"""Messages to protobuf bytes: the rare ones, those of every control step are in steps.py. The inverse is decode.py."""
 
 from __future__ import annotations
 
 from waypointctl.log.messages import (
     Ack,
-    Action,
     Checkpoint,
     Command,
     Event,
-    Observation,
     PlannedWaypoint,
-    Reward,
-    State,
     Telemetry,
 )
 from waypointctl.log.proto import messages_pb2 as pb
 from waypointctl.units import seconds
-
-# Arrays go in as lists: protobuf walks a list of floats twice as fast as a numpy array.
-
-
-def state(message: State) -> bytes:
-    """Encode a State."""
-    return pb.State(
-        time_ns=message.time_ns,
-        step=message.step,
-        qpos=message.qpos.tolist(),
-        qvel=message.qvel.tolist(),
-        qacc_warmstart=message.qacc_warmstart.tolist(),
-    ).SerializeToString()
-
-
-def observation(message: Observation) -> bytes:
-    """Encode an Observation."""
-    return pb.Observation(
-        time_ns=message.time_ns, step=message.step, values=message.values.tolist()
-    ).SerializeToString()
-
-
-def action(message: Action) -> bytes:
-    """Encode an Action."""
-    return pb.Action(
-        time_ns=message.time_ns,
-        step=message.step,
-        source=message.source,
-        commanded=message.commanded.tolist(),
-        applied=message.applied.tolist(),
-    ).SerializeToString()
-
-
-def reward(message: Reward) -> bytes:
-    """Encode a Reward."""
-    return pb.Reward(
-        time_ns=message.time_ns,
-        step=message.step,
-        terms=[pb.Reward.Term(name=name, value=value) for name, value in message.terms],
-        total=message.total,
-    ).SerializeToString()
 
 
 def _waypoint(waypoint: PlannedWaypoint) -> pb.PlannedWaypoint:

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from google.protobuf.message import Message as ProtobufMessage
 
-from waypointctl.log import decode, encode
+from waypointctl.log import decode, encode, steps
 from waypointctl.log.messages import (
     Ack,
     Action,
@@ -48,10 +48,10 @@ def _link(message: Command | Ack | Telemetry) -> tuple[int, int]:
 
 
 TOPICS: Final = (
-    Topic("/state", State, pb.State, encode.state, decode.state, _instant),
-    Topic("/observation", Observation, pb.Observation, encode.observation, decode.observation, _instant),
-    Topic("/action", Action, pb.Action, encode.action, decode.action, _instant),
-    Topic("/reward", Reward, pb.Reward, encode.reward, decode.reward, _instant),
+    Topic("/state", State, pb.State, steps.state, decode.state, _instant),
+    Topic("/observation", Observation, pb.Observation, steps.observation, decode.observation, _instant),
+    Topic("/action", Action, pb.Action, steps.action, decode.action, _instant),
+    Topic("/reward", Reward, pb.Reward, steps.reward, decode.reward, _instant),
     Topic("/command", Command, pb.Command, encode.command, decode.command, _link),
     Topic("/ack", Ack, pb.Ack, encode.ack, decode.ack, _link),
     Topic("/telemetry", Telemetry, pb.Telemetry, encode.telemetry, decode.telemetry, _link),

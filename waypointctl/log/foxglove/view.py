@@ -83,10 +83,11 @@ class FoxgloveView:
         if now < self._motion_due_ns:
             return ()
         self._motion_due_ns = now + MOTION_PERIOD_NS
+        moved = self._motion(state)
         frames = [
-            Frame("/tf", now, self._motion.transforms(state)),
-            Frame("/odometry", now, self._motion.odometry(state)),
-            Frame("/joints", now, self._motion.joints(state)),
+            Frame("/tf", now, moved.transforms),
+            Frame("/odometry", now, moved.odometry),
+            Frame("/joints", now, moved.joints),
         ]
         if now >= self._trail_due_ns:
             self._trail_due_ns = now + TRAIL_PERIOD_NS
