@@ -58,7 +58,7 @@ def action(data: bytes) -> Action:
 def reward(data: bytes) -> Reward:
     """Decode a Reward."""
     it = pb.Reward.FromString(data)
-    return Reward(it.time_ns, it.step, tuple((term.name, term.value) for term in it.terms), it.total)
+    return Reward(it.time_ns, it.step, tuple([(term.name, term.value) for term in it.terms]), it.total)
 
 
 def _waypoint(it: pb.PlannedWaypoint) -> PlannedWaypoint:

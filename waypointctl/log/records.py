@@ -6,7 +6,7 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
-from typing import IO, Final
+from typing import IO, Final, NamedTuple
 
 from mcap.data_stream import ReadDataStream
 
@@ -29,9 +29,8 @@ class Record:
         return _HEAD.pack(self.opcode, len(self.body)) + self.body
 
 
-@dataclass(frozen=True, slots=True)
-class RawMessage:
-    """One message, not yet decoded."""
+class RawMessage(NamedTuple):
+    """One message, not yet decoded; a tuple, because it is made for every message of a log."""
 
     channel: int
     sequence: int
