@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -16,6 +18,10 @@ def console(*, stderr: bool = False) -> Console:
     What is printed is taken as it is: names from missions and logs are no markup.
     """
     from rich.console import Console
+
+    stream = sys.stderr if stderr else sys.stdout
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="replace")  # a name that the terminal cannot show is no reason to end a flight
 
     def make(width: int | None) -> Console:
         return Console(stderr=stderr, width=width, highlight=False, markup=False, emoji=False)

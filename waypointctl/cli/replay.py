@@ -13,6 +13,7 @@ from waypointctl.cli.options import not_negative, positive
 from waypointctl.errors import OutputError
 
 if TYPE_CHECKING:
+    from waypointctl.cli.view.playback import Playback
     from waypointctl.log.reader import Log
     from waypointctl.replay.story import Story
     from waypointctl.replay.verdict import Verification
@@ -42,6 +43,7 @@ def replay(
     """
     from json import dumps as to_json
 
+    from waypointctl.cli.view import playback
     from waypointctl.cli.view.story_json import story_json, verification_json
     from waypointctl.cli.view.summary import print_story
     from waypointctl.log.reader import open_log
@@ -50,9 +52,7 @@ def replay(
     if rate is not None or start_offset is not None or loop or start_paused:
         if verify or json or png is not None:
             raise typer.BadParameter("the flight is either shown or verified: leave out --verify, --json and --png.")
-        from waypointctl.cli.view.playback import Playback, play
-
-        play(open_log(log), Playback(rate or 1.0, start_offset or 0.0, loop, start_paused))
+        _play(open_log(log), playback.Playback(rate or 1.0, start_offset or 0.0, loop, start_paused))
         return
     if png is not None:
         _refuse_unwritable(png)
@@ -69,6 +69,16 @@ def replay(
     if json:
         sys.stdout.write(f"{to_json(found, indent=2)}\n")
     raise typer.Exit(0 if verification.verdict == "exact" else 1)
+
+
+def _play(log: Log, playback: Playback) -> None:
+    from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.view.playback import play
+
+    with interruption() as interrupted:
+        play(log, playback, interrupted)
+        if interrupted():
+            raise typer.Exit(130)
 
 
 def _prove(log: Path, *, stderr: bool) -> Verification:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -39,8 +40,8 @@ class Playback:
     start_paused: bool = False
 
 
-def play(log: Log, playback: Playback) -> None:
-    """Show the flight of a log on stderr; with a terminal, keys steer it.
+def play(log: Log, playback: Playback, interrupted: Callable[[], bool]) -> None:
+    """Show the flight of a log on stderr, until it is over or interrupted; with a terminal, keys steer it.
 
     Raises:
         InputError: it cannot begin where it should, or be steered as it must be.
@@ -53,9 +54,9 @@ def play(log: Log, playback: Playback) -> None:
         problem = f"the flight is over at {last_ns / NS_PER_S:.2f} s"
         raise InputError(problem, where=str(log.path), mend="Give a smaller --start-offset.")
     with keyboard, watch(mission_name(log), waypoints_in(log)) as view:
-        player = _Player(view, keyboard, playback)
+        player = _Player(view, keyboard, playback, interrupted)
         player.show(log)
-        while playback.loop and not player.has_quit:
+        while playback.loop and not player.is_over:
             view.restart()
             player.show(log)
 
@@ -63,8 +64,9 @@ def play(log: Log, playback: Playback) -> None:
 class _Player:
     """Lets the messages of a flight through when it is time for them, and listens to the keyboard."""
 
-    def __init__(self, view: Watch, keyboard: Keyboard, playback: Playback) -> None:
-        self.has_quit = False
+    def __init__(self, view: Watch, keyboard: Keyboard, playback: Playback, interrupted: Callable[[], bool]) -> None:
+        self._has_quit = False
+        self._interrupted = interrupted
         self._view = view
         self._keyboard = keyboard
         self._begin_ns = ns(playback.start_offset_s)
@@ -72,20 +74,24 @@ class _Player:
         self._paused = playback.start_paused
         self._until_ns = self._begin_ns  # paused, the flight goes on to here and stands
 
+    @property
+    def is_over(self) -> bool:
+        return self._has_quit or self._interrupted()
+
     def show(self, log: Log) -> None:
         self._pace.restart(self._begin_ns)
         self._until_ns = self._begin_ns
         for message in log.messages():
             if isinstance(message, State) and message.time_ns >= self._begin_ns:
                 self._wait_for(message.time_ns)
-            if self.has_quit:
+            if self.is_over:
                 return
             self._view(message)
 
     def _wait_for(self, time_ns: int) -> None:
         self._listen(0.0)
-        self._pace.wait_for(time_ns, lambda: self.has_quit or self._paused)
-        while self._paused and time_ns > self._until_ns and not self.has_quit:
+        self._pace.wait_for(time_ns, lambda: self.is_over or self._paused)
+        while self._paused and time_ns > self._until_ns and not self.is_over:
             self._view.say("paused: space goes on, . steps, q quits")
             self._listen(_NAP_S)
             self._pace.restart(time_ns)
@@ -105,4 +111,4 @@ class _Player:
             case "-":
                 self._pace.change(max(self._pace.rate / 2, _SLOWEST))
             case "q":
-                self.has_quit = True
+                self._has_quit = True

@@ -1,0 +1,204 @@
+from __future__ import annotations
+
+import json
+import os
+import pty
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.cli.flying import Program, start
+from waypointctl.log.messages import Action, Message
+from waypointctl.log.writer import LogWriter
+
+
+@pytest.fixture
+def alone(yard: Path, program: Program, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with nothing in it but a log."""
+    assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
+    folder = yard / "alone"
+    folder.mkdir()
+    shutil.move(yard / "log.mcap", folder / "log.mcap")
+    shutil.rmtree(yard / "still")
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def test_a_log_alone_is_proved_and_told(alone: Path, program: Program) -> None:
+    code, out, err = program("replay", "log.mcap")
+    assert (code, err) == (0, "")
+    first, *_ = out.splitlines()
+    assert first == "EXACT: 101 control steps replayed, every bit the same"
+    assert "success: 2 of 2 waypoints reached in 2.02 s" in out
+    # Here is reached at 0.5 s on board and known half a second later; the command's round trip takes 1 s.
+    assert re.search(r"here +\(0, 0\) +box 3 m +0\.50 +0\.50 +1\.00 +0\.50\n", out)
+    assert re.search(
+        r"1 +upload_plan here, there \[/bold\] +0\.00 +0\.50 +1\.00 +1\.52 +2\.02 +0\.50 +0\.50 +1\.00 +completed", out
+    )
+    assert re.search(r"\ntotal +-?[\d,.]+ ", out)
+    assert "● robot" in out
+    assert list(alone.iterdir()) == [alone / "log.mcap"]
+
+
+def test_verify_tells_no_story(alone: Path, program: Program) -> None:
+    code, out, _ = program("replay", "log.mcap", "--verify")
+    assert code == 0
+    assert out.startswith("EXACT: ")
+    assert "waypoint  " not in out
+
+
+def test_verify_as_json(alone: Path, program: Program) -> None:
+    code, out, err = program("replay", "log.mcap", "--verify", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert (found["verdict"], found["steps"], found["first_divergence"]) == ("exact", 101, None)
+    assert found["reason"].startswith("101 control steps")
+    assert "story" not in found
+    assert err.startswith("EXACT: ")
+
+
+def test_the_story_as_json(alone: Path, program: Program) -> None:
+    found = json.loads(program("replay", "log.mcap", "--json")[1])
+    story = found["story"]
+    assert found["verdict"] == "exact"
+    assert (story["mission"], story["outcome"], story["control_steps"]) == ("easy", "success", 101)
+    assert [(one["name"], one["reached_s"], one["known_s"]) for one in story["waypoints"]] == [
+        ("here", 0.5, 1.0),
+        ("there [/bold]", 1.52, 2.02),
+    ]
+    (command,) = story["commands"]
+    assert (command["uplink_s"], command["downlink_s"], command["round_trip_s"]) == (0.5, 0.5, 1.0)
+    assert sum(story["reward"].values()) == pytest.approx(story["reward_total"])
+    assert story["walking_s"] + story["standing_s"] == pytest.approx(2.02)
+
+
+def test_a_log_that_is_not_what_happened_exits_with_1(yard: Path, program: Program) -> None:
+    class Flipped(LogWriter):
+        def __call__(self, message: Message) -> None:
+            if isinstance(message, Action) and message.step == 40:
+                message.applied.view(np.int64)[3] ^= 1
+            super().__call__(message)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("waypointctl.ops.record.LogWriter", Flipped)
+        assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
+    code, out, err = program("replay", "log.mcap", "--json")
+    found = json.loads(out)
+    assert code == 1
+    assert found["verdict"] == "diverged"
+    assert found["first_divergence"]["step"] == 40
+    assert "/action" in found["first_divergence"]["topic"]
+    assert found["story"]["outcome"] == "success"
+    assert err.startswith("DIVERGED: ")
+    assert re.search(r"\n  logged +\S.*\n  replayed +\S", err)
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [(None, "no such log"), (b"", "is empty"), (b"PK\x03\x04 and so on", "is not an MCAP file")],
+)
+def test_what_is_no_log_is_refused(yard: Path, program: Program, content: bytes | None, problem: str) -> None:
+    if content is not None:
+        (yard / "log.mcap").write_bytes(content)
+    for more in ((), ("--verify", "--json"), ("--png", "f.png"), ("--rate", "2")):
+        code, out, err = program("replay", "log.mcap", *more)
+        assert (code, out) == (2, "")
+        assert err.startswith(f"error: log.mcap: {problem}")
+    assert not (yard / "f.png").exists()
+
+
+def test_a_log_that_is_cut_short_is_refused(alone: Path, program: Program) -> None:
+    whole = (alone / "log.mcap").read_bytes()
+    (alone / "log.mcap").write_bytes(whole[: len(whole) // 2])
+    code, _, err = program("replay", "log.mcap")
+    assert code == 2
+    assert "is cut short" in err
+
+
+def test_the_picture(alone: Path, program: Program) -> None:
+    code, _, err = program("replay", "log.mcap", "--verify", "--png", "f.png")
+    assert (code, err) == (0, "drawn into f.png\n")
+    assert struct.unpack(">II", (alone / "f.png").read_bytes()[16:24]) == (1600, 1000)
+
+
+@pytest.mark.parametrize("png", ["none/such.png", "."])
+def test_a_picture_that_cannot_be_written_is_refused_first(alone: Path, program: Program, png: str) -> None:
+    code, out, err = program("replay", "log.mcap", "--png", png)
+    assert (code, out) == (2, "")
+    assert err.startswith(f"error: {png}: ")
+
+
+def test_shown_again_it_takes_its_time(alone: Path, program: Program) -> None:
+    began = time.monotonic()
+    code, out, err = program("replay", "log.mcap", "--rate", "2", "--start-offset", "1")
+    assert (code, out) == (0, "")
+    # What is left, 1.02 s, at twice the pace; loading is all that comes on top.
+    assert 0.5 <= time.monotonic() - began < 5.0
+    assert err.splitlines()[-1] == "     2.020 s  operator  success: 2 of 2 waypoints reached in 2.02 s"
+
+
+@pytest.mark.parametrize(
+    ("options", "problem"),
+    [
+        (("--rate", "0"), "above 0"),
+        (("--start-offset", "-1"), "at least 0"),
+        (("--start-offset", "nan"), "at least 0"),
+        (("--start-offset", "99"), "the flight is over at 2.02 s"),
+        (("--start-paused",), "no terminal"),
+        (("--loop", "--verify"), "leave out --verify"),
+        (("--rate", "1", "--json"), "leave out --verify, --json and --png"),
+    ],
+)
+def test_what_cannot_be_shown_is_refused(
+    alone: Path, program: Program, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], problem: str
+) -> None:
+    monkeypatch.setattr("sys.stdin", None)
+    code, out, err = program("replay", "log.mcap", *options)
+    assert (code, out) == (2, "")
+    assert problem in err
+
+
+def test_keys_steer_the_playback(alone: Path) -> None:
+    master, slave = pty.openpty()
+    playing = start(
+        alone, "replay", "log.mcap", "--start-paused", "--loop", "--rate", "8", stdin=slave, stdout=slave, stderr=slave
+    )
+    os.close(slave)
+
+    def shows(wanted: bytes) -> None:
+        shown = b""
+        while wanted not in shown:
+            shown += os.read(master, 4096)
+
+    shows(b"paused: space goes on")
+    os.write(master, b" ")
+    shows(b"x8")
+    os.write(master, b"+")
+    shows(b"x16")
+    os.write(master, b"-")
+    shows(b"x8")
+    os.write(master, b" ")
+    shows(b"paused")
+    os.write(master, b"q")
+    while True:
+        try:
+            os.read(master, 4096)
+        except OSError:
+            break
+    assert playing.wait(60) == 0
+
+
+def test_a_playback_can_be_interrupted(alone: Path) -> None:
+    playing = start(alone, "replay", "log.mcap", "--rate", "0.01", stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert playing.stderr is not None
+    playing.stderr.readline()
+    playing.send_signal(signal.SIGTERM)
+    playing.communicate(timeout=60)
+    assert playing.returncode == 130

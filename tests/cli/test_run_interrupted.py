@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import os
+import pty
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.cli.flying import start
+from waypointctl.log.messages import Event, EventKind
+from waypointctl.log.reader import open_log
+from waypointctl.replay.logged import story_of
+
+LIMIT_S = 60.0
+
+
+def fly(yard: Path, *more: str) -> subprocess.Popen[bytes]:
+    """Start a long flight and return when the robot has begun to hold."""
+    arguments = ("run", "long.yaml", "--out", "log.mcap", *more)
+    flight = start(yard, *arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert flight.stderr is not None
+    while b"holding at rest" not in flight.stderr.readline():
+        assert flight.poll() is None
+    return flight
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("more", [("--rate", "1"), ("--rate", "0.001"), ()])
+def test_the_first_signal_closes_the_log(yard: Path, number: signal.Signals, more: tuple[str, ...]) -> None:
+    flight = fly(yard, *more)
+    flight.send_signal(number)
+    out, _ = flight.communicate(timeout=LIMIT_S)
+    assert flight.returncode == 130
+    log = open_log(yard / "log.mcap")
+    assert log.is_complete
+    *_, last = log.messages()
+    assert isinstance(last, Event)
+    assert (last.kind, last.text.partition(":")[0]) == (EventKind.MISSION_ENDED, "interrupted")
+    assert story_of(log).outcome == "interrupted"
+    assert b"interrupted: 1 of 1 waypoints reached" in out
+    assert not (yard / "log.mcap.part").exists()
+
+
+def test_a_flight_that_is_killed_leaves_what_it_had(yard: Path) -> None:
+    flight = fly(yard)
+    time.sleep(1.0)
+    flight.kill()
+    flight.communicate(timeout=LIMIT_S)
+    assert not (yard / "log.mcap").exists()
+    log = open_log(yard / "log.mcap.part", allow_truncated=True)
+    assert story_of(log).outcome == "unfinished"
+    assert story_of(log).steps > 0
+
+
+def test_interrupted_on_a_terminal_it_gives_the_cursor_back(yard: Path) -> None:
+    master, slave = pty.openpty()
+    flight = start(yard, "run", "long.yaml", "--rate", "1", stdin=slave, stdout=slave, stderr=slave)
+    os.close(slave)
+    shown = b""
+    while b"holding at rest" not in shown:
+        shown += os.read(master, 4096)
+    flight.send_signal(signal.SIGINT)
+    while True:
+        try:
+            chunk = os.read(master, 4096)
+        except OSError:  # the other end is closed
+            break
+        shown += chunk
+    assert flight.wait(LIMIT_S) == 130
+    assert shown.rindex(b"\x1b[?25h") > shown.rindex(b"\x1b[?25l")
+    assert b"interrupted" in shown

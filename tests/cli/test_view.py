@@ -1,0 +1,231 @@
+from __future__ import annotations
+
+import io
+import re
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.console import Console
+from rich.text import Text
+
+from tests.replay.hand_made import FAR, NEAR, flight
+from waypointctl.cli.view.canvas import Canvas
+from waypointctl.cli.view.chart import Scene, draw_map
+from waypointctl.cli.view.live import PERIOD_S, LiveView, sizes
+from waypointctl.cli.view.pace import Pace
+from waypointctl.cli.view.tables import command_table, waypoint_table
+from waypointctl.cli.view.words import happening, printable, size
+from waypointctl.log.messages import Message, Severity, State
+from waypointctl.replay.chronicle import tell
+from waypointctl.replay.story import Fate, WaypointStory
+from waypointctl.units import NS_PER_S
+
+
+def plain(rows: list[Text]) -> list[str]:
+    return [row.plain for row in rows]
+
+
+def test_dots_are_braille() -> None:
+    canvas = Canvas(2, 1)
+    # The corners of the first cell (dots 1, 4, 7 and 8 of braille), nothing in the second.
+    canvas.dots(np.array([0.0, 1.0, 0.0, 1.9]), np.array([0.0, 0.0, 3.0, 3.9]), "red")
+    assert plain(canvas.rows()) == ["\N{BRAILLE PATTERN DOTS-1478} "]
+    assert plain(canvas.rows(ascii_only=True)) == [". "]
+
+
+def test_what_is_outside_is_left_out() -> None:
+    canvas = Canvas(1, 1)
+    canvas.dots(np.array([-0.1, 2.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0, 4.0]), "red")
+    canvas.sign(50, 0, "x", "red")
+    assert plain(canvas.rows()) == [" "]
+
+
+def test_a_line_has_no_gap() -> None:
+    canvas = Canvas(10, 5)
+    canvas.polyline(np.array([0.5, 19.5]), np.array([0.5, 0.5]), "red")
+    assert plain(canvas.rows())[0] == "\N{BRAILLE PATTERN DOTS-14}" * 10
+
+
+def scene(fate: Fate = Fate.OPEN) -> Scene:
+    waypoint = WaypointStory(NEAR, fate, None, None, None, None)
+    return Scene(np.array([0.0, 1.0]), np.array([0.0, 0.0]), (waypoint,), belief=(0.0, 0.0))
+
+
+def test_the_map_has_everything_and_fits() -> None:
+    rows = plain(draw_map(scene(), 40, 10))
+    assert len(rows) == 10
+    assert all(len(row) <= 40 for row in rows)
+    drawing = "\n".join(rows)
+    assert "●" in drawing
+    assert "◇" in drawing
+    assert "near" in drawing
+    # The map is at least 2 m high, in 9 lines of 4 dots: 18 dots a metre, so half a metre is 9 dots, 4 or 5 cells.
+    assert re.match("├─{2,3}┤ 0.5 m  ", rows[-1])
+
+
+def test_east_is_right_and_north_is_up() -> None:
+    way = Scene(np.array([0.0, 4.0]), np.array([0.0, 4.0]), (), belief=(0.0, 4.0))
+    rows = plain(draw_map(way, 40, 20))
+    (robot,) = [(line, row.index("●")) for line, row in enumerate(rows[:-1]) if "●" in row]
+    (belief,) = [(line, row.index("◇")) for line, row in enumerate(rows[:-1]) if "◇" in row]
+    (start,) = [(line, row.index("+")) for line, row in enumerate(rows[:-1]) if "+" in row]
+    assert robot[0] == belief[0] < start[0]
+    assert start[1] == belief[1] < robot[1]
+    # 4 m are as far across as up: a cell is two dots wide and four high.
+    assert 2 * (robot[1] - start[1]) == pytest.approx(4 * (start[0] - robot[0]), abs=4)
+
+
+def test_the_map_in_ascii() -> None:
+    assert all(row.isascii() for row in plain(draw_map(scene(), 40, 10, ascii_only=True)))
+
+
+@pytest.mark.parametrize("fate", list(Fate))
+def test_a_waypoint_shows_its_fate(fate: Fate) -> None:
+    styles = {span.style for row in draw_map(scene(fate), 40, 10) for span in row.spans}
+    expected = {Fate.REACHED: "green", Fate.OPEN: "yellow"}.get(fate, "red")
+    assert expected in styles
+
+
+def test_an_empty_map() -> None:
+    assert len(draw_map(Scene(np.zeros(0), np.zeros(0), ()), 20, 5)) == 5
+
+
+@pytest.mark.parametrize("width", [1, 20, 40, 67, 68, 80, 200])
+@pytest.mark.parametrize("height", [1, 5, 10, 16, 24, 50])
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_the_view_fits_every_terminal(width: int, height: int, encoding: str) -> None:
+    file = io.TextIOWrapper(io.BytesIO(), encoding=encoding, errors="replace")
+    people = Console(file=file, force_terminal=True, width=width, height=height, markup=False)
+    view = LiveView(people, "hand", (NEAR, FAR))
+    for message in flight():
+        view.chronicle(message)
+    lines = people.render_lines(view.picture(), pad=False)
+    assert height < 10 or len(lines) < height
+    assert max(sum(len(segment.text) for segment in line) for line in lines) <= width
+    people.print(view.picture())
+
+
+def test_a_terminal_of_80_by_24_has_room_for_all_of_it() -> None:
+    plan = sizes(80, 24)
+    assert plan.side_by_side
+    assert plan.map_lines >= 10
+    assert plan.commands >= 2
+    assert plan.happenings >= 3
+
+
+def shown(upto: int | None = None, **options: object) -> str:
+    people = Console(file=io.StringIO(), force_terminal=True, width=80, height=24, markup=False, **options)  # type: ignore[arg-type]
+    view = LiveView(people, "hand", (NEAR, FAR))
+    view._live.start()
+    for message in list(flight())[:upto]:
+        view(message)
+    view.draw()
+    with people.capture() as capture:
+        people.print(view.picture())
+    view._live.stop()
+    return capture.get()
+
+
+def test_the_view_tells_truth_from_belief() -> None:
+    picture = shown(color_system=None)
+    assert "1 of 2 reached, 1 known of" in picture
+    assert "robot      5.00 s" in picture
+    # The newest frame was sampled at 2 s where x was 2 m; at 5 s the robot is at (6.3, 0.4).
+    assert "knows of 2.00 s" in picture
+    assert "3.00 s, 4.3 m astray" in picture
+    assert "2.00 s, newest measured" in picture
+    assert re.search(r"1 upload_plan near, far +0\.00 s +1\.00 s +failed +failed +2\.00 s", picture)
+    assert "failure: timeout: 1 of 2" in picture
+
+
+def test_before_anything_is_heard_the_operator_knows_nothing() -> None:
+    picture = shown(upto=4, color_system=None)
+    assert "has heard nothing yet" in picture
+    assert "under way" in picture
+    assert "not yet measured" in picture
+
+
+def test_no_color_is_respected(monkeypatch: pytest.MonkeyPatch) -> None:
+    colored = shown(color_system="standard")
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b[32m" in colored
+    assert "\x1b[32m" not in shown(color_system="standard")
+
+
+def test_the_view_does_not_slow_the_flight_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    view = LiveView(Console(file=io.StringIO(), force_terminal=True), "hand", ())
+    drawn: list[float] = []
+    clock = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(view._live, "update", lambda *_, **__: drawn.append(clock[0]))
+    message = next(message for message in flight() if isinstance(message, State))
+    for _ in range(1000):
+        view(message)
+        clock[0] += 0.001
+    # A second went by in which it drew once at the beginning and then each tenth of it.
+    assert len(drawn) == pytest.approx(1.0 / PERIOD_S, abs=1)
+
+
+def happenings(messages: list[Message]) -> list[str]:
+    return [told.line for told in map(happening, messages) if told is not None]
+
+
+def test_happenings_are_told_on_their_clock() -> None:
+    lines = happenings(list(flight()))
+    assert "     2.000 s  robot     near reached" in lines
+    assert "     2.000 s  operator  heard: command 1 started, 1.000 s ago" in lines
+    assert "     5.000 s  operator  heard: command 1 failed (timeout), 1.000 s ago" in lines
+    assert not any("accepted" in line for line in lines)
+    failed = [told for told in map(happening, flight()) if told and "failed (timeout)" in told.text]
+    assert [told.severity for told in failed] == [Severity.ERROR]
+
+
+def test_what_would_steer_a_terminal_is_not_printed() -> None:
+    assert printable("a\x1b[2Jb\nc\x9b") == "a�[2Jb�c�"
+    assert printable("Größe 近い") == "Größe 近い"
+
+
+@pytest.mark.parametrize(
+    ("count", "text"), [(0, "0 B"), (999, "999 B"), (1000, "1.0 kB"), (2_345_678, "2.3 MB"), (7 * 10**10, "70.0 GB")]
+)
+def test_sizes(count: int, text: str) -> None:
+    assert size(count) == text
+
+
+@pytest.mark.parametrize("width", [40, 80, 99, 100, 120])
+def test_tables_keep_to_the_width(width: int) -> None:
+    story = tell(flight(), (replace(NEAR, name="a rather long name of a waypoint" * 2), FAR))
+    out = Console(file=io.StringIO(), width=width, markup=False, color_system=None)
+    out.print(waypoint_table(story))
+    out.print(command_table(story, width))
+    text = out.file.getvalue()  # type: ignore[attr-defined]
+    assert max(map(len, text.splitlines())) <= width
+    assert ("down" in text) == (width >= 100)
+
+
+def test_pace_waits_as_long_as_it_should(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [50.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+
+    def idle(duration_s: float) -> None:
+        assert 0 < duration_s <= 0.05
+        now[0] += duration_s
+
+    pace = Pace(4.0, idle)
+    pace.wait_for(8 * NS_PER_S)
+    assert now[0] == pytest.approx(52.0)
+    pace.change(1.0)
+    pace.wait_for(9 * NS_PER_S)
+    assert now[0] == pytest.approx(53.0)
+    now[0] += 10.0  # the process was stopped; it does not run after what it has missed
+    pace.wait_for(10 * NS_PER_S)
+    pace.wait_for(11 * NS_PER_S)
+    assert now[0] == pytest.approx(64.0)
+
+
+def test_pace_ends_when_it_is_told_to() -> None:
+    asked = iter([False, False, True])
+    Pace(0.001, lambda _: None).wait_for(NS_PER_S, lambda: next(asked))
+    assert next(asked, None) is None

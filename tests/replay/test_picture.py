@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.replay.hand_made import FAR, NEAR, event, flight
+from waypointctl.log.messages import Clock, EventKind, Message
+from waypointctl.replay.chronicle import tell
+from waypointctl.replay.picture.page import HEIGHT, WIDTH, draw
+from waypointctl.replay.picture.speed import _moving_mean
+from waypointctl.replay.story import Track
+from waypointctl.units import NS_PER_S
+
+SENT = event(0, EventKind.COMMAND_SENT, "command 1 sent: go_to near", Clock.OPERATOR, command_id=1)
+CURIOUS = replace(NEAR, name=r"$\frac{[red]")
+FOREIGN = replace(NEAR, name="近い")
+
+
+def picture_of(messages: Iterable[Message]) -> bytes:
+    return draw(tell(messages, (NEAR, FAR)), "hand", "replay exact, 10 control steps")
+
+
+def test_the_picture_is_a_png_of_its_size() -> None:
+    png = picture_of(flight())
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    assert struct.unpack(">II", png[16:24]) == (WIDTH, HEIGHT)
+
+
+def test_the_same_story_gives_the_same_bytes() -> None:
+    assert picture_of(flight()) == picture_of(flight())
+
+
+def test_another_story_gives_another_picture() -> None:
+    assert picture_of(flight()) != picture_of(list(flight())[:-8])
+
+
+@pytest.mark.parametrize("messages", [[], [SENT], list(flight())[:20]], ids=["nothing", "under way", "half"])
+def test_an_unfinished_story_can_be_drawn(messages: list[Message]) -> None:
+    assert picture_of(messages).startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("waypoint", [CURIOUS, FOREIGN])
+def test_names_are_drawn_as_they_are(waypoint: object) -> None:
+    story = tell(flight(), (replace(NEAR, name=waypoint.name), FAR))  # type: ignore[attr-defined]
+    assert draw(story, "a $ and a {", "").startswith(b"\x89PNG")
+
+
+def test_many_waypoints() -> None:
+    many = [replace(NEAR, index=n, name=f"WP{n}", x_m=float(n)) for n in range(60)]
+    assert draw(tell(flight(), many), "many", "").startswith(b"\x89PNG")
+
+
+def test_moving_mean_by_hand() -> None:
+    times = np.arange(5) * NS_PER_S // 5  # 0.2 s apart: half a second around a row holds it and its neighbours
+    speeds = np.array([0.0, 3.0, 6.0, 9.0, 0.0])
+    track = Track(times, times, speeds, speeds, speeds)
+    np.testing.assert_allclose(_moving_mean(track), [1.5, 3.0, 6.0, 5.0, 4.5])

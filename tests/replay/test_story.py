@@ -1,0 +1,167 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.replay.hand_made import FAR, NEAR, ack, event, flight, frame, state
+from waypointctl.log.messages import Clock, Command, CommandKind, EventKind, Message, PlannedWaypoint, Stage
+from waypointctl.replay.chronicle import Chronicle, tell
+from waypointctl.replay.story import Fate, Track
+from waypointctl.units import ns
+
+
+def test_the_outcome_is_what_the_operator_said_last() -> None:
+    story = tell(flight())
+    assert (story.outcome, story.reason) == ("failure", "timeout: 1 of 2 waypoints reached")
+    assert story.ended_ns == ns(5.0)
+    assert story.steps == 10
+
+
+def test_a_command_is_told_on_both_clocks() -> None:
+    (command,) = tell(flight()).commands
+    assert (command.id, command.what) == (1, "upload_plan near, far")
+    assert (command.issued_ns, command.received_ns) == (0, ns(1.0))
+    assert (command.acknowledged_ns, command.round_trip_ns) == (ns(2.0), ns(2.0))
+    assert (command.uplink_ns, command.downlink_ns) == (ns(1.0), ns(1.0))
+    assert (command.onboard, command.ended_ns) == (Stage.FAILED, ns(4.0))
+    assert (command.heard, command.concluded_ns) == (Stage.FAILED, ns(5.0))
+    assert [one.stage for one in command.acks] == [Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED, Stage.FAILED]
+
+
+def test_a_waypoint_is_reached_on_one_clock_and_known_on_the_other() -> None:
+    near, far = tell(flight()).waypoints
+    assert (near.planned, near.fate) == (NEAR, Fate.REACHED)
+    assert (near.started_ns, near.reached_ns, near.ended_ns, near.learned_ns) == (ns(1), ns(2), ns(2), ns(3))
+    assert (far.planned, far.fate) == (FAR, Fate.TIMED_OUT)
+    assert (far.started_ns, far.reached_ns, far.ended_ns, far.learned_ns) == (ns(2), None, ns(4), None)
+
+
+def test_effort_by_hand() -> None:
+    effort = tell(flight()).effort
+    # 0 to 6 m in the six steps of the policy, then a slide of 0.3 m along x and of 0.4 m along y.
+    assert effort.walked_m == pytest.approx(6.0)
+    assert effort.distance_m == pytest.approx(6.0 + 0.3 + 0.4)
+    assert (effort.walking_ns, effort.standing_ns, effort.fallen_ns) == (ns(3.0), ns(2.0), 0)
+    assert effort.mean_speed_mps == pytest.approx(2.0)
+    assert effort.standing_share == pytest.approx(0.4)
+
+
+def test_reward_terms_are_summed() -> None:
+    story = tell(flight())
+    assert dict(story.reward) == {"progress": pytest.approx(8.0), "energy": pytest.approx(-2.5)}
+    assert story.reward_total == pytest.approx(5.5)
+
+
+def test_truth_and_belief_each_have_their_time() -> None:
+    story = tell(flight())
+    np.testing.assert_array_equal(story.truth.x_m, [0, 0, 0, 1, 2, 3, 4, 5, 6, 6.3, 6.3])
+    np.testing.assert_array_equal(story.truth.known_ns, story.truth.time_ns)
+    np.testing.assert_array_equal(story.truth.speed_mps, [0, 0, 2, 2, 2, 2, 2, 2, 0, 0, 0])
+    np.testing.assert_array_equal(story.belief.time_ns, [ns(0.0), ns(2.0)])
+    np.testing.assert_array_equal(story.belief.known_ns, [ns(1.0), ns(3.0)])
+    np.testing.assert_array_equal(story.belief.x_m, [0.0, 2.0])
+
+
+def test_a_story_can_be_told_while_it_happens() -> None:
+    chronicle = Chronicle((NEAR, FAR))
+    for message in flight():
+        if isinstance(message, Command):
+            break
+        chronicle(message)
+    (command,) = chronicle.commands
+    assert (command.onboard, command.heard, command.received_ns, command.round_trip_ns) == (
+        None,
+        Stage.SENT,
+        None,
+        None,
+    )
+    assert command.what == "upload_plan near, far"
+    assert [waypoint.fate for waypoint in chronicle.waypoints] == [Fate.OPEN, Fate.OPEN]
+    assert chronicle.now_ns == ns(1.0)
+    assert chronicle.story().outcome == "unfinished"
+
+
+def test_between_arrival_and_hearing_the_robot_is_ahead_of_the_operator() -> None:
+    chronicle = Chronicle((NEAR, FAR))
+    told = list(flight())
+    upto = next(i for i, m in enumerate(told) if getattr(m, "kind", None) is EventKind.LEG_STARTED)
+    for message in told[: upto + 1]:
+        chronicle(message)
+    (command,) = chronicle.commands
+    assert (command.onboard, command.heard) == (Stage.STARTED, Stage.SENT)
+
+
+def test_nothing_happened() -> None:
+    story = tell([])
+    assert (story.outcome, story.steps, story.ended_ns, len(story.truth)) == ("unfinished", 0, 0, 0)
+    assert story.effort.mean_speed_mps is None
+    assert story.effort.standing_share is None
+
+
+def test_waypoints_that_were_never_commanded_are_open() -> None:
+    beyond = PlannedWaypoint(2, "beyond", 9.0, 9.0, "box", 0.5, 1, 0)
+    story = tell(flight(), (NEAR, FAR, beyond))
+    assert [waypoint.fate for waypoint in story.waypoints] == [Fate.REACHED, Fate.TIMED_OUT, Fate.OPEN]
+    assert (story.reached, story.learned) == (1, 1)
+
+
+def test_a_skipped_waypoint_says_so() -> None:
+    skipped = event(4.0, EventKind.WAYPOINT_SKIPPED, "far skipped", waypoint=1, command_id=1)
+    assert tell([*flight(), skipped]).waypoints[1].fate is Fate.SKIPPED
+
+
+def test_a_fall_ends_the_leg_and_the_command() -> None:
+    messages: list[Message] = [
+        event(0, EventKind.COMMAND_SENT, "command 1 sent: go_to near", Clock.OPERATOR, command_id=1),
+        Command(1, CommandKind.GO_TO, (NEAR,), "abort", 0, ns(1.0)),
+        event(1, EventKind.COMMAND_RECEIVED, "received", command_id=1),
+        event(1, EventKind.LEG_STARTED, "walking to near", waypoint=0, command_id=1),
+        event(3, EventKind.FALL, "the robot has fallen", command_id=1),
+    ]
+    story = tell(messages)
+    assert story.falls == 1
+    assert story.waypoints[0].ended_ns == ns(3.0)
+    assert story.waypoints[0].fate is Fate.OPEN
+    assert (story.commands[0].onboard, story.commands[0].ended_ns) == (Stage.FAILED, ns(3.0))
+
+
+def test_a_fall_after_the_end_of_a_command_does_not_undo_it() -> None:
+    messages: list[Message] = [
+        event(0, EventKind.COMMAND_SENT, "command 1 sent: go_to near", Clock.OPERATOR, command_id=1),
+        event(2, EventKind.PLAN_COMPLETED, "command 1 completed", command_id=1),
+        event(3, EventKind.FALL, "the robot has fallen", command_id=1),
+    ]
+    (command,) = tell(messages).commands
+    assert (command.onboard, command.ended_ns) == (Stage.COMPLETED, ns(2.0))
+
+
+def test_a_rejected_command_is_concluded() -> None:
+    (command,) = tell([ack(Stage.RECEIVED, 1.0), ack(Stage.REJECTED, 1.0, "fall")]).commands
+    assert (command.heard, command.concluded_ns) == (Stage.REJECTED, ns(2.0))
+
+
+def test_a_waypoint_is_learned_of_once() -> None:
+    later = [frame(n, 2.0 + n, 2.0, (0,)) for n in (1, 2)]
+    (near,) = tell(later, (NEAR,)).waypoints
+    assert near.learned_ns == ns(4.0)
+
+
+def test_a_thinned_track_keeps_both_ends() -> None:
+    rows = np.arange(1001)
+    meters = rows.astype(np.float64)
+    track = Track(rows, rows, meters, 2 * meters, meters)
+    thin = track.thinned(10)
+    assert len(thin) <= 11
+    assert (thin.time_ns[0], thin.time_ns[-1]) == (0, 1000)
+    np.testing.assert_array_equal(thin.y_m, 2.0 * thin.x_m)
+    assert len(track.thinned(5000)) == 1001
+
+
+def test_the_way_so_far_is_bounded_and_ends_where_the_robot_is() -> None:
+    chronicle = Chronicle()
+    for step in range(997):
+        chronicle(state(step, step * 0.1, -step * 0.1, 0.0))
+    x_m, y_m = chronicle.way(100)
+    assert 100 <= len(x_m) <= 120
+    assert (x_m[0], x_m[-1]) == (0.0, pytest.approx(99.6))
+    np.testing.assert_array_equal(y_m, -x_m)
