@@ -130,7 +130,7 @@ def shown(upto: int | None = None, **options: object) -> str:
 
 def test_the_view_tells_truth_from_belief() -> None:
     picture = shown(color_system=None)
-    assert "1 of 2 reached, 1 known of" in picture
+    assert "1 of 2 reached, 1 known" in picture
     assert "robot      5.00 s" in picture
     # The newest frame was sampled at 2 s where x was 2 m; at 5 s the robot is at (6.3, 0.4).
     assert "knows of 2.00 s" in picture

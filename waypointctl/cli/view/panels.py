@@ -35,7 +35,7 @@ def heading(title: str, status: str, chronicle: Chronicle, *, ascii_only: bool) 
         full, half, empty = "#=-" if ascii_only else "■◧□"
         line.append(full * known, "magenta").append(half * (reached - known), "green")
         line.append(empty * (len(waypoints) - reached), "dim").append(" ")
-    line.append(f"{reached} of {len(waypoints)} reached, {known} known of")
+    line.append(f"{reached} of {len(waypoints)} reached, {known} known")
     return line.append(f"  {status}", "dim")
 
 

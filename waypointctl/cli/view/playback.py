@@ -92,12 +92,12 @@ class _Player:
         self._listen(0.0)
         self._pace.wait_for(time_ns, lambda: self.is_over or self._paused)
         while self._paused and time_ns > self._until_ns and not self.is_over:
-            self._view.say("paused: space goes on, . steps, q quits")
+            self._view.say("paused: space, . step, q quit")
             self._listen(_NAP_S)
             self._pace.restart(time_ns)
         if not self._paused:
             self._until_ns = time_ns
-            keys = "  space pauses, + - rate, q quits" if self._keyboard.is_there else ""
+            keys = "  space pause, + - rate, q quit" if self._keyboard.is_there else ""
             self._view.say(f"x{self._pace.rate:g}{keys}")
 
     def _listen(self, timeout_s: float) -> None:
