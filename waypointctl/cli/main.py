@@ -25,11 +25,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command()(run)
-app.command()(replay)
-app.command("train")(train_policy)
-app.command("eval")(evaluate_policy)
-app.add_typer(policies, name="policies")
 
 
 def _version(wanted: bool) -> None:
@@ -45,9 +40,14 @@ def _options(
     """Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log."""
 
 
+app.command()(run)
+app.command()(replay)
 app.command()(info)
-app.command()(schema)
 app.command()(validate)
+app.command()(schema)
+app.command("train")(train_policy)
+app.command("eval")(evaluate_policy)
+app.add_typer(policies, name="policies")
 
 
 def main() -> None:

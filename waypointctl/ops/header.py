@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import platform
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
+import waypointctl
 from waypointctl import __version__
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.mission.files import MissionFile
@@ -22,6 +24,7 @@ MISSION: Final = "mission.yaml"
 MJCF: Final = "model.xml"
 MJB: Final = "model.mjb"
 POLICY_FOLDER: Final = "policy/"
+_DECISIVE_PARTS: Final = ("mission", "sim", "task", "policy", "ops", "seeding.py", "units.py")
 CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
 
 
@@ -67,12 +70,24 @@ def platform_facts() -> dict[str, str]:
     """Return what decides whether a replay here can be exact: versions and the processor."""
     return {
         "version_waypointctl": __version__,
+        "source": source_revision(),
         "version_mujoco": version("mujoco"),
         "version_numpy": version("numpy"),
         "version_onnxruntime": version("onnxruntime"),
         "architecture": platform.machine(),
         "processor": _processor(),
     }
+
+
+@cache
+def source_revision() -> str:
+    """Return a short hash of the code that decides a flight: a version's number stays while its code is changed."""
+    package = Path(waypointctl.__file__).parent
+    digest = hashlib.sha256()
+    for part in _DECISIVE_PARTS:
+        for path in sorted((package / part).rglob("*.py") if (package / part).is_dir() else [package / part]):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def _processor() -> str:
