@@ -9,7 +9,7 @@ from typing import Final
 
 from pydantic import ValidationError
 
-from waypointctl.errors import InputError
+from waypointctl.errors import InputError, LogError
 from waypointctl.log.messages import Event, EventKind, State
 from waypointctl.log.reader import Log, open_log
 from waypointctl.mission.files import parse_mission
@@ -118,7 +118,10 @@ def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
 def _contents(log: Log) -> tuple[Mission, Robot, LoadedPolicy]:
     attachments = log.attachments
     mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}")
-    mission = mission.model_copy(update={"seed": int(log.metadata["seed"])})
+    seed = log.metadata.get("seed", "")
+    if not seed.isdecimal():
+        raise LogError(f"the seed is {seed!r}, which is no number", where=str(log.path))
+    mission = mission.model_copy(update={"seed": int(seed)})
     robot = robot_from_mjb(mission.robot, attachments[MJCF].decode(), attachments[MJB])
     return mission, robot, load_policy_bytes(_policy_files(attachments), f"{log.path}/{POLICY_FOLDER}")
 
@@ -131,10 +134,16 @@ def _policy_files(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
 
 def _diverged(where: Divergence, witness: Witness, log: Log) -> Verification:
     reason = f"diverged at step {where.step} on {where.topic}, {where.component}"
-    wrote, here = log.metadata.get("version_waypointctl"), platform_facts()["version_waypointctl"]
+    wrote, here = _software(log.metadata), _software(platform_facts())
     if wrote != here:
-        reason += f" (waypointctl {wrote} wrote the log, this is {here})"
+        reason += (
+            f" (waypointctl {wrote} wrote the log, this is {here}: another program, not an altered log, may be why)"
+        )
     return Verification(Verdict.DIVERGED, witness.compared["/reward"], where, reason, ())
+
+
+def _software(facts: Mapping[str, str]) -> str:
+    return f"{facts.get('version_waypointctl')} ({facts.get('source')})"
 
 
 def _checks(witness: Witness, audited: AuditedPolicy, same_network: bool) -> tuple[str, ...]:
