@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from waypointctl.log.messages import FloatArray, Message
+from waypointctl.log.messages import FloatArray, Message, PlannedWaypoint
 
 
 def difference(logged: Message, replayed: Message) -> tuple[str, str, str] | None:
@@ -39,19 +39,26 @@ def bits_of(value: float) -> int:
 def _pairs(name: str, logged: Any, replayed: Any) -> Iterator[tuple[str, Any, Any]]:
     """Yield the components called `name` in which the two values differ, the first one first."""
     if isinstance(logged, np.ndarray):
-        if logged.shape != replayed.shape:
-            yield f"{name}.shape", logged.shape, replayed.shape
-        else:
-            for at in different_bits(logged, replayed):
-                yield f"{name}[{at}]", float(logged[at]), float(replayed[at])
+        yield from _array_pairs(name, logged, replayed)
     elif isinstance(logged, float):
         if bits_of(logged) != bits_of(replayed):
             yield name, logged, replayed
     elif isinstance(logged, tuple) and isinstance(replayed, tuple) and len(logged) == len(replayed):
         for index, (a, b) in enumerate(zip(logged, replayed, strict=True)):
             yield from _pairs(f"{name}[{index}]", a, b)
+    elif isinstance(logged, PlannedWaypoint) and isinstance(replayed, PlannedWaypoint):
+        for field in fields(logged):
+            yield from _pairs(f"{name}.{field.name}", getattr(logged, field.name), getattr(replayed, field.name))
     elif logged != replayed:
         yield name, logged, replayed
+
+
+def _array_pairs(name: str, logged: FloatArray, replayed: FloatArray) -> Iterator[tuple[str, Any, Any]]:
+    if logged.shape != replayed.shape:
+        yield f"{name}.shape", logged.shape, replayed.shape
+        return
+    for at in different_bits(logged, replayed):
+        yield f"{name}[{at}]", float(logged[at]), float(replayed[at])
 
 
 def _text(value: Any) -> str:

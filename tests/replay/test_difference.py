@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint, Reward, State
+from waypointctl.replay.difference import bits_of, difference
+
+STATE = State(20, 1, np.arange(3.0), np.array([0.0, np.nan]), np.zeros(2))
+WAYPOINT = PlannedWaypoint(0, "a", 0.0, 1.0, "box", 0.5, 10, 0)
+COMMAND = Command(1, CommandKind.GO_TO, (WAYPOINT,), "abort", 0, 5)
+
+
+def test_a_record_is_the_same_as_its_equal_even_where_it_is_no_number() -> None:
+    other = State(20, 1, np.arange(3.0), np.array([0.0, np.nan]), np.zeros(2))
+    assert difference(STATE, other) is None
+
+
+def test_the_first_component_that_differs_is_named_with_both_values_and_their_bits() -> None:
+    other = replace(STATE, qpos=np.array([0.0, np.nextafter(1.0, 2.0), 9.0]))
+    assert difference(STATE, other) == (
+        "qpos[1]",
+        "1.0 (0x3ff0000000000000)",
+        "1.0000000000000002 (0x3ff0000000000001)",
+    )
+
+
+def test_the_sign_of_zero_is_a_difference() -> None:
+    found = difference(STATE, replace(STATE, qacc_warmstart=np.array([0.0, -0.0])))
+    assert found == ("qacc_warmstart[1]", "0.0 (0x0000000000000000)", "-0.0 (0x8000000000000000)")
+    minus = replace(COMMAND, waypoints=(replace(WAYPOINT, x_m=-0.0),))
+    assert difference(COMMAND, minus) is not None
+
+
+def test_what_lies_deeper_is_named_by_its_path() -> None:
+    moved = replace(COMMAND, waypoints=(replace(WAYPOINT, y_m=2.0),))
+    found = difference(COMMAND, moved)
+    assert found is not None
+    assert found[0] == "waypoints[0].y_m"
+    paid, other = (
+        Reward(20, 0, (("progress", 1.0), ("fall", 0.0)), 1.0),
+        Reward(20, 0, (("progress", 1.0), ("fall", 2.0)), 1.0),
+    )
+    found = difference(paid, other)
+    assert found is not None
+    assert found[0] == "terms[1][1]"
+
+
+def test_another_kind_of_record_another_size_and_another_name_are_differences() -> None:
+    assert difference(STATE, COMMAND) == ("type", "State", "Command")
+    assert difference(STATE, replace(STATE, qpos=np.zeros(4))) == ("qpos.shape", "(3,)", "(4,)")
+    assert difference(STATE, replace(STATE, step=2)) == ("step", "1", "2")
+    two = replace(COMMAND, waypoints=(WAYPOINT, WAYPOINT))
+    found = difference(COMMAND, two)
+    assert found is not None
+    assert found[0] == "waypoints"
+
+
+def test_bits_are_those_of_ieee_754() -> None:
+    assert (bits_of(0.0), bits_of(-0.0), bits_of(1.0)) == (0, 1 << 63, 0x3FF << 52)

@@ -1,0 +1,328 @@
+"""Whatever is changed in a log, however little, is found where it is."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.replay.rewriting import Flown, altered, bit_flipped, fly_once, step_under_way
+from waypointctl.log.messages import (
+    Ack,
+    Action,
+    Checkpoint,
+    Command,
+    Event,
+    EventKind,
+    Message,
+    Observation,
+    Reward,
+    State,
+    Telemetry,
+)
+from waypointctl.log.reader import open_log
+from waypointctl.ops import header
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.replay import verify as verifier
+from waypointctl.replay.verdict import Divergence, Verdict
+from waypointctl.replay.verify import verify
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., LoadedPolicy]) -> Flown:
+    folder: Path = tmp_path_factory.mktemp("flight")
+    return fly_once(folder, make_policy(folder / "policy", seed=7))
+
+
+def nth(messages: list[Message], number: int, of: type[Any], /, **wanted: object) -> int:
+    """Return the index of the number-th message of a kind whose fields are as wanted; -1 is the last."""
+    found = [
+        i
+        for i, message in enumerate(messages)
+        if isinstance(message, of) and all(getattr(message, key) == value for key, value in wanted.items())
+    ]
+    return found[number]
+
+
+def divergence(flown: Flown, out: Path, messages: list[Message]) -> Divergence:
+    found = verify(flown.rewritten(out / "altered.mcap", messages))
+    assert found.verdict is Verdict.DIVERGED
+    assert found.first_divergence is not None
+    assert found.first_divergence.component in found.reason
+    return found.first_divergence
+
+
+def content(flown: Flown, name: str) -> bytes:
+    return open_log(flown.path).attachments[name]
+
+
+FLIPS = [
+    (State, 0, "qpos", 7, 0),
+    (State, 30, "qpos", 0, 0),
+    (State, 31, "qpos", 3, 51),
+    (State, 40, "qvel", 13, 0),
+    (State, 12, "qacc_warmstart", 5, 0),
+    (State, -1, "qpos", 14, 0),
+    (State, 20, "qvel", 0, 63),
+    (Observation, 0, "values", 0, 0),
+    (Observation, -1, "values", 30, 0),
+    (Action, 2, "commanded", 3, 0),
+    (Action, 2, "applied", 3, 0),
+    (Action, 25, "commanded", 0, 0),
+    (Action, 25, "applied", 0, 0),
+    (Action, 26, "commanded", 7, 63),
+    (Action, -1, "applied", 7, 0),
+    (Checkpoint, 0, "integration", 0, 0),
+    (Checkpoint, 0, "integration", 20, 0),
+]
+
+
+@pytest.mark.parametrize(("kind", "number", "field", "index", "bit"), FLIPS)
+def test_one_flipped_bit_is_found_at_its_step_topic_and_component(
+    flown: Flown, tmp_path: Path, kind: type[Any], number: int, field: str, index: int, bit: int
+) -> None:
+    messages = flown.messages
+    at = nth(messages, number, kind)
+    original: Any = messages[at]
+    messages[at] = altered(original, field, index, bit)
+    found = divergence(flown, tmp_path, messages)
+    assert (found.step, found.component) == (original.step, f"{field}[{index}]")
+    assert found.topic == f"/{kind.__name__.lower()}"
+    assert found.time_ns == original.time_ns
+    assert repr(float(getattr(original, field)[index])) in found.replayed
+    assert repr(float(getattr(messages[at], field)[index])) in found.logged
+
+
+NUMBERS = [
+    (State, 9, "time_ns"),
+    (State, 9, "step"),
+    (Action, 9, "source"),
+    (Reward, 30, "total"),
+    (Reward, 30, "time_ns"),
+    (Command, 0, "received_ns"),
+    (Command, 1, "issued_ns"),
+    (Command, 1, "id"),
+    (Command, 0, "waypoints"),
+    (Command, 2, "on_failure"),
+    (Ack, 0, "received_ns"),
+    (Ack, 4, "issued_ns"),
+    (Ack, -1, "command_id"),
+    (Ack, 3, "reason"),
+    (Telemetry, 3, "received_ns"),
+    (Telemetry, 4, "issued_ns"),
+    (Telemetry, 4, "frame"),
+    (Telemetry, 2, "x_m"),
+    (Telemetry, 2, "heading_rad"),
+    (Telemetry, 2, "speed_mps"),
+    (Telemetry, -1, "target"),
+    (Telemetry, -1, "reached"),
+    (Event, 0, "time_ns"),
+    (Event, 5, "time_ns"),
+    (Event, 5, "text"),
+    (Event, 5, "waypoint"),
+    (Event, -1, "command_id"),
+    (Checkpoint, 0, "executive"),
+    (Checkpoint, 0, "link"),
+]
+
+
+@pytest.mark.parametrize(("kind", "number", "field"), NUMBERS)
+def test_one_changed_value_is_found_at_its_step_topic_and_component(
+    flown: Flown, tmp_path: Path, kind: type[Any], number: int, field: str
+) -> None:
+    messages = flown.messages
+    at = nth(messages, number, kind)
+    expected_step = step_under_way(messages, at)
+    messages[at] = altered(messages[at], field)
+    found = divergence(flown, tmp_path, messages)
+    assert (found.step, found.topic, found.component) == (expected_step, f"/{kind.__name__.lower()}", field)
+
+
+@pytest.mark.parametrize("term", range(8))
+def test_one_flipped_bit_in_a_reward_term_is_found(flown: Flown, tmp_path: Path, term: int) -> None:
+    messages = flown.messages
+    at = nth(messages, 33, Reward)
+    reward: Any = messages[at]
+    name, value = reward.terms[term]
+    terms = [*reward.terms]
+    terms[term] = (name, bit_flipped(value))
+    messages[at] = Reward(reward.time_ns, reward.step, tuple(terms), reward.total)
+    found = divergence(flown, tmp_path, messages)
+    assert (found.step, found.topic, found.component) == (reward.step, "/reward", f"terms[{term}][1]")
+
+
+def test_an_event_of_another_kind_is_found(flown: Flown, tmp_path: Path) -> None:
+    messages = flown.messages
+    at = nth(messages, 0, Event, kind=EventKind.WAYPOINT_REACHED)
+    event: Any = messages[at]
+    messages[at] = Event(
+        event.time_ns, EventKind.WAYPOINT_TIMEOUT, event.clock, event.severity, event.text, event.waypoint
+    )
+    assert divergence(flown, tmp_path, messages).component == "kind"
+
+
+KINDS = [State, Observation, Action, Reward, Command, Ack, Telemetry, Event, Checkpoint]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_message_that_is_missing_is_found(flown: Flown, tmp_path: Path, kind: type[Any]) -> None:
+    messages = flown.messages
+    at = nth(messages, 0, kind)
+    step = step_under_way(messages, at - 1) if kind is not State else 0
+    del messages[at]
+    assert divergence(flown, tmp_path, messages).step == step
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_message_too_many_is_found(flown: Flown, tmp_path: Path, kind: type[Any]) -> None:
+    messages = flown.messages
+    at = nth(messages, -1, kind)
+    messages.insert(at, messages[at])
+    found = divergence(flown, tmp_path, messages)
+    assert found.topic == f"/{kind.__name__.lower()}"
+
+
+def test_two_messages_in_the_wrong_order_are_found(flown: Flown, tmp_path: Path) -> None:
+    messages = flown.messages
+    at = nth(messages, 10, Action)
+    messages[at], messages[at + 1] = messages[at + 1], messages[at]
+    found = divergence(flown, tmp_path, messages)
+    assert (found.step, found.component, found.logged, found.replayed) == (10, "type", "Reward", "Action")
+
+
+def test_a_log_that_goes_on_after_the_flight_is_found(flown: Flown, tmp_path: Path) -> None:
+    messages = flown.messages
+    found = divergence(flown, tmp_path, [*messages, messages[-1]])
+    assert (found.topic, found.component, found.logged) == ("/event", "end", "Event")
+
+
+@pytest.mark.parametrize("kept", [0, 1, 200])
+def test_a_log_that_ends_before_the_flight_is_found(flown: Flown, tmp_path: Path, kept: int) -> None:
+    messages = flown.messages
+    found = divergence(flown, tmp_path, messages[:kept])
+    assert (found.component, found.logged, found.replayed) == ("end", "the log ends", "the flight goes on")
+    assert found.step == step_under_way(messages, kept)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "mission.yaml",
+        "model.xml",
+        "model.mjb",
+        "policy/manifest.json",
+        "policy/policy.onnx",
+        "policy/weights.safetensors",
+    ],
+)
+def test_an_altered_attachment_is_found_before_the_flight(flown: Flown, tmp_path: Path, name: str) -> None:
+    data = bytearray(content(flown, name))
+    data[-3] ^= 1
+    found = verify(flown.rewritten(tmp_path / "altered.mcap", attachments={name: bytes(data)}))
+    assert (found.verdict, found.steps) == (Verdict.DIVERGED, 0)
+    where = found.first_divergence
+    assert where is not None
+    assert (where.step, where.topic, where.component) == (-1, "attachment", name)
+    assert where.replayed == hashlib.sha256(data).hexdigest()
+
+
+def test_a_compiled_model_that_is_not_what_its_source_compiles_to_is_found(flown: Flown, tmp_path: Path) -> None:
+    data = bytearray(content(flown, "model.mjb"))
+    data[-3] ^= 1
+    found = verify(
+        flown.rewritten(
+            tmp_path / "altered.mcap",
+            attachments={"model.mjb": bytes(data)},
+            metadata={"sha256_mjb": hashlib.sha256(data).hexdigest()},
+        )
+    )
+    assert found.verdict is Verdict.DIVERGED
+    assert found.first_divergence is not None
+    assert found.first_divergence.component == "model.mjb"
+
+
+def test_another_seed_than_was_flown_is_found_in_the_first_state(flown: Flown, tmp_path: Path) -> None:
+    found = verify(flown.rewritten(tmp_path / "altered.mcap", metadata={"seed": "99"}))
+    assert found.verdict is Verdict.DIVERGED
+    assert found.first_divergence is not None
+    assert found.first_divergence.step == 0
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "named"),
+    [
+        ("version_mujoco", "2.3.7", "MuJoCo differs: the log was made with 2.3.7"),
+        ("architecture", "riscv64", "riscv64"),
+    ],
+)
+def test_another_mujoco_or_architecture_makes_a_log_unverifiable(
+    flown: Flown, tmp_path: Path, key: str, value: str, named: str
+) -> None:
+    found = verify(flown.rewritten(tmp_path / "other.mcap", metadata={key: value}))
+    assert (found.verdict, found.first_divergence) == (Verdict.UNVERIFIABLE, None)
+    assert named in found.reason
+    assert header.platform_facts()[key] in found.reason
+
+
+@pytest.mark.parametrize("name", ["mission.yaml", "model.xml", "model.mjb", "policy/manifest.json"])
+def test_a_log_that_lacks_what_replay_needs_is_unverifiable(flown: Flown, tmp_path: Path, name: str) -> None:
+    found = verify(flown.rewritten(tmp_path / "bare.mcap", attachments={name: None}))
+    assert (found.verdict, found.reason) == (Verdict.UNVERIFIABLE, f"the log does not carry {name}")
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "data", "reason"),
+    [
+        ("mission.yaml", "sha256_mission", b"name: [", "mission.yaml"),
+        ("model.xml", "sha256_mjcf", b"<mujoco>", "does not compile"),
+        ("policy/manifest.json", "sha256_policy", b"{}", "manifest.json"),
+    ],
+)
+def test_a_forged_attachment_that_cannot_be_used_is_said_to_be_so(
+    flown: Flown, tmp_path: Path, name: str, key: str, data: bytes, reason: str
+) -> None:
+    metadata = {key: hashlib.sha256(data).hexdigest()}
+    found = verify(flown.rewritten(tmp_path / "forged.mcap", metadata=metadata, attachments={name: data}))
+    assert found.verdict is Verdict.UNVERIFIABLE
+    assert reason in found.reason
+
+
+def test_a_seed_that_is_no_number_is_said_to_be_so(flown: Flown, tmp_path: Path) -> None:
+    found = verify(flown.rewritten(tmp_path / "forged.mcap", metadata={"seed": "many"}))
+    assert found.verdict is Verdict.UNVERIFIABLE
+    assert "the seed is 'many', which is no number" in found.reason
+
+
+class TestOnAnotherProcessor:
+    """Where the network may round otherwise, the logged actions drive the physics and the network is held near."""
+
+    @pytest.fixture(autouse=True)
+    def _elsewhere(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        here = header.platform_facts() | {"processor": "another one"}
+        monkeypatch.setattr(verifier, "platform_facts", lambda: here)
+
+    def test_the_flight_is_still_exact(self, flown: Flown) -> None:
+        found = verify(flown.path)
+        assert found.verdict is Verdict.EXACT
+        assert "another processor" in found.checks[1]
+
+    def test_an_action_changed_by_a_bit_diverges_in_the_state_that_follows(self, flown: Flown, tmp_path: Path) -> None:
+        messages = flown.messages
+        at = nth(messages, 20, Action, source="policy")
+        action: Any = messages[at]
+        joint = next(i for i in range(8) if 1e-3 < abs(action.commanded[i]) < 1)
+        messages[at] = altered(altered(action, "commanded", joint, 25), "applied", joint, 25)
+        found = divergence(flown, tmp_path, messages)
+        assert found.topic in ("/reward", "/state")
+        assert found.step in (action.step, action.step + 1)
+
+    def test_another_action_than_the_networks_diverges_at_once(self, flown: Flown, tmp_path: Path) -> None:
+        messages = flown.messages
+        at = nth(messages, 20, Action, source="policy")
+        action: Any = messages[at]
+        messages[at] = altered(action, "commanded", 2, 50)
+        found = divergence(flown, tmp_path, messages)
+        assert (found.topic, found.step, found.component) == ("/action", action.step, "commanded[2]")
