@@ -7,7 +7,7 @@ or a phase is follows from the step.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import torch
@@ -17,8 +17,6 @@ from pydantic import BaseModel, ConfigDict
 from waypointctl.training.learner import Learner
 
 Arrays: TypeAlias = dict[str, NDArray[Any]]
-
-_PROGRESS: Final = ("waypoints", "count", "index", "steps", "deadline")
 
 
 class _Record(BaseModel):
@@ -60,7 +58,7 @@ def take(learner: Learner) -> Snapshot:
         arrays |= {f"optimiser.{index}.{name}": value.numpy() for name, value in state.items()}
     arrays |= {"normaliser.mean": statistics.mean, "normaliser.var": statistics.var}
     arrays |= {"learner.last_obs": _present(ppo._last_obs), "learner.starts": _present(ppo._last_episode_starts)}
-    arrays |= {f"progress.{name}": getattr(env.progress, name) for name in _PROGRESS}
+    arrays |= {f"progress.{name}": array for name, array in _progress(learner).items()}
     arrays |= {"env.integration": env.batch.integration, "env.noise": env.noise}
     legacy = _legacy_state()
     arrays |= {"random.torch": torch.get_rng_state().numpy(), "random.numpy": legacy["state"]["key"]}
@@ -108,8 +106,8 @@ def _restore_env(learner: Learner, arrays: Arrays, facts: LearnerFacts) -> None:
     env = learner.env
     env.batch.integration[:] = arrays["env.integration"]
     env.noise[:] = arrays["env.noise"]
-    for name in _PROGRESS:
-        getattr(env.progress, name)[:] = arrays[f"progress.{name}"]
+    for name, array in _progress(learner).items():
+        array[:] = arrays[f"progress.{name}"]
     for streams, states in ((env.starts, facts.starts), (env.courses, facts.courses)):
         for rng, state in zip(streams, states, strict=True):
             rng.bit_generator.state = state
@@ -121,6 +119,11 @@ def _restore_random(arrays: Arrays, legacy: LegacyRandom) -> None:
     np.random.set_state(  # noqa: NPY002
         ("MT19937", arrays["random.numpy"], legacy.pos, legacy.has_gauss, legacy.gauss)
     )
+
+
+def _progress(learner: Learner) -> Arrays:
+    """Return all that the courses keep, whatever it is called: what is not an array follows from the recipe."""
+    return {name: value for name, value in vars(learner.env.progress).items() if isinstance(value, np.ndarray)}
 
 
 def _legacy_state() -> dict[str, Any]:

@@ -23,6 +23,7 @@ LINE_PERIOD_S: Final = 10.0  # between two lines where there is no terminal
 PICTURE_PERIOD_S: Final = 0.2  # between two pictures where there is one
 _WIDEST: Final = 100  # columns of the panel
 _LABELS: Final = 12  # columns of the labels, with their gap
+_FRAME: Final = 6  # columns of the frame, with the gaps inside it
 
 
 class TrainingView(AbstractContextManager["TrainingView"], Protocol):
@@ -151,10 +152,11 @@ class LivePanel:
         from rich.text import Text
 
         width = min(self._console.width, _WIDEST)
-        table = Table.grid(padding=(0, 2, 0, 0))
-        table.add_column(style="dim", no_wrap=True, width=_LABELS - 2)
-        table.add_column(no_wrap=True, overflow="ellipsis")
-        for label, value in self._rows(width - _LABELS - 6):
+        columns = max(width - _LABELS - _FRAME, 1)
+        table = Table.grid(padding=(0, 2, 0, 0), pad_edge=False)
+        table.add_column(style="dim", no_wrap=True, overflow="crop", width=_LABELS - 2)
+        table.add_column(no_wrap=True, overflow="crop" if self._ascii_only else "ellipsis", width=columns)
+        for label, value in self._rows(columns):
             table.add_row(label, value)
         hint = "stopping after this update" if self._interrupted() else "Ctrl-C stops it with a checkpoint"
         box = ASCII if self._ascii_only else ROUNDED

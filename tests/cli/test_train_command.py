@@ -1,0 +1,160 @@
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.training.tiny import RECIPE
+from waypointctl.cli.main import main
+from waypointctl.evaluation.result import read_evaluation
+from waypointctl.evaluation.suite import DeadlineSpec, Suite, load_suite
+from waypointctl.policy.bundle import load_policy
+from waypointctl.training import train
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Command:
+    """Run `waypointctl train` in an empty folder with a tiny recipe, with next to no time for the paper's paths."""
+
+    def hurried(name: str) -> Suite:
+        return load_suite(name).model_copy(update={"deadline": DeadlineSpec(first_s=0.1, further_s=0)})
+
+    monkeypatch.setattr(train, "load_suite", hurried)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "recipe.yaml").write_text(RECIPE)
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["waypointctl", "train", *arguments, "--threads", "1"])
+        with pytest.raises(SystemExit) as caught:
+            main()
+        return (int(caught.value.code or 0), *capfd.readouterr())
+
+    return run
+
+
+def test_a_training_ends_with_its_table_and_a_policy_in_the_run(command: Command) -> None:
+    code, out, err = command("recipe.yaml")
+    assert code == 0
+    assert "tiny in the suite paper, seed 1" in out
+    assert out.count("0/1") == 10
+    assert out.splitlines()[-1].startswith("runs/tiny: trained in 0:")
+    assert "100.0%  1.0 k of 1.0 k steps" in err
+    assert "phase 2/2" in err
+    assert "checkpoint runs/tiny/checkpoints/step-0000001024" in err
+    assert load_policy(Path("runs/tiny")).manifest.name == "tiny"
+    assert "Traceback" not in out + err
+
+
+def test_json_is_all_there_is_on_stdout(command: Command) -> None:
+    code, out, err = command("recipe.yaml", "--json", "--out", "made", "--steps", "256", "--seed", "12")
+    found = json.loads(out)
+    assert (code, found["outcome"], found["policy"], found["run"]) == (0, "complete", "made", "runs/tiny")
+    assert (found["seed"], found["steps"], found["total_steps"]) == (12, 256, 256)
+    policy = load_policy(Path("made"))
+    assert found["policy_sha256"] == policy.sha256
+    assert (policy.manifest.training.seed, policy.manifest.training.steps) == (12, 256)
+    assert found["evaluation"] == json.loads(read_evaluation(Path("made/evaluation.json")).to_json())
+    assert "tiny in the suite paper" in err
+
+
+def test_merely_trying_it_never_overwrites_a_policy(command: Command) -> None:
+    before = Path("recipe.yaml").read_bytes()
+    for _ in range(2):
+        assert command("recipe.yaml", "--steps", "128")[0] == 0
+    assert sorted(path.name for path in Path("runs").iterdir()) == ["tiny", "tiny-2"]
+    assert sorted(path.name for path in Path().iterdir()) == ["recipe.yaml", "runs"]
+    assert Path("recipe.yaml").read_bytes() == before
+
+
+def test_a_run_goes_on_with_the_seed_and_steps_it_began_with(command: Command) -> None:
+    command("recipe.yaml", "--steps", "512", "--seed", "5")
+    code, out, _ = command("recipe.yaml", "--resume", "--json")
+    found = json.loads(out)
+    assert (code, found["seed"], found["total_steps"]) == (0, 5, 512)
+    for options, problem in (
+        (("--seed", "6"), "the run began with seed 5, not 6"),
+        (("--steps", "1024"), "the run began with steps [320, 192], not [640, 384]"),
+    ):
+        code, out, err = command("recipe.yaml", "--resume", *options)
+        assert (code, out) == (2, "")
+        assert problem in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("nothing.yaml",), "error: nothing.yaml: there is no such file\n"),
+        (("runs.yaml",), "error: runs.yaml:1:1: phases: is missing\n"),
+        (("recipe.yaml", "--resume"), "error: runs: no run of 'tiny' with a checkpoint to resume from\n"),
+        (("recipe.yaml", "--out", "recipe.yaml"), "error: recipe.yaml: the folder cannot be written: this is a file\n"),
+        (("recipe.yaml", "--runs", "recipe.yaml"), "error: recipe.yaml: the folder cannot be written: this is a file"),
+        (("recipe.yaml", "--steps", "0"), "'--steps'"),
+        (("recipe.yaml", "--seed", "-1"), "'--seed'"),
+        (("recipe.yaml", "--seed", "4294967296"), "'--seed'"),
+    ],
+)
+def test_bad_input_is_one_message_and_exit_code_2(command: Command, arguments: tuple[str, ...], message: str) -> None:
+    Path("runs.yaml").write_text("name: none\n")
+    code, out, err = command(*arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert "Traceback" not in err
+    assert not Path("runs").exists()
+
+
+def test_without_the_packages_it_says_how_to_install_them(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "torch", None)
+    code, out, err = command("recipe.yaml")
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: training needs packages that are not installed: torch\n"
+        '  Install them with: pip install "waypointctl[train]"\n'
+    )
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_stops_it_with_a_policy_and_the_commands_to_go_on(tmp_path: Path, number: int) -> None:
+    (tmp_path / "recipe.yaml").write_text(RECIPE)
+    arguments = ["train", "recipe.yaml", "--steps", "1000000", "--threads", "1"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "waypointctl", *arguments],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    checkpoints = tmp_path / "runs" / "tiny" / "checkpoints"
+    deadline_s = time.monotonic() + 60
+    while not checkpoints.is_dir() and time.monotonic() < deadline_s:
+        time.sleep(0.02)
+    process.send_signal(number)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in out + err
+    first, go_on, try_it = out.splitlines()
+    assert first.startswith("interrupted after ")
+    assert go_on == "  to go on:   waypointctl train recipe.yaml --threads 1 --resume"
+    newest = max(checkpoints.iterdir())
+    assert try_it == f"  to try it:  waypointctl eval {newest.relative_to(tmp_path)}"
+    assert load_policy(newest).manifest.training.steps == int(newest.name.removeprefix("step-"))
+    assert not (tmp_path / "runs" / "tiny" / "manifest.json").exists()
+
+
+def test_help_and_the_recipes_schema_load_no_torch(tmp_path: Path) -> None:
+    program = (
+        "import sys; from waypointctl.cli.main import main\n"
+        "try: main()\n"
+        "except SystemExit: print(sorted({'torch', 'stable_baselines3'} & set(sys.modules)))\n"
+    )
+    for arguments in (["train", "--help"], ["schema", "recipe"], ["train", "nothing.yaml"]):
+        command = [sys.executable, "-c", program, *arguments]
+        out = subprocess.run(command, cwd=tmp_path, capture_output=True, check=True, text=True).stdout
+        assert out.splitlines()[-1] == "[]"

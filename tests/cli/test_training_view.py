@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from tests.training.tiny import RECIPE
+from waypointctl.cli.view.training import LivePanel, PlainLines
+from waypointctl.cli.view.training_words import count, line, percent, span, sparkline
+from waypointctl.errors import RecipeError
+from waypointctl.mission.yaml_source import read_model
+from waypointctl.training.recipe import Recipe
+from waypointctl.training.status import CheckpointSaved, TrainingStatus
+
+TINY = read_model(RECIPE.encode(), "tiny", Recipe, RecipeError)
+
+
+def status(steps: int, success: float | None = 0.25) -> TrainingStatus:
+    return TrainingStatus(
+        steps=steps,
+        total_steps=1024,
+        elapsed_s=3700.0,
+        steps_per_s=12.8,
+        phase=0 if steps < 640 else 1,
+        episodes=40,
+        success_rate=success,
+        fall_rate=0.5,
+        timeout_rate=0.25,
+        mean_reward=0.517,
+        learning_rate=5.9e-4,
+    )
+
+
+@pytest.mark.parametrize(
+    ("number", "text"), [(0, "0"), (999, "999"), (11_700, "11.7 k"), (1_970_000, "1.97 M"), (16e9, "16.00 G")]
+)
+def test_counts(number: float, text: str) -> None:
+    assert count(number) == text
+
+
+@pytest.mark.parametrize(("time_s", "text"), [(0.4, "0:00"), (59.6, "1:00"), (167, "2:47"), (3767, "1:02:47")])
+def test_spans(time_s: float, text: str) -> None:
+    assert span(time_s) == text
+
+
+def test_a_rate_of_nothing_is_a_dash() -> None:
+    assert (percent(None), percent(0.125)) == ("-", "12%")
+
+
+def test_the_sparkline_is_as_long_as_the_whole_training() -> None:
+    history = [(0.0, 0.0), (0.12, 0.3), (0.2, 0.6), (0.24, 0.99), (0.5, 1.0)]
+    assert sparkline(history, 10, ascii_only=False) == "▁▃█  █    "
+    assert sparkline([(1.0, 0.0)], 4, ascii_only=True) == "   _"
+
+
+def test_a_line_says_where_it_is() -> None:
+    assert line(status(640), 2) == (
+        " 62.5%  640 of 1.0 k steps  13/s  phase 2/2  success 25%  fall 50%  timeout 25%  reward 0.52  rate 5.9e-04  "
+        "0:30 left"
+    )
+
+
+def test_plain_lines_come_now_and_then_and_none_before_a_checkpoint_is_lost(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [100.0]
+    monkeypatch.setattr("waypointctl.cli.view.training.time.monotonic", lambda: clock[0])
+    with PlainLines(TINY) as lines:
+        for second in range(25):
+            clock[0] = 100.0 + second
+            lines(status(second + 1))
+        lines(CheckpointSaved(25, Path("runs/tiny/step")))
+        lines.evaluating("to-6-6", 0)
+        lines.evaluating("to-6-6", TINY.evaluation.trials)
+    said = capsys.readouterr().err.splitlines()
+    assert [text.split()[1] for text in said[:4]] == ["1", "11", "21", "25"]
+    assert said[4:] == ["checkpoint runs/tiny/step", "evaluated to-6-6"]
+
+
+@pytest.mark.parametrize("width", [40, 80, 200])
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_the_panel_fits_and_tells_all(width: int, encoding: str) -> None:
+    screen = io.BytesIO()
+    stream = io.TextIOWrapper(screen, encoding=encoding)
+    people = Console(file=stream, force_terminal=True, width=width, height=30, legacy_windows=False)
+    asked = [False]
+    with LivePanel(people, TINY, "tiny in runs/tiny", lambda: asked[0]) as panel:
+        panel(status(128, None))
+        panel(status(640))
+        panel(CheckpointSaved(640, Path("runs/step")))
+        panel.evaluating("to-6-6", 3)
+        asked[0] = True
+    stream.flush()
+    shown = Console(file=io.StringIO(), width=width, height=30)
+    with shown.capture() as capture:
+        shown.print(panel.picture())
+    lines = capture.get().splitlines()
+    assert max(len(text) for text in lines) <= width
+    for part in ("tiny in runs/tiny", "640 of 1.0 k", "1:01:40 elapsed", "2 of 2", "0.517", "25% success", "runs/step"):
+        assert any(part in text for text in lines), part
+    assert any("to-6-6, 3 of 1" in text for text in lines)
+    assert any("stopping after this update" in text for text in lines)
+    assert screen.getvalue().decode(encoding)

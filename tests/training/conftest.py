@@ -1,0 +1,20 @@
+"""The paper's paths with next to no time: training's tests are not about walking them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from waypointctl.evaluation.suite import DeadlineSpec, Suite, load_suite
+from waypointctl.training import train
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _hardly_any_evaluation() -> Iterator[None]:
+    def hurried(name: str) -> Suite:
+        return load_suite(name).model_copy(update={"deadline": DeadlineSpec(first_s=0.1, further_s=0)})
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(train, "load_suite", hurried)
+        yield
