@@ -11,7 +11,6 @@ from waypointctl.task.acceptance import Acceptance, reached
 from waypointctl.task.course import Deadline
 from waypointctl.units import ns
 
-
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]

@@ -85,7 +85,8 @@ class JointLimits:
     def count(self, joints: FloatArray) -> FloatArray:
         """Return how many joints (n,) of angles (n, nu) are at a limit."""
         at_limit = (joints < self.low) | (joints > self.high)
-        return np.add.reduce(at_limit, axis=1, dtype=np.float64)
+        count: FloatArray = np.add.reduce(at_limit, axis=1, dtype=np.float64)
+        return count
 
 
 def reward_terms(
