@@ -74,7 +74,8 @@ class Alone:
     def observe(self) -> FloatArray:
         data = self.world.data
         body = body_of(data.qpos[np.newaxis], data.qvel[np.newaxis])
-        return layout(self.config.observation).observe(body, self.goals)[0]
+        observation: FloatArray = layout(self.config.observation).observe(body, self.goals)[0]
+        return observation
 
     def step(self, action: FloatArray) -> dict[str, object]:
         applied, goal = np.clip(action, -1.0, 1.0), self.goals.waypoints[:, 0]
