@@ -170,6 +170,17 @@ def test_a_fall_ends_the_mission_when_the_operator_hears_of_it(autonomy: str) ->
     assert {source for after, source in sources if not after} == {"stance", "policy"}
 
 
+def test_a_fall_is_paid_for_once_and_lying_down_earns_nothing() -> None:
+    _, messages = flown(mission_of(OUT_OF_REACH | {"timeout_s": 10.0}, delay_ms=250.0), Scripted(TUMBLE))
+    (fell,) = times_ns(EventKind.FALL, messages)
+    paid = {reward.time_ns: dict(reward.terms)["fall"] for reward in only(Reward, messages)}
+    assert {time for time, fall in paid.items() if fall} == {fell}
+    assert paid[fell] == -200.0
+    lying = [reward for reward in only(Reward, messages) if reward.time_ns > fell]
+    assert len(lying) > 5
+    assert {value for reward in lying for value in (reward.total, *dict(reward.terms).values())} == {0.0}
+
+
 def test_a_mission_that_takes_too_long_is_ended() -> None:
     mission = mission_of(OUT_OF_REACH | {"timeout_s": 60.0}, expect={"max_time_s": 2.0})
     result, messages = flown(mission)

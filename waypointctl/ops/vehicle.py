@@ -38,6 +38,7 @@ from waypointctl.task.reward import TERMS, JointLimits, progress_speed, reward_t
 FloatArray = NDArray[np.float64]
 
 _STILL: Final = np.zeros(1)
+_NOTHING: Final = np.zeros((1, len(TERMS)))
 _NO_NOISE: Final = np.zeros((1, NOISE_SIZE))
 
 
@@ -124,14 +125,20 @@ class Vehicle:
         self._fell = bool(fallen(self._body, self.robot.fall_height_m, self.robot.fall_up)[0])
 
     def _log_reward(self, now_ns: int, before: FloatArray, applied: FloatArray) -> None:
+        terms = self._pay(before, applied)
+        named = tuple(zip(TERMS, terms[0].tolist(), strict=True))
+        self._sink(Reward(now_ns, self.step, named, float(np.add.reduce(terms, axis=1)[0])))
+
+    def _pay(self, before: FloatArray, applied: FloatArray) -> FloatArray:
+        """Return the terms (1, len(TERMS)) of the control step that has just ended."""
+        if self.executive.mode is Mode.FALLEN:
+            return _NOTHING  # the fall was paid for in the step that ended in it
         body, approach = self._body, _STILL
         if self.executive.mode is Mode.WALKING:
             period_s = self.robot.control_period_ns / 1e9
             approach = progress_speed(before, body.position, self.executive.goals[:, 0], period_s)
         at_limit = self._limits.count(body.joints)
-        terms = reward_terms(self._weights, body, approach, applied, at_limit, np.array([self._fell]))
-        named = tuple(zip(TERMS, terms[0].tolist(), strict=True))
-        self._sink(Reward(now_ns, self.step, named, float(np.add.reduce(terms, axis=1)[0])))
+        return reward_terms(self._weights, body, approach, applied, at_limit, np.array([self._fell]))
 
     def _acknowledge(self, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
         if stage in (Stage.COMPLETED, Stage.FAILED):
