@@ -31,11 +31,6 @@ def policy(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., 
     return make_policy(tmp_path_factory.mktemp("policy") / "tiny", seed=7, gain=1.0)
 
 
-@pytest.fixture(scope="module")
-def flown(tmp_path_factory: pytest.TempPathFactory, policy: LoadedPolicy) -> Flown:
-    return fly_once(tmp_path_factory.mktemp("flight"), policy)
-
-
 def test_a_flight_is_replayed_exactly(flown: Flown) -> None:
     found = verify(flown.path)
     messages = flown.messages

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.replay.rewriting import Flown, altered, bit_flipped, fly_once, step_under_way
+from tests.replay.rewriting import Flown, altered, bit_flipped, step_under_way
 from waypointctl.log.messages import (
     Ack,
     Action,
@@ -23,18 +21,10 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
-from waypointctl.log.reader import open_log
 from waypointctl.ops import header
-from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay import verify as verifier
 from waypointctl.replay.verdict import Divergence, Verdict
 from waypointctl.replay.verify import verify
-
-
-@pytest.fixture(scope="module")
-def flown(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., LoadedPolicy]) -> Flown:
-    folder: Path = tmp_path_factory.mktemp("flight")
-    return fly_once(folder, make_policy(folder / "policy", seed=7))
 
 
 def nth(messages: list[Message], number: int, of: type[Any], /, **wanted: object) -> int:
@@ -53,10 +43,6 @@ def divergence(flown: Flown, out: Path, messages: list[Message]) -> Divergence:
     assert found.first_divergence is not None
     assert found.first_divergence.component in found.reason
     return found.first_divergence
-
-
-def content(flown: Flown, name: str) -> bytes:
-    return open_log(flown.path).attachments[name]
 
 
 FLIPS = [
@@ -205,95 +191,6 @@ def test_a_log_that_ends_before_the_flight_is_found(flown: Flown, tmp_path: Path
     found = divergence(flown, tmp_path, messages[:kept])
     assert (found.component, found.logged, found.replayed) == ("end", "the log ends", "the flight goes on")
     assert found.step == step_under_way(messages, kept)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "mission.yaml",
-        "model.xml",
-        "model.mjb",
-        "policy/manifest.json",
-        "policy/policy.onnx",
-        "policy/weights.safetensors",
-    ],
-)
-def test_an_altered_attachment_is_found_before_the_flight(flown: Flown, tmp_path: Path, name: str) -> None:
-    data = bytearray(content(flown, name))
-    data[-3] ^= 1
-    found = verify(flown.rewritten(tmp_path / "altered.mcap", attachments={name: bytes(data)}))
-    assert (found.verdict, found.steps) == (Verdict.DIVERGED, 0)
-    where = found.first_divergence
-    assert where is not None
-    assert (where.step, where.topic, where.component) == (-1, "attachment", name)
-    assert where.replayed == hashlib.sha256(data).hexdigest()
-
-
-def test_a_compiled_model_that_is_not_what_its_source_compiles_to_is_found(flown: Flown, tmp_path: Path) -> None:
-    data = bytearray(content(flown, "model.mjb"))
-    data[-3] ^= 1
-    found = verify(
-        flown.rewritten(
-            tmp_path / "altered.mcap",
-            attachments={"model.mjb": bytes(data)},
-            metadata={"sha256_mjb": hashlib.sha256(data).hexdigest()},
-        )
-    )
-    assert found.verdict is Verdict.DIVERGED
-    assert found.first_divergence is not None
-    assert found.first_divergence.component == "model.mjb"
-
-
-def test_another_seed_than_was_flown_is_found_in_the_first_state(flown: Flown, tmp_path: Path) -> None:
-    found = verify(flown.rewritten(tmp_path / "altered.mcap", metadata={"seed": "99"}))
-    assert found.verdict is Verdict.DIVERGED
-    assert found.first_divergence is not None
-    assert found.first_divergence.step == 0
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "named"),
-    [
-        ("version_mujoco", "2.3.7", "MuJoCo differs: the log was made with 2.3.7"),
-        ("architecture", "riscv64", "riscv64"),
-    ],
-)
-def test_another_mujoco_or_architecture_makes_a_log_unverifiable(
-    flown: Flown, tmp_path: Path, key: str, value: str, named: str
-) -> None:
-    found = verify(flown.rewritten(tmp_path / "other.mcap", metadata={key: value}))
-    assert (found.verdict, found.first_divergence) == (Verdict.UNVERIFIABLE, None)
-    assert named in found.reason
-    assert header.platform_facts()[key] in found.reason
-
-
-@pytest.mark.parametrize("name", ["mission.yaml", "model.xml", "model.mjb", "policy/manifest.json"])
-def test_a_log_that_lacks_what_replay_needs_is_unverifiable(flown: Flown, tmp_path: Path, name: str) -> None:
-    found = verify(flown.rewritten(tmp_path / "bare.mcap", attachments={name: None}))
-    assert (found.verdict, found.reason) == (Verdict.UNVERIFIABLE, f"the log does not carry {name}")
-
-
-@pytest.mark.parametrize(
-    ("name", "key", "data", "reason"),
-    [
-        ("mission.yaml", "sha256_mission", b"name: [", "mission.yaml"),
-        ("model.xml", "sha256_mjcf", b"<mujoco>", "does not compile"),
-        ("policy/manifest.json", "sha256_policy", b"{}", "manifest.json"),
-    ],
-)
-def test_a_forged_attachment_that_cannot_be_used_is_said_to_be_so(
-    flown: Flown, tmp_path: Path, name: str, key: str, data: bytes, reason: str
-) -> None:
-    metadata = {key: hashlib.sha256(data).hexdigest()}
-    found = verify(flown.rewritten(tmp_path / "forged.mcap", metadata=metadata, attachments={name: data}))
-    assert found.verdict is Verdict.UNVERIFIABLE
-    assert reason in found.reason
-
-
-def test_a_seed_that_is_no_number_is_said_to_be_so(flown: Flown, tmp_path: Path) -> None:
-    found = verify(flown.rewritten(tmp_path / "forged.mcap", metadata={"seed": "many"}))
-    assert found.verdict is Verdict.UNVERIFIABLE
-    assert "the seed is 'many', which is no number" in found.reason
 
 
 class TestOnAnotherProcessor:
