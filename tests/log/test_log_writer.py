@@ -140,6 +140,14 @@ def test_after_an_exception_the_log_is_whole_but_keeps_its_part_name(tmp_path: P
     assert len(list(log.messages())) == len(messages)
 
 
+def test_a_finished_second_is_in_the_file_before_the_next_has_ended(tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "flight.mcap", header()) as sink:
+        for message in flight(60):
+            sink(message)
+        on_disk = open_log(tmp_path / "flight.mcap.part", allow_truncated=True)
+        assert on_disk.topics["/state"].count == 50
+
+
 def test_an_earlier_log_stays_until_the_new_one_is_closed(tmp_path: Path) -> None:
     path = tmp_path / "flight.mcap"
     path.write_text("the earlier one")

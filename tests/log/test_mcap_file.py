@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import io
+import tempfile
 from collections import Counter
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from unittest.mock import patch
 
+import numpy as np
 import pytest
 import zstandard
 from hypothesis import given, settings
@@ -19,12 +22,15 @@ from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from mcap.writer import CompressionType, Writer
 from mcap_protobuf.schema import register_schema
 
+from tests.log.fake_flight import header
 from waypointctl import __version__
 from waypointctl.log.channels import CHUNK_BYTES, ChannelWriter
 from waypointctl.log.chunk import ZSTD_LEVEL
 from waypointctl.log.header import Attachment
+from waypointctl.log.messages import Observation
 from waypointctl.log.proto import messages_pb2 as pb
 from waypointctl.log.records import body_stream, inner_records, raw_message, records
+from waypointctl.log.writer import LogWriter
 from waypointctl.units import NS_PER_S
 
 SCHEMAS = {"/state": pb.State, "/again": pb.State, "/silent": pb.Ack, "/event": pb.Event}
@@ -44,14 +50,17 @@ times = st.integers(0, 4 * NS_PER_S)
 talk = st.lists(st.builds(Said, st.sampled_from(["/state", "/again", "/event"]), times, times, st.binary(max_size=90)))
 
 
-def ours(talk: list[Said]) -> bytes:
+def ours(talk: list[Said], flushed: Collection[int] = ()) -> bytes:
+    """Write all that was said; flush before those of these numbers."""
     stream = io.BytesIO()
     writer = ChannelWriter(stream)
     for attachment in ATTACHMENTS:
         writer.attach(attachment)
     writer.describe("facts", FACTS)
     channels = {topic: writer.open(topic, schema) for topic, schema in SCHEMAS.items()}
-    for said in talk:
+    for number, said in enumerate(talk):
+        if number in flushed:
+            writer.flush()
         writer.write(channels[said.topic], said.log_time_ns, said.publish_time_ns, said.data)
     writer.finish()
     return stream.getvalue()
@@ -95,9 +104,9 @@ def messages_by_chunk(file: bytes) -> list[int]:
 
 
 @settings(deadline=None)
-@given(talk)
-def test_it_is_the_file_that_mcap_writes(talk: list[Said]) -> None:
-    file = ours(talk)
+@given(talk, st.sets(st.integers(0, 20)))
+def test_it_is_the_file_that_mcap_writes(talk: list[Said], flushed: set[int]) -> None:
+    file = ours(talk, flushed)
     lengths = messages_by_chunk(file)
     assert sum(lengths) == len(talk)
     assert file == theirs(talk, lengths)
@@ -113,15 +122,21 @@ def test_it_is_the_file_that_mcap_writes_where_chunks_are_full() -> None:
 
 
 @settings(deadline=None)
-@given(talk)
-def test_a_chunk_ends_when_a_later_second_begins(talk: list[Said]) -> None:
+@given(st.lists(times))
+def test_a_chunk_ends_when_a_later_second_begins(log_times_ns: list[int]) -> None:
     latest, lengths = 0, [0]
-    for said in talk:
-        if said.log_time_ns // NS_PER_S > latest:
-            latest = said.log_time_ns // NS_PER_S
+    for time_ns in log_times_ns:
+        if time_ns // NS_PER_S > latest:
+            latest = time_ns // NS_PER_S
             lengths.append(0)
         lengths[-1] += 1
-    assert messages_by_chunk(ours(talk)) == [length for length in lengths if length]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "flight.mcap"
+        with LogWriter(path, header()) as sink:
+            for time_ns in log_times_ns:
+                sink(Observation(time_ns, 0, np.zeros(3)))
+        _, *found = messages_by_chunk(path.read_bytes())  # the first has what viewers see before take-off
+    assert found == [length for length in lengths if length]
 
 
 def found(

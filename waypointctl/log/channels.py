@@ -1,4 +1,4 @@
-"""The MCAP file under a log: channels, sequence numbers, the size of a chunk and when it reaches the disk."""
+"""The MCAP file under a log: what stands before the messages, channels, the size of a chunk, the file's end."""
 
 from __future__ import annotations
 
@@ -14,17 +14,12 @@ from waypointctl.log.chunk import MESSAGE_BYTES, Channel, OpenChunk, encoded
 from waypointctl.log.header import Attachment
 from waypointctl.log.records import MAGIC
 from waypointctl.log.summary import Summary
-from waypointctl.units import NS_PER_S
 
 CHUNK_BYTES: Final = 256 * 1024  # before compression; only a single message larger than this makes a larger chunk
 
 
 class ChannelWriter:
-    """Writes protobuf messages to channels.
-
-    A chunk ends, and all that was written reaches the operating system, when the simulated second changes:
-    a killed process loses less than one. No wall clock is asked, so the bytes depend on the messages alone.
-    """
+    """Writes protobuf messages to channels. A chunk ends when it is full, or when it is flushed."""
 
     def __init__(self, stream: IO[bytes]) -> None:
         """Begin an MCAP file in `stream`, which stands at its start."""
@@ -35,7 +30,6 @@ class ChannelWriter:
         self._channels: list[Channel] = []
         self._schemas: dict[type[ProtobufMessage], int] = {}
         self._chunk = OpenChunk(self._channels)
-        self._second_ends_ns = NS_PER_S
         self._put(MAGIC)
         self._put(encoded(mcap.Header(profile="", library=f"waypointctl {__version__}")))
 
@@ -74,11 +68,8 @@ class ChannelWriter:
 
     def write(self, channel: Channel, log_time_ns: int, publish_time_ns: int, data: bytes) -> None:
         """Write one message to an open channel."""
-        if log_time_ns >= self._second_ends_ns:
-            self.flush()
-            self._second_ends_ns = (log_time_ns // NS_PER_S + 1) * NS_PER_S
-        elif len(self._chunk) + MESSAGE_BYTES + len(data) > CHUNK_BYTES:
-            self.flush()
+        if len(self._chunk) + MESSAGE_BYTES + len(data) > CHUNK_BYTES:
+            self._seal()
         self._chunk.append(channel, log_time_ns, publish_time_ns, data)
 
     def flush(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -15,10 +16,15 @@ from waypointctl.log.foxglove.view import VIEW_TOPICS, FoxgloveView, Frame
 from waypointctl.log.header import LAYOUT_NAME, METADATA_NAME, SCHEMA_VERSION, Attachment, LogHeader
 from waypointctl.log.messages import Message
 from waypointctl.log.topics import BY_KIND, TOPICS
+from waypointctl.units import NS_PER_S
 
 
 class LogWriter:
     """Writes messages to `path`: call it with each, then close it.
+
+    Messages wait for the end of their simulated second, when they are encoded and handed to the operating system
+    together: a process that is killed would lose them either way, and between the steps of a simulation each would
+    take twice as long. No wall clock is asked, so the bytes depend on the messages alone.
 
     Until it is closed the log stands at `<path>.part`, whole up to the last simulated second even if the process is
     killed. close() gives it its name. An exception that leaves the `with` block closes the file too, so that it can
@@ -34,6 +40,8 @@ class LogWriter:
         self.part = path.with_name(f"{path.name}.part")
         self._stream = _create(path, self.part)
         self._view = FoxgloveView(header.kinematics, header.waypoints)
+        self._waiting: deque[Message] = deque()
+        self._second_ends_ns = NS_PER_S
         try:
             self._file = ChannelWriter(self._stream)
             self._begin(header)
@@ -44,14 +52,11 @@ class LogWriter:
 
     def __call__(self, message: Message) -> None:
         """Write one message, and what viewers are to be told of it."""
-        topic = BY_KIND[type(message)]
-        log_time_ns, publish_time_ns = topic.times_ns(message)
-        try:
-            self._file.write(self._channels[topic.name], log_time_ns, publish_time_ns, topic.encode(message))
-            for frame in self._view(message):
-                self._show(frame)
-        except OSError as error:
-            raise self._refusal(error) from error
+        log_time_ns, _ = BY_KIND[type(message)].times_ns(message)
+        if log_time_ns >= self._second_ends_ns:
+            self._second_ends_ns = (log_time_ns // NS_PER_S + 1) * NS_PER_S
+            self._flush()
+        self._waiting.append(message)
 
     def close(self) -> None:
         """Write the end of the file and give it its name; closing twice is closing once."""
@@ -84,12 +89,30 @@ class LogWriter:
             self._show(frame)
         self._file.flush()
 
+    def _flush(self) -> None:
+        try:
+            self._write_waiting()
+            self._file.flush()
+        except OSError as error:
+            raise self._refusal(error) from error
+
+    def _write_waiting(self) -> None:
+        # One by one out of the queue: what interrupts this leaves nothing to be written twice.
+        while self._waiting:
+            message = self._waiting.popleft()
+            topic = BY_KIND[type(message)]
+            log_time_ns, publish_time_ns = topic.times_ns(message)
+            self._file.write(self._channels[topic.name], log_time_ns, publish_time_ns, topic.encode(message))
+            for frame in self._view(message):
+                self._show(frame)
+
     def _show(self, frame: Frame) -> None:
         self._file.write(self._channels[frame.topic], frame.time_ns, frame.time_ns, frame.data)
 
     def _finish(self) -> None:
         try:
             with self._stream:
+                self._write_waiting()
                 self._file.finish()
         except OSError as error:
             raise self._refusal(error) from error
