@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from tests.log.fake_flight import STEP_NS, UP_NS, bits, flight, header
 from waypointctl.errors import LogError
-from waypointctl.log.messages import Command, Message, Reward, State
+from waypointctl.log.messages import Ack, Command, Message, Reward, State
 from waypointctl.log.reader import open_log
 from waypointctl.log.topics import BY_KIND
 from waypointctl.log.writer import LogWriter
@@ -69,3 +70,20 @@ def test_log_without_messages(tmp_path: Path) -> None:
 def test_attachments_come_back(log_path: Path) -> None:
     expected = {it.name: it.data for it in header().attachments}
     assert expected.items() <= open_log(log_path).attachments.items()
+
+
+@pytest.mark.parametrize("shift", [(0, 1), (1, 0)], ids=["log_time", "publish_time"])
+def test_a_message_under_other_times_than_its_own_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shift: tuple[int, int]
+) -> None:
+    def shifted(ack: Ack) -> tuple[int, int]:
+        return ack.received_ns + shift[0], ack.issued_ns + shift[1]
+
+    path = tmp_path / "shifted.mcap"
+    with monkeypatch.context() as patch:
+        patch.setitem(BY_KIND, Ack, replace(BY_KIND[Ack], times_ns=shifted))
+        with LogWriter(path, header()) as writer:
+            for message in flight():
+                writer(message)
+    with pytest.raises(LogError, match="a message on /ack stands under other times than its own"):
+        list(open_log(path).messages())

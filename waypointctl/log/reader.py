@@ -88,7 +88,8 @@ class Log:
             end_ns: only with a log time before this.
 
         Raises:
-            LogError: a topic that holds no messages; while iterating, data that is no such message.
+            LogError: a topic that holds no messages; while iterating, data that is no such message, or one whose times
+                in the file are not those it says.
         """
         return self._messages(_decoders(self, topics), start_ns or 0, 1 << 64 if end_ns is None else end_ns)
 
@@ -101,7 +102,11 @@ class Log:
                     raw = raw_message(body)
                     topic = decoders.get(raw.channel)
                     if topic is not None and start_ns <= raw.log_time_ns < end_ns:
-                        yield topic.decode(raw.data)
+                        message = topic.decode(raw.data)
+                        if topic.times_ns(message) != (raw.log_time_ns, raw.publish_time_ns):
+                            problem = f"a message on {topic.name} stands under other times than its own"
+                            raise damaged(str(self.path), chunk.offset, problem)
+                        yield message
             except DAMAGE as error:
                 raise damaged(str(self.path), chunk.offset, str(error)) from error
 
