@@ -1,0 +1,66 @@
+"""What the README and the docs say is so."""
+
+from __future__ import annotations
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+import typer.main
+
+from waypointctl.cli.main import app
+from waypointctl.errors import MissionError, SuiteError
+from waypointctl.evaluation.suite import Suite
+from waypointctl.mission.files import parse_mission
+from waypointctl.mission.yaml_source import read_model
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS = sorted(typer.main.get_command(app).commands)  # type: ignore[attr-defined]
+
+
+def yaml_blocks() -> list[str]:
+    return re.findall(r"```yaml\n(.*?)```", README, re.DOTALL)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_is_in_the_readme(command: str) -> None:
+    assert f"waypointctl {command}" in README
+
+
+def test_the_readme_names_no_command_that_is_not() -> None:
+    named = set(re.findall(r"\$ (?:\S+ && )?waypointctl (\w+)", README))
+    assert named
+    assert named <= set(COMMANDS)
+
+
+def test_the_readmes_mission_and_suite_are_read() -> None:
+    mission, suite = yaml_blocks()
+    assert parse_mission(mission.encode(), "README.md").legs()[1].hold_s == 4.0
+    assert read_model(suite.encode(), "README.md", Suite, SuiteError).cases[0].name == "there-and-back"
+    with pytest.raises(MissionError):
+        parse_mission(suite.encode(), "README.md")
+
+
+def test_the_readmes_table_is_the_policys_evaluation() -> None:
+    table = runpy.run_path(str(ROOT / "docs" / "readme_table.py"))["table"]
+    assert table(ROOT / "policies" / "ant-waypoint" / "evaluation.json") in README
+
+
+@pytest.mark.parametrize("document", ["README.md", "ARCHITECTURE.md", "DECISIONS.md", "CHANGELOG.md"])
+def test_links_lead_somewhere(document: str) -> None:
+    text = (ROOT / document).read_text(encoding="utf-8")
+    for link in re.findall(r"\]\(([^)]+)\)", text):
+        assert link.startswith("https://") or (ROOT / link).exists(), link
+
+
+def test_the_architecture_fits_a_page() -> None:
+    assert len((ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").splitlines()) <= 60
+
+
+@pytest.mark.parametrize(
+    "part", sorted(p.name for p in (ROOT / "waypointctl").iterdir() if (p / "__init__.py").exists())
+)
+def test_every_part_is_in_the_architecture(part: str) -> None:
+    assert f"`{part}/`" in (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
