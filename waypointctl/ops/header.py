@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import platform
+from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -66,7 +67,8 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
     )
 
 
-def platform_facts() -> dict[str, str]:
+@cache
+def platform_facts() -> Mapping[str, str]:
     """Return what decides whether a replay here can be exact: versions and the processor."""
     return {
         "version_waypointctl": __version__,

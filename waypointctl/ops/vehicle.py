@@ -103,8 +103,8 @@ class Vehicle:
     def log_state(self, now_ns: int) -> None:
         """Log the physics state as it is now."""
         plant = self.plant
-        state = (array[0].copy() for array in (plant.qpos, plant.qvel, plant.qacc_warmstart))
-        self._sink(State(now_ns, self.step, *state))
+        qpos, qvel, warmstart = plant.qpos[0].copy(), plant.qvel[0].copy(), plant.qacc_warmstart[0].copy()
+        self._sink(State(now_ns, self.step, qpos, qvel, warmstart))
 
     def log_checkpoint(self, now_ns: int, link: Mapping[str, object]) -> None:
         """Log all that a replay needs to begin here; `link` is the state of the link."""

@@ -104,9 +104,7 @@ def _fill_egocentric(out: FloatArray, body: Body, goals: Goals) -> None:
 
 
 _JOINTS: Final = tuple(
-    f"{leg}_{joint}"
-    for leg in ("front_left", "back_left", "back_right", "front_right")
-    for joint in ("hip", "ankle")
+    f"{leg}_{joint}" for leg in ("front_left", "back_left", "back_right", "front_right") for joint in ("hip", "ankle")
 )
 
 
