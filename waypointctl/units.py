@@ -13,13 +13,15 @@ NS_PER_S: Final = 1_000_000_000
 DURATION_UNITS_S: Final = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 DISTANCE_UNITS_M: Final = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3}
 ANGLE_UNITS_DEG: Final = {"deg": 1.0, "rad": 180.0 / math.pi}
+ANGLE_UNITS_RAD: Final = {"rad": 1.0, "deg": math.pi / 180.0}
 FREQUENCY_UNITS_HZ: Final = {"mHz": 1e-3, "Hz": 1.0, "kHz": 1e3}
 
-# A name that ends in one of these carries its unit: timeout_s, tolerance_m, heading_deg, rate_hz.
+# A name that ends in one of these carries its unit: timeout_s, tolerance_m, heading_deg, spread_rad, rate_hz.
 UNITS_BY_SUFFIX: Final[Mapping[str, Mapping[str, float]]] = {
     "s": DURATION_UNITS_S,
     "m": DISTANCE_UNITS_M,
     "deg": ANGLE_UNITS_DEG,
+    "rad": ANGLE_UNITS_RAD,
     "hz": FREQUENCY_UNITS_HZ,
 }
 
@@ -31,7 +33,8 @@ _QUANTITY: Final = re.compile(rf"\s*({NUMBER_PATTERN})\s*([A-Za-z]+)\s*")
 def quantity(text: str, units: Mapping[str, float]) -> float:
     """Read a number with its unit, such as "1.28 s" or "50 ms", in the base unit of `units`.
 
-    The product is rounded once: "70 cm" is the very float that 0.7 is. A number out of range is infinite.
+    The product is rounded once: "70 cm" is the very float that 0.7 is. A number beyond
+    all floats is infinite, one below them is 0.
 
     Raises:
         ValueError: the text is not a number followed by one of `units`.
@@ -42,8 +45,9 @@ def quantity(text: str, units: Mapping[str, float]) -> float:
     number, unit = match.groups()
     if unit not in units:
         raise ValueError(f"{text!r} has the unit {unit!r}; allowed are {', '.join(units)}")
-    if not math.isfinite(float(number)):
-        return float(number)
+    value = float(number)
+    if not value or not math.isfinite(value):
+        return value  # its exponent may be beyond what Decimal takes
     return float(Decimal(number) * Decimal(repr(units[unit])))
 
 

@@ -6,7 +6,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waypointctl.units import ANGLE_UNITS_DEG, DISTANCE_UNITS_M, DURATION_UNITS_S, bare_name, ns, quantity, seconds
+from waypointctl.units import (
+    ANGLE_UNITS_DEG,
+    ANGLE_UNITS_RAD,
+    DISTANCE_UNITS_M,
+    DURATION_UNITS_S,
+    bare_name,
+    ns,
+    quantity,
+    seconds,
+)
 
 
 @pytest.mark.parametrize(
@@ -20,10 +29,18 @@ from waypointctl.units import ANGLE_UNITS_DEG, DISTANCE_UNITS_M, DURATION_UNITS_
         ("-90 deg", ANGLE_UNITS_DEG, -90.0),
         ("1e999999999 s", DURATION_UNITS_S, math.inf),
         ("1e-999999999 s", DURATION_UNITS_S, 0.0),
+        ("1e-99999999999999999999 s", DURATION_UNITS_S, 0.0),
+        ("0e99999999999999999999 s", DURATION_UNITS_S, 0.0),
+        ("-1e99999999999999999999 s", DURATION_UNITS_S, -math.inf),
+        ("0.1 rad", ANGLE_UNITS_RAD, 0.1),
     ],
 )
 def test_reads_a_number_with_its_unit(text: str, units: dict[str, float], value: float) -> None:
     assert quantity(text, units) == value
+
+
+def test_degrees_become_radians() -> None:
+    assert quantity("180 deg", ANGLE_UNITS_RAD) == pytest.approx(math.pi, rel=1e-15)
 
 
 def test_radians_become_degrees() -> None:
@@ -53,7 +70,14 @@ def test_nanoseconds_come_back(time_ns: int) -> None:
 
 @pytest.mark.parametrize(
     ("name", "bare"),
-    [("timeout_s", "timeout"), ("rate_hz", "rate"), ("max_time_s", "max_time"), ("name", None), ("on_failure", None)],
+    [
+        ("timeout_s", "timeout"),
+        ("rate_hz", "rate"),
+        ("spread_rad", "spread"),
+        ("max_time_s", "max_time"),
+        ("name", None),
+        ("on_failure", None),
+    ],
 )
 def test_the_bare_name_of_a_field(name: str, bare: str | None) -> None:
     assert bare_name(name) == bare

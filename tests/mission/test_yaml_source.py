@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import pytest
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from waypointctl.errors import RecipeError
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
 from waypointctl.mission.yaml_source import as_error, examine, read_model, read_source
+
+LENGTH: Any = Annotated[float, Quantity("m")]
 
 
 class Plain(BaseModel):
@@ -34,7 +36,8 @@ class Outer(BaseModel):
 class Shape(FileModel):
     size_m: Annotated[float, Quantity("m", gt=0)]
     corner_m: tuple[Annotated[float, Quantity("m")], Annotated[float, Quantity("m")]] = (0.0, 0.0)
-    slope: Annotated[float, Quantity("deg", le=45)] = 0.0  # no unit in its name, so no bare name either
+    spread_rad: Annotated[float, Quantity("rad", ge=0, le=1)] = 0.0
+    slope: float = 0.0  # no unit in its name, so no bare name either
 
 
 def problems(source: str, model: type[BaseModel]) -> list[str]:
@@ -111,6 +114,8 @@ def test_a_quantity_has_two_spellings(source: str) -> None:
         ("size: [1 m]", "1:7: size: a list of 1 is not a number with its unit; write 'size: 1 m' or 'size_m: 1'"),
         ("size: -20 cm", "1:7: size: -20 cm is not > 0 m"),
         ("size: 1e400 m", "1:7: size: '1e400 m' is not a finite number"),
+        ("size: 1e-99999999999999999999 m", "1:7: size: 1e-99999999999999999999 m is not > 0 m"),
+        ("{size: 1 m, spread: 90 deg}", "1:21: spread: 90 deg is not <= 1 rad"),
         ("size_m: 2 m", "1:9: size_m: '2 m' is not a number; write 'size: 1 m' or 'size_m: 1'"),
         ("size_m: true", "1:9: size_m: true is not a number; write 'size: 1 m' or 'size_m: 1'"),
         ("size_m: .inf", "1:9: size_m: inf is not a finite number"),
@@ -131,6 +136,25 @@ def test_a_quantity_has_two_spellings(source: str) -> None:
 )
 def test_a_quantity_written_wrongly_says_how_to_mend_it(source: str, problem: str) -> None:
     assert problems(source, Shape) == [f"f.yaml:{problem}"]
+
+
+def test_an_angle_in_radians_is_read_in_either_unit() -> None:
+    assert read_model(b"{size: 1 m, spread: 0.1 rad}", "s", Shape, RecipeError).spread_rad == 0.1
+    assert read_model(b"{size: 1 m, spread: 45 deg}", "s", Shape, RecipeError).spread_rad == pytest.approx(0.7853981634)
+
+
+@pytest.mark.parametrize("field", [LENGTH, tuple[LENGTH, LENGTH], LENGTH | None])
+def test_a_quantity_is_in_the_unit_that_its_name_ends_in(field: Any) -> None:
+    create_model("Right", __base__=FileModel, long_m=(field, ...))
+    for name in ("long_s", "long", "longm"):
+        fields: dict[str, Any] = {name: (field, ...)}
+        with pytest.raises(TypeError, match=rf"Wrong\.{name} is in m: its name has to end in that"):
+            create_model("Wrong", __base__=FileModel, **fields)
+
+
+def test_a_quantity_in_an_unknown_unit_is_refused() -> None:
+    with pytest.raises(ValueError, match="'ft' is not a unit that a name ends in: s, m, deg, rad, hz"):
+        Quantity("ft")
 
 
 def test_a_field_without_its_unit_in_the_name_takes_numbers() -> None:

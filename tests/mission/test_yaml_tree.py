@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import codecs
 import contextlib
 import json
 import math
@@ -76,6 +77,21 @@ def test_quotes_make_text() -> None:
 
 def test_a_byte_order_mark_is_no_content() -> None:
     assert read_tree(b"\xef\xbb\xbfa: 1").data == {"a": 1}
+
+
+@pytest.mark.parametrize(
+    ("line", "column", "source"), [(1, 1, b"\xff"), (1, 5, b"a: \xc3\xa9\xff"), (2, 3, b"\xc3\xa9: 1\nb:\xff")]
+)
+def test_places_after_a_byte_order_mark_do_not_count_it(line: int, column: int, source: bytes) -> None:
+    for text in (source, codecs.BOM_UTF8 + source):
+        with pytest.raises(YamlFault, match="is not UTF-8 text: byte 0xff") as caught:
+            read_tree(text)
+        assert caught.value.mark == Mark(line, column)
+
+
+def test_a_byte_order_mark_alone_is_empty() -> None:
+    with pytest.raises(YamlFault, match="is empty"):
+        read_tree(codecs.BOM_UTF8)
 
 
 def test_a_second_key_is_listed_and_the_first_value_kept() -> None:
@@ -161,5 +177,6 @@ def test_any_text_is_read_or_refused_as_ruamel_does(text: str) -> None:
 
 @given(st.binary(max_size=60))
 def test_any_bytes_are_read_or_refused(source: bytes) -> None:
-    with contextlib.suppress(YamlFault):
-        read_tree(source)
+    for text in (source, codecs.BOM_UTF8 + source):
+        with contextlib.suppress(YamlFault):
+            read_tree(text)

@@ -28,12 +28,20 @@ class FileModel(BaseModel):
     keys_for_each: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Check that the quantities of a new model are in the units that its fields' names end in."""
+        for name, field in cls.model_fields.items():
+            for quantity in _quantities((field.annotation, *field.metadata)):
+                if not name.endswith(f"_{quantity.unit}"):
+                    raise TypeError(f"{cls.__name__}.{name} is in {quantity.unit}: its name has to end in that")
+
+    @classmethod
     def bare_names(cls) -> dict[str, str]:
         """Return the fields that may be written with the unit in the value: bare name to field."""
         names = {}
         for name, field in cls.model_fields.items():
             bare = bare_name(name)
-            if bare is not None and _has_quantity((field.annotation, *field.metadata)):
+            if bare is not None and _quantities((field.annotation, *field.metadata)):
                 names[bare] = name
         return names
 
@@ -97,9 +105,10 @@ class FileModel(BaseModel):
         return schema
 
 
-def _has_quantity(parts: tuple[Any, ...]) -> bool:
-    """Tell whether a field's annotation, or what it is made of, is a quantity."""
-    return any(isinstance(part, Quantity) or _has_quantity((*get_args(part), *_metadata(part))) for part in parts)
+def _quantities(parts: tuple[Any, ...]) -> list[Quantity]:
+    """Return the quantities among the parts of a field's annotation, and in what those are made of."""
+    inner = [quantity for part in parts for quantity in _quantities((*get_args(part), *_metadata(part)))]
+    return [part for part in parts if isinstance(part, Quantity)] + inner
 
 
 def _metadata(part: Any) -> tuple[Any, ...]:

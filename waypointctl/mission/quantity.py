@@ -15,7 +15,7 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from waypointctl.mission.wording import how_to_write, shown, units_of
-from waypointctl.units import bare_name, quantity
+from waypointctl.units import UNITS_BY_SUFFIX, bare_name, quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +30,17 @@ class Bare:
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Field metadata: a finite float in `unit`, a suffix that units.py knows, within bounds in that unit."""
+    """Field metadata: a finite float in `unit`, which the field's name ends in, within bounds in that unit."""
 
     unit: str
     gt: float | None = None
     ge: float | None = None
     le: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a unit that no text can be read in."""
+        if self.unit not in UNITS_BY_SUFFIX:
+            raise ValueError(f"{self.unit!r} is not a unit that a name ends in: {', '.join(UNITS_BY_SUFFIX)}")
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Build the validator: numbers alone, read from text where the unit has to be in the text."""

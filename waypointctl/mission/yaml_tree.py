@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from codecs import BOM_UTF8
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias
 
@@ -209,10 +210,11 @@ class _Builder:
 def _decode(source: bytes) -> str:
     if len(source) > MAX_BYTES:
         raise YamlFault(f"has {len(source)} bytes; {MAX_BYTES} are allowed")
+    source = source.removeprefix(BOM_UTF8)
     try:
-        text = source.decode("utf-8-sig")
+        text = source.decode()
     except UnicodeDecodeError as error:
-        before = source[: error.start].decode("utf-8-sig")
+        before = source[: error.start].decode()
         mark = _place_of(before, len(before))
         raise YamlFault(f"is not UTF-8 text: byte 0x{source[error.start]:02x}", mark) from error
     if not text.strip():
