@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -119,6 +121,24 @@ def test_telemetry_comes_at_its_rate_and_whenever_the_mode_changes() -> None:
     regular = set(range(0, 4000 * MS, 500 * MS))
     assert regular <= set(issued)
     assert set(issued) - regular == {4000 * MS}
+
+
+@pytest.mark.parametrize("rate_hz", [0.7, 15.0, 30.0, 45.0, 50.0])
+def test_telemetry_keeps_any_rate(rate_hz: float) -> None:
+    mission = mission_of(OUT_OF_REACH | {"timeout_s": 20.0}, telemetry={"rate_hz": rate_hz})
+    _, messages = flown(mission)
+    issued = [frame.issued_ns for frame in only(Telemetry, messages) if 0 < frame.issued_ns < 20_000 * MS]
+    assert abs(len(issued) - 20.0 * rate_hz) <= 1
+
+
+def test_a_checkpoint_stays_small_however_slow_the_link() -> None:
+    mission = mission_of(OUT_OF_REACH | {"timeout_s": 30.0}, telemetry={"rate_hz": 50.0}, delay_ms=40_000.0)
+    _, messages = flown(mission)
+    links = [json.loads(checkpoint.link) for checkpoint in only(Checkpoint, messages)]
+    assert max(len(json.dumps(link)) for link in links) < 5_000
+    assert any(
+        last - first > 1_000 for first, last in (link["down"]["frames"] for link in links if link["down"]["frames"][1:])
+    )
 
 
 def test_a_hold_lasts_on_the_robots_clock() -> None:

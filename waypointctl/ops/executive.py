@@ -105,6 +105,8 @@ class Executive:
         }
 
     def _walk(self, now_ns: int, waypoint: PlannedWaypoint, position: FloatArray) -> None:
+        if now_ns == self.since_ns:
+            return  # a leg is judged after its first control period, as in training
         if reached(self._acceptance, position, self.goals[:, 0])[0]:
             self.reached.append(waypoint.index)
             self._announce(now_ns, EventKind.WAYPOINT_REACHED, f"{waypoint.name} reached", waypoint=waypoint)

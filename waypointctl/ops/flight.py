@@ -17,6 +17,7 @@ from waypointctl.ops.vehicle import Vehicle
 from waypointctl.policy.protocol import Policy
 from waypointctl.seeding import stream
 from waypointctl.sim.robots import Robot
+from waypointctl.task.observation import NOISE_SIZE
 from waypointctl.task.start import Start
 from waypointctl.units import NS_PER_S, ns, seconds
 
@@ -54,7 +55,8 @@ class Flight:
         self._downlink = Link[Ack | Telemetry](ns(down.delay_s), ns(down.jitter_s), stream(mission.seed, "link.down"))
         self._operator = operator_for(mission)
         self._vehicle = Vehicle(robot, policy, sink, self._downlink, ns(1 / mission.telemetry.rate_hz))
-        self._vehicle.place(*start_of(mission).draw(robot, stream(mission.seed, "start", 0)))
+        start, noise = stream(mission.seed, "start", 0), stream(mission.seed, "course", 0)  # as the env draws them
+        self._vehicle.place(*start_of(mission).draw(robot, start), noise.uniform(-1.0, 1.0, NOISE_SIZE))
         self._period_ns = robot.control_period_ns
         self._sent = 0
         self._now_ns = 0
@@ -149,14 +151,17 @@ class Flight:
         self._sink(Event(now_ns, kind, Clock.OPERATOR, severity, text, command_id=command_id))
 
     def _link_state(self) -> dict[str, object]:
-        """Return what is under way and the links' random streams, as plain data."""
+        """Return what is under way and the links' random streams, as plain data.
+
+        Of telemetry only the frames' numbers, first and last: over a slow link thousands may be under way, and frames
+        keep their order.
+        """
+        up, down = self._uplink, self._downlink
+        frames = [message.frame for message in down.in_transit if isinstance(message, Telemetry)]
+        acks = [asdict(message) for message in down.in_transit if isinstance(message, Ack)]
         return {
-            name: {
-                "in_transit": [{"type": type(message).__name__, **asdict(message)} for message in link.in_transit],
-                "last_arrival_ns": link.last_arrival_ns,
-                "random": link.rng.bit_generator.state,
-            }
-            for name, link in (("up", self._uplink), ("down", self._downlink))
+            "up": {"commands": [asdict(command) for command in up.in_transit], **up.state()},
+            "down": {"acks": acks, "frames": frames[:1] + frames[1:][-1:], **down.state()},
         }
 
 

@@ -47,6 +47,10 @@ class Link(Generic[T]):
         self.in_transit.append(message)
         return message
 
+    def state(self) -> dict[str, object]:
+        """Return what the next arrival depends on, as plain data."""
+        return {"last_arrival_ns": self.last_arrival_ns, "random": self.rng.bit_generator.state}
+
     def due(self, now_ns: int) -> Iterator[T]:
         """Take out, one by one, what has arrived by now."""
         while self.in_transit and self.in_transit[0].received_ns <= now_ns:

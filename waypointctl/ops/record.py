@@ -64,5 +64,6 @@ def record(
     with LogWriter(out, flight_header(mission_file, policy, robot)) as writer:
         sink = writer if watch is None else tee(writer, watch)
         result = fly(mission, policy, sink, robot=robot, interrupted=interrupted)
-    digest = hashlib.sha256(out.read_bytes()).hexdigest()
+    with out.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
     return Recording(result, out, digest, mission.seed)

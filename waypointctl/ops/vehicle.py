@@ -39,7 +39,6 @@ FloatArray = NDArray[np.float64]
 
 _STILL: Final = np.zeros(1)
 _NOTHING: Final = np.zeros((1, len(TERMS)))
-_NO_NOISE: Final = np.zeros((1, NOISE_SIZE))
 
 
 class Vehicle:
@@ -69,9 +68,11 @@ class Vehicle:
         self._frame = 0
         self._body: Body = body_of(self.plant.qpos, self.plant.qvel)
         self._fell = False
+        self._noise: FloatArray = np.zeros((1, NOISE_SIZE))
 
-    def place(self, qpos: FloatArray, qvel: FloatArray) -> None:
-        """Put the robot where the mission begins: qpos (nq,), qvel (nv,)."""
+    def place(self, qpos: FloatArray, qvel: FloatArray, noise: FloatArray) -> None:
+        """Put the robot where the mission begins: qpos (nq,), qvel (nv,); noise (4,) is for layouts that have some."""
+        self._noise = noise[np.newaxis]
         self.plant.place(qpos[np.newaxis], qvel[np.newaxis])
         self._look()
 
@@ -85,7 +86,10 @@ class Vehicle:
         before = (self.executive.mode, self.executive.leg, len(self.executive.reached))
         self.executive.sense(now_ns, self._body.position, self._fell)
         changed = before != (self.executive.mode, self.executive.leg, len(self.executive.reached))
-        if changed or now_ns >= self._next_telemetry_ns:
+        due = now_ns >= self._next_telemetry_ns
+        while now_ns >= self._next_telemetry_ns:
+            self._next_telemetry_ns += self._telemetry_period_ns
+        if changed or due:
             self._downlink_frame(now_ns)
 
     def act(self, now_ns: int) -> None:
@@ -113,7 +117,7 @@ class Vehicle:
 
     def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
         if self.executive.mode is Mode.WALKING:
-            observation = self._layout.observe(self._body, Goals(self.executive.goals, _NO_NOISE))
+            observation = self._layout.observe(self._body, Goals(self.executive.goals, self._noise))
             self._sink(Observation(now_ns, self.step, observation[0]))
             return "policy", self._policy.act(observation)
         if self.executive.mode is Mode.FALLEN:
@@ -162,5 +166,4 @@ class Vehicle:
             received_ns=now_ns,
         )
         self._frame += 1
-        self._next_telemetry_ns = now_ns + self._telemetry_period_ns
         self._downlink.send(now_ns, lambda arrives_ns: replace(frame, received_ns=arrives_ns))

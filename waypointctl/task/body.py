@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+
+JOINT_RATE_SCALE: Final = 0.1  # Roboschool's scale for joint speeds, where policies see them and where they cost
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.task.body import Body
+from waypointctl.task.body import JOINT_RATE_SCALE, Body
 
 FloatArray = NDArray[np.float64]
 
 GOAL_RANGE_M: Final = 5.0  # an egocentric goal farther off than this looks as if it were this far
-JOINT_RATE_SCALE: Final = 0.1  # Roboschool's scale for joint speeds
 NOISE_SIZE: Final = 4
 
 

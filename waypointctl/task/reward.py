@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.task.body import Body
+from waypointctl.task.body import JOINT_RATE_SCALE, Body
 
 FloatArray = NDArray[np.float64]
 
 JOINT_LIMIT_MARGIN: Final = 0.01  # of the joint's range: within it a joint counts as at its limit
-JOINT_RATE_SCALE: Final = 0.1  # Roboschool's scale for joint speeds, in the power term
 
 
 @dataclass(frozen=True, slots=True)
