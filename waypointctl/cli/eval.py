@@ -34,13 +34,14 @@ def evaluate_policy(
     from waypointctl.cli.console import console
     from waypointctl.cli.view.evaluation import evaluation_table
     from waypointctl.evaluation.evaluate import evaluate
-    from waypointctl.evaluation.result import refuse_unwritable, write_evaluation
+    from waypointctl.evaluation.result import write_evaluation
     from waypointctl.evaluation.suite import load_suite
+    from waypointctl.paths import refuse_unwritable_file
     from waypointctl.policy.bundle import load_policy
 
     chosen = load_suite(suite)
     if out is not None:
-        refuse_unwritable(out)
+        refuse_unwritable_file(out, "the evaluation")
     loaded = load_policy(policy)
     with _progress(chosen, trials) as progress:
         evaluation = evaluate(loaded, chosen, trials, seed, threads, progress)

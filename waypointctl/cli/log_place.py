@@ -48,6 +48,9 @@ def _free(mission: str) -> Path:
 def _asked(path: Path, force: bool) -> Path:
     if path.is_dir():
         raise OutputError("is a folder; a log is a file", where=str(path), mend="Name the file, such as flight.mcap.")
+    if path.exists() and not path.is_file():
+        problem = "is not a regular file, and a log would take its place"
+        raise OutputError(problem, where=str(path), mend="Name another file, such as flight.mcap.")
     if force:
         _part(path).unlink(missing_ok=True)
     elif path.exists():

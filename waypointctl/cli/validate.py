@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from waypointctl.paths import folder_fault
+
 if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.mission import Link, Way
@@ -71,7 +73,7 @@ def _show(result: _Checked) -> None:
         f"OK {result.path}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
         f"{mission.path_length_m():.1f} m, {_link_text(mission.link)}, autonomy {mission.autonomy}"
     )
-    if not result.file.policy_path.is_dir():
+    if folder_fault(result.file.policy_path):
         typer.echo(f"warning: {result.path}: there is no policy folder {result.file.policy_path}", err=True)
 
 
@@ -105,5 +107,5 @@ def _record(result: _Checked) -> dict[str, Any]:
         "link": mission.link.model_dump(),
         "autonomy": mission.autonomy,
         "policy": str(result.file.policy_path),
-        "policy_found": result.file.policy_path.is_dir(),
+        "policy_found": folder_fault(result.file.policy_path) is None,
     }

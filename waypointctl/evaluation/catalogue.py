@@ -7,6 +7,7 @@ from pathlib import Path
 
 from waypointctl.errors import InputError, PolicyError
 from waypointctl.evaluation.result import EVALUATION, Evaluation, read_evaluation
+from waypointctl.paths import folder_fault
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import MANIFEST
 
@@ -27,9 +28,8 @@ def catalogue(folder: Path) -> list[Entry]:
     Raises:
         PolicyError: `folder` is not a folder.
     """
-    if not folder.is_dir():
-        problem = "is not a folder" if folder.exists() else "no such folder"
-        raise PolicyError(problem, where=str(folder), mend="give a folder that has policies in it")
+    if fault := folder_fault(folder):
+        raise PolicyError(fault, where=str(folder), mend="give a folder that has policies in it")
     return [_entry(manifest.parent) for manifest in sorted(folder.glob(f"*/{MANIFEST}"))]
 
 

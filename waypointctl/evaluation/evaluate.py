@@ -81,7 +81,8 @@ def _env(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, threads: in
     require(
         policy,
         robot=env.robot.name,
-        layout_names=[name for name, _, _ in env.layout.components],
+        num_joints=env.robot.num_joints,
+        components=env.layout.components,
         control_period_ns=env.robot.control_period_ns,
     )
     return env

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Final, TypeAlias
 
@@ -12,8 +11,6 @@ from waypointctl.errors import InputError, OutputError
 from waypointctl.evaluation.suite import AcceptanceSpec, DeadlineSpec
 
 EVALUATION: Final = "evaluation.json"  # its name in a policy's folder
-
-_WRITABLE: Final = "give a file in a folder that you can write to"
 
 Point: TypeAlias = tuple[float, float]
 
@@ -55,24 +52,6 @@ class Evaluation(_Record):
         return f"{self.model_dump_json(indent=2)}\n"
 
 
-def refuse_unwritable(path: Path) -> None:
-    """Refuse a file that could not be written, before an evaluation is run for it.
-
-    Raises:
-        OutputError: it is a folder, or the folder it is to be in is none or is read-only.
-    """
-    folder = path.parent
-    if path.is_dir():
-        problem = "the evaluation cannot be written: this is a folder"
-    elif not folder.is_dir():
-        problem = f"the evaluation cannot be written: {str(folder)!r} is not a folder"
-    elif not os.access(path if path.exists() else folder, os.W_OK):
-        problem = "the evaluation cannot be written: no permission"
-    else:
-        return
-    raise OutputError(problem, where=str(path), mend=_WRITABLE)
-
-
 def write_evaluation(evaluation: Evaluation, path: Path) -> None:
     """Write the evaluation as JSON.
 
@@ -83,7 +62,7 @@ def write_evaluation(evaluation: Evaluation, path: Path) -> None:
         path.write_text(evaluation.to_json(), encoding="utf-8")
     except OSError as error:
         problem = f"the evaluation cannot be written: {error.strerror}"
-        raise OutputError(problem, where=str(path), mend=_WRITABLE) from error
+        raise OutputError(problem, where=str(path), mend="give a file in a folder that you can write to") from error
 
 
 def read_evaluation(path: Path) -> Evaluation:

@@ -10,6 +10,7 @@ from typing import Annotated, Final, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from waypointctl.errors import SuiteError
+from waypointctl.mission.mission import Hold, Position, Timeout, Tolerance  # a suite's bounds are a mission's
 from waypointctl.mission.yaml_source import read_model, read_source
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.course import Deadline
@@ -28,7 +29,7 @@ class AcceptanceSpec(_Record):
     """The region around a waypoint: `size_m` is half the box's side, or the radius [m]."""
 
     shape: Literal["box", "radius"] = "box"
-    size_m: Annotated[Number, Field(gt=0)] = 0.5
+    size_m: Tolerance = 0.5
 
     def to_task(self) -> Acceptance:
         """Return it as the task takes it."""
@@ -38,8 +39,8 @@ class AcceptanceSpec(_Record):
 class DeadlineSpec(_Record):
     """The time limit: `first_s` for the first waypoint, and `further_s` more for each one reached [s]."""
 
-    first_s: Annotated[Number, Field(gt=0)] = 10.0
-    further_s: Annotated[Number, Field(ge=0)] = 20.0
+    first_s: Timeout = 10.0
+    further_s: Hold = 20.0
 
     def to_task(self) -> Deadline:
         """Return it as the task takes it."""
@@ -50,7 +51,7 @@ class Case(_Record):
     """One path, from the origin through its waypoints."""
 
     name: Name
-    waypoints: tuple[tuple[Number, Number], ...]  # [m]
+    waypoints: tuple[Position, ...]  # [m]
     paper: Annotated[Number, Field(ge=0, le=1)] | None = None  # the published success rate
 
     # Not Field(min_length=1): pydantic would also call a list too short whose items are wrong.

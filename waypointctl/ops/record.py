@@ -59,8 +59,13 @@ def record(
     """
     mission = mission_file.mission
     robot = load_robot(mission.robot)
-    names = [name for name, _, _ in layout(policy.observation_layout).components]
-    require(policy, robot=robot.name, layout_names=names, control_period_ns=robot.control_period_ns)
+    require(
+        policy,
+        robot=robot.name,
+        num_joints=robot.num_joints,
+        components=layout(policy.observation_layout).components,
+        control_period_ns=robot.control_period_ns,
+    )
     with LogWriter(out, flight_header(mission_file, policy, robot)) as writer:
         sink = writer if watch is None else tee(writer, watch)
         result = fly(mission, policy, sink, robot=robot, interrupted=interrupted)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from waypointctl.errors import PolicyError
+from waypointctl.paths import folder_fault
 from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
 from waypointctl.policy.network import Network
 
@@ -66,9 +67,9 @@ def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
     Raises:
         PolicyError: a file is missing, damaged or does not fit the manifest.
     """
-    if not folder.is_dir():
-        problem = "is not a folder; a policy is a folder with manifest.json" if folder.exists() else "no such folder"
-        raise PolicyError(problem, where=str(folder), mend="`waypointctl policies` lists those in ./policies")
+    if fault := folder_fault(folder):
+        mend = "A policy is a folder with manifest.json; `waypointctl policies` lists those in ./policies."
+        raise PolicyError(fault, where=str(folder), mend=mend)
     files = {}
     for name in FILES:
         try:
@@ -105,7 +106,7 @@ def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 
 def _manifest(text: bytes, where: str) -> Manifest:
     try:
         content: Any = json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:  # the latter: nested some thousand deep
         raise PolicyError(f"not JSON: {error}", where=where, mend=_COPY_AGAIN) from error
     version = content.get("schema_version") if isinstance(content, dict) else None
     if type(version) is not int:

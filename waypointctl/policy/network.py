@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
@@ -13,7 +14,9 @@ from waypointctl.policy.onnx_audit import unsafe_parts
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
 
-EXPORT_AGAIN: Final = "export the policy again with `waypointctl train --resume`"
+EXPORT_AGAIN: Final = (
+    "`waypointctl train RECIPE.yaml --resume` writes the policy again from its run's newest checkpoint"
+)
 _FATAL: Final = 4  # onnxruntime's log level; what it refuses comes as an exception
 
 
@@ -32,6 +35,7 @@ class Network:
             PolicyError: it is not an ONNX model of that shape, or it needs more than the file itself.
         """
         _refuse_unsafe(model, where)
+        self._where = where
         self._session = _session(model, where, threads)
         inputs, outputs = self._session.get_inputs(), self._session.get_outputs()
         if len(inputs) != 1 or len(outputs) != 1:
@@ -43,10 +47,18 @@ class Network:
         self._output_names: list[str] = [outputs[0].name]
 
     def run(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return actions (n, nu) for observations (n, k)."""
+        """Return actions (n, nu) for observations (n, k).
+
+        Raises:
+            PolicyError: an action is not a finite number.
+        """
         feed = {self._input_name: observation.astype(np.float32)}
-        action = self._session.run(self._output_names, feed)[0]
-        return cast(NDArray[np.float64], action.astype(np.float64))
+        action = cast(NDArray[np.float64], self._session.run(self._output_names, feed)[0].astype(np.float64))
+        # The squares of float32 numbers cannot overflow in float64, and this way takes less than a microsecond.
+        if not math.isfinite(np.vdot(action, action)):
+            problem = "the network gave a number that is not finite: the policy is damaged, or its training diverged"
+            raise PolicyError(problem, where=self._where, mend="choose another policy, or train this one again")
+        return action
 
 
 def _refuse_unsafe(model: bytes, where: str) -> None:

@@ -7,22 +7,32 @@ from typing import Final
 
 from waypointctl.errors import PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.policy.manifest import ActionSpec, ObservationSpec
 from waypointctl.units import NS_PER_S
 
+LIMITS: Final = (-1.0, 1.0)  # of an action, a fraction of the joint's full torque
 _NS_PER_MS: Final = NS_PER_S // 1000
 
 
-def require(policy: LoadedPolicy, *, robot: str, layout_names: Sequence[str], control_period_ns: int) -> None:
+def require(
+    policy: LoadedPolicy,
+    *,
+    robot: str,
+    num_joints: int,
+    components: Sequence[tuple[str, str, float]],
+    control_period_ns: int,
+) -> None:
     """Refuse a policy that was not made for this robot, these observations and this control period.
 
     Args:
         policy: the policy that is to act.
         robot: the robot's name.
-        layout_names: (k,) what each number of the observation is, in order.
+        num_joints: how many motors the robot has, each of which takes an action in [-1, 1].
+        components: (name, unit, scale) of each number of the observation, in order.
         control_period_ns: from one action to the next [ns].
 
     Raises:
-        PolicyError: it was made for another robot, observation layout or control period.
+        PolicyError: it was made for another robot, observation layout, control period or kind of action.
     """
     made_for = policy.manifest
     where = f"policy {made_for.name!r}"
@@ -31,20 +41,34 @@ def require(policy: LoadedPolicy, *, robot: str, layout_names: Sequence[str], co
         raise PolicyError(
             problem, where=where, mend=f"choose a policy for {robot!r}: `waypointctl policies` lists them"
         )
-    if fault := _layout_fault(made_for.observation.names, layout_names):
+    if fault := _layout_fault(made_for.observation, components):
         problem = f"made for another observation layout {made_for.observation.layout!r}: {fault}"
         raise PolicyError(problem, where=where, mend="train a policy with this version of the layout")
+    if fault := _action_fault(made_for.action, num_joints):
+        raise PolicyError(
+            f"made for other actions: {fault}", where=where, mend=f"train a policy for {robot!r} as it is"
+        )
     if made_for.control_period_ns != control_period_ns:
         problem = f"made for a control period of {_ms(made_for.control_period_ns)}, not {_ms(control_period_ns)}"
         raise PolicyError(problem, where=where, mend="use a policy trained at the robot's control period")
 
 
-def _layout_fault(made_for: Sequence[str], given: Sequence[str]) -> str:
-    if len(made_for) != len(given):
-        return f"it has {len(made_for)} numbers, not {len(given)}"
-    for index, (expected, found) in enumerate(zip(made_for, given, strict=True)):
-        if expected != found:
-            return f"number {index} is {expected!r}, not {found!r}"
+def _layout_fault(made_for: ObservationSpec, given: Sequence[tuple[str, str, float]]) -> str:
+    if made_for.size != len(given):
+        return f"it has {made_for.size} numbers, not {len(given)}"
+    expected = zip(made_for.names, made_for.units, made_for.scales, strict=True)
+    for index, (expected_number, found_number) in enumerate(zip(expected, given, strict=True)):
+        for what, of, there in zip(("", "unit of ", "scale of "), expected_number, found_number, strict=True):
+            if of != there:
+                return f"{what}number {index} is {of!r}, not {there!r}"
+    return ""
+
+
+def _action_fault(made_for: ActionSpec, num_joints: int) -> str:
+    if made_for.size != num_joints:
+        return f"it has {made_for.size}, and the robot has {num_joints} joints"
+    if made_for.limits != LIMITS:
+        return f"within {list(made_for.limits)}, not {list(LIMITS)}"
     return ""
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
@@ -137,7 +137,7 @@ def _read(folder: Path) -> tuple[Facts, bytes]:
     except OSError as error:
         problem = f"the checkpoint cannot be read: {error.strerror}: {Path(str(error.filename)).name}"
         raise RecipeError(problem, where=str(folder), mend=_REMOVE) from error
-    except (KeyError, TypeError, ValueError, ValidationError) as error:
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
         problem = f"the checkpoint is damaged: {FACTS} is not what it was"
         raise RecipeError(problem, where=str(folder), mend=_REMOVE) from error
     if _sha256(facts, arrays) != expected:

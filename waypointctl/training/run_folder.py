@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import fcntl
 import itertools
-import os
 import re
 import shutil
 from collections.abc import Iterator
@@ -21,6 +20,7 @@ from pathlib import Path
 from typing import Final
 
 from waypointctl.errors import OutputError, RecipeError
+from waypointctl.paths import refuse_unwritable_folder
 
 FOLDER: Final = "checkpoints"
 RECIPE: Final = "train.yaml"
@@ -55,31 +55,12 @@ def places(name: str, runs: Path, out: Path | None, *, resume: bool) -> Places:
         OutputError: a folder cannot be written.
     """
     if out is not None:
-        refuse_unwritable(out)
+        refuse_unwritable_folder(out)
         if out.resolve().parent == runs.resolve():
             return Places(out, out)
-    refuse_unwritable(runs)
+    refuse_unwritable_folder(runs)
     run = _newest_run(name, runs) if resume else _new_run(name, runs)
     return Places(run, out or run)
-
-
-def refuse_unwritable(folder: Path) -> None:
-    """Refuse a folder that cannot be made or written, before there is anything to write.
-
-    Raises:
-        OutputError: it, or what it would be made in, is no folder or is read-only.
-    """
-    try:
-        nearest = next(path for path in (folder, *folder.parents) if path.exists())
-    except OSError as error:
-        raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(folder), mend=_ELSEWHERE) from error
-    if not nearest.is_dir():
-        problem = "this is a file" if nearest == folder else f"{str(nearest)!r} is a file"
-    elif not os.access(nearest, os.W_OK | os.X_OK):
-        problem = "no permission"
-    else:
-        return
-    raise OutputError(f"the folder cannot be written: {problem}", where=str(folder), mend=_ELSEWHERE)
 
 
 def newest_checkpoint(run: Path) -> Path | None:

@@ -12,12 +12,14 @@ from waypointctl.errors import OutputError
 from waypointctl.evaluation.evaluate import Progress, evaluate
 from waypointctl.evaluation.result import EVALUATION, Evaluation
 from waypointctl.evaluation.suite import load_suite
+from waypointctl.paths import refuse_unwritable_folder
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.write import copy_bundle
 from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
+from waypointctl.training.divergence import refuse_diverged
 from waypointctl.training.learner import Learner
 from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.run_folder import RECIPE, held, newest_checkpoint, refuse_unwritable, require_checkpoint
+from waypointctl.training.run_folder import RECIPE, held, newest_checkpoint, require_checkpoint
 from waypointctl.training.scalars import scalar_logger
 from waypointctl.training.status import CheckpointSaved
 from waypointctl.training.watcher import Watch, Watcher
@@ -70,9 +72,10 @@ def train(
 
     Raises:
         OutputError: `out` or `run` cannot be written, or `run` is of an earlier training that is not to be resumed.
-        RecipeError: there is no checkpoint to resume from, or it is damaged or of another recipe.
+        RecipeError: there is no checkpoint to resume from, or it is damaged or of another recipe; or the training
+            diverged.
     """
-    refuse_unwritable(out)
+    refuse_unwritable_folder(out)
     with held(run):
         learner = Learner(recipe_file.recipe, threads)
         spent_s = _begin(learner, recipe_file, run, resume)
@@ -115,10 +118,17 @@ def _learn(
         folder = save_checkpoint(learner, recipe_file, run, time.monotonic() - begun_s)
         return CheckpointSaved(learner.steps, folder)
 
-    watcher = Watcher(learner, watch=watch, save=save, interrupted=interrupted, begun_s=begun_s)
+    def refuse() -> None:
+        refuse_diverged(learner, recipe_file, run)
+
+    watcher = Watcher(learner, watch=watch, save=save, refuse_diverged=refuse, interrupted=interrupted, begun_s=begun_s)
     with scalar_logger(run / "tensorboard", learner.steps) as logger:
         learner.ppo.set_logger(logger)
-        learner.learn(watcher)
+        try:
+            learner.learn(watcher)
+        except ValueError:  # torch's distributions refuse numbers that are not finite in the middle of an update
+            refuse()
+            raise
     return watcher
 
 

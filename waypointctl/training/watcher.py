@@ -53,6 +53,7 @@ class Watcher(BaseCallback):
         *,
         watch: Watch,
         save: Callable[[], CheckpointSaved],
+        refuse_diverged: Callable[[], None],
         interrupted: Callable[[], bool],
         begun_s: float,
     ) -> None:
@@ -62,6 +63,7 @@ class Watcher(BaseCallback):
             learner: the training.
             watch: told how it goes after every rollout.
             save: writes a checkpoint; the last one at the end of training.
+            refuse_diverged: called after every update; what it raises ends the training without a checkpoint.
             interrupted: asked before every rollout; True ends the training with a checkpoint.
             begun_s: when it began, on the clock of time.monotonic, earlier sessions counted in.
         """
@@ -69,6 +71,7 @@ class Watcher(BaseCallback):
         self._learner = learner
         self._watch = watch
         self._save = save
+        self._refuse_diverged = refuse_diverged
         self._interrupted = interrupted
         self._begun_s = begun_s
         self._recent = Recent()
@@ -83,6 +86,7 @@ class Watcher(BaseCallback):
     def _on_rollout_start(self) -> None:
         # Between an update and a rollout: the one moment from which training can go on exactly.
         self.logger.dump(self._learner.steps)
+        self._refuse_diverged()
         self._learner.enter_phase()
         self.stopped = self._interrupted()
         if self.stopped or self._learner.steps >= self._next_checkpoint:
@@ -91,6 +95,7 @@ class Watcher(BaseCallback):
     def _on_training_end(self) -> None:
         if not self.stopped:
             self.logger.dump(self._learner.steps)
+            self._refuse_diverged()
             self._checkpoint()
 
     def _checkpoint(self) -> None:

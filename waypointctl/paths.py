@@ -1,0 +1,69 @@
+"""What a path that somebody gave is, said without a traceback: a name can be too long to be looked up at all."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+from typing import Final
+
+from waypointctl.errors import OutputError
+
+_FILE_MEND: Final = "give a file in a folder that you can write to"
+_FOLDER_MEND: Final = "Give a folder in a place that you can write to."
+
+
+def folder_fault(path: Path) -> str | None:
+    """Return why a path is no folder to read from, None if it is one."""
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return "no such folder"
+    except (OSError, ValueError) as error:
+        return f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    return None if stat.S_ISDIR(mode) else "is not a folder"
+
+
+def refuse_unwritable_file(path: Path, what: str) -> None:
+    """Refuse a file that could not be written, before the work that it is for.
+
+    Args:
+        path: of the file, which may be there already.
+        what: goes into it, for the message: "the picture".
+
+    Raises:
+        OutputError: it is a folder, its name cannot be, or the folder it is to be in is none or is read-only.
+    """
+    folder = path.parent
+    try:
+        if path.is_dir():
+            fault = "this is a folder"
+        elif not folder.is_dir():
+            fault = f"{str(folder)!r} is not a folder"
+        elif not os.access(path if path.exists() else folder, os.W_OK):
+            fault = "no permission"
+        else:
+            return
+    except OSError as error:
+        fault = str(error.strerror)
+    raise OutputError(f"{what} cannot be written: {fault}", where=str(path), mend=_FILE_MEND)
+
+
+def refuse_unwritable_folder(folder: Path) -> None:
+    """Refuse a folder that cannot be made or written, before there is anything to write.
+
+    Raises:
+        OutputError: it, or what it would be made in, is no folder or is read-only, or its name cannot be.
+    """
+    try:
+        nearest = next(path for path in (folder, *folder.parents) if path.exists())
+    except OSError as error:
+        problem = f"the folder cannot be made: {error.strerror}"
+        raise OutputError(problem, where=str(folder), mend=_FOLDER_MEND) from error
+    if not nearest.is_dir():
+        problem = "this is a file" if nearest == folder else f"{str(nearest)!r} is a file"
+    elif not os.access(nearest, os.W_OK | os.X_OK):
+        problem = "no permission"
+    else:
+        return
+    raise OutputError(f"the folder cannot be written: {problem}", where=str(folder), mend=_FOLDER_MEND)
