@@ -1,10 +1,22 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.replay.hand_made import FAR, NEAR, ack, event, flight, frame, state
-from waypointctl.log.messages import Clock, Command, CommandKind, EventKind, Message, PlannedWaypoint, Stage
+from waypointctl.log.messages import (
+    Clock,
+    Command,
+    CommandKind,
+    EventKind,
+    Message,
+    PlannedWaypoint,
+    Stage,
+    State,
+    Telemetry,
+)
 from waypointctl.replay.chronicle import Chronicle, tell
 from waypointctl.replay.story import Fate, Track
 from waypointctl.units import ns
@@ -165,3 +177,17 @@ def test_the_way_so_far_is_bounded_and_ends_where_the_robot_is() -> None:
     assert 100 <= len(x_m) <= 120
     assert (x_m[0], x_m[-1]) == (0.0, pytest.approx(99.6))
     np.testing.assert_array_equal(y_m, -x_m)
+
+
+def test_a_place_that_no_map_has_is_left_out_and_its_time_is_kept() -> None:
+    def lost(message: Message) -> Message:
+        if isinstance(message, State) and message.step == 3:
+            return replace(message, qpos=np.full(7, np.nan))
+        return replace(message, x_m=np.inf) if isinstance(message, Telemetry) and message.frame == 1 else message
+
+    whole, story = tell(flight()), tell(map(lost, flight()))
+    assert (story.states_off_map, story.frames_off_map) == (1, 1)
+    assert (len(story.truth), len(story.belief)) == (len(whole.truth) - 1, len(whole.belief) - 1)
+    # It walks straight on along x while it is lost, so that neither way nor time is lost with it.
+    assert story.effort == whole.effort
+    assert story.learned == whole.learned == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -85,7 +86,6 @@ def test_one_flipped_bit_is_found_at_its_step_topic_and_component(
 NUMBERS = [
     (State, 9, "time_ns"),
     (State, 9, "step"),
-    (Action, 9, "source"),
     (Reward, 30, "total"),
     (Reward, 30, "time_ns"),
     (Command, 0, "received_ns"),
@@ -125,6 +125,14 @@ def test_one_changed_value_is_found_at_its_step_topic_and_component(
     messages[at] = altered(messages[at], field)
     found = divergence(flown, tmp_path, messages)
     assert (found.step, found.topic, found.component) == (expected_step, f"/{kind.__name__.lower()}", field)
+
+
+def test_another_source_of_an_action_is_found(flown: Flown, tmp_path: Path) -> None:
+    messages = flown.messages
+    at = nth(messages, 9, Action)
+    messages[at] = replace(messages[at], source="off")  # type: ignore[call-arg]
+    found = divergence(flown, tmp_path, messages)
+    assert (found.step, found.topic, found.component, found.logged) == (9, "/action", "source", "off")
 
 
 @pytest.mark.parametrize("term", range(8))
@@ -198,23 +206,29 @@ class TestOnAnotherProcessor:
 
     @pytest.fixture(autouse=True)
     def _elsewhere(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        here = header.platform_facts() | {"processor": "another one"}
+        here = dict(header.platform_facts()) | {"processor": "another one"}
         monkeypatch.setattr(verifier, "platform_facts", lambda: here)
 
     def test_the_flight_is_still_exact(self, flown: Flown) -> None:
         found = verify(flown.path)
         assert found.verdict is Verdict.EXACT
-        assert "another processor" in found.checks[1]
+        assert "the processor differs" in found.checks[1]
+        assert "not compared" in found.checks[-1]
 
-    def test_an_action_changed_by_a_bit_diverges_in_the_state_that_follows(self, flown: Flown, tmp_path: Path) -> None:
+    def test_an_action_changed_by_rounding_makes_the_state_that_follows_unverifiable(
+        self, flown: Flown, tmp_path: Path
+    ) -> None:
         messages = flown.messages
         at = nth(messages, 20, Action, source="policy")
         action: Any = messages[at]
         joint = next(i for i in range(8) if 1e-3 < abs(action.commanded[i]) < 1)
         messages[at] = altered(altered(action, "commanded", joint, 25), "applied", joint, 25)
-        found = divergence(flown, tmp_path, messages)
-        assert found.topic in ("/reward", "/state")
-        assert found.step in (action.step, action.step + 1)
+        found = verify(flown.rewritten(tmp_path / "altered.mcap", messages))
+        assert found.verdict is Verdict.UNVERIFIABLE
+        assert "the processor differs" in found.reason
+        assert found.first_divergence is not None
+        assert found.first_divergence.topic in ("/reward", "/state")
+        assert found.first_divergence.step in (action.step, action.step + 1)
 
     def test_another_action_than_the_networks_diverges_at_once(self, flown: Flown, tmp_path: Path) -> None:
         messages = flown.messages

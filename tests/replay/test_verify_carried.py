@@ -104,4 +104,4 @@ def test_a_forged_attachment_that_cannot_be_used_is_said_to_be_so(
 def test_a_seed_that_is_no_number_is_said_to_be_so(flown: Flown, tmp_path: Path) -> None:
     found = verify(flown.rewritten(tmp_path / "forged.mcap", metadata={"seed": "many"}))
     assert found.verdict is Verdict.UNVERIFIABLE
-    assert "the seed is 'many', which is no number" in found.reason
+    assert "the seed is 'many', which is none" in found.reason

@@ -11,7 +11,7 @@ from mcap.opcode import Opcode
 from waypointctl.errors import LogError
 from waypointctl.log.contents import ChunkPlace, Contents, TopicSummary
 from waypointctl.log.messages import Message
-from waypointctl.log.records import Record, inner_records, raw_message, records
+from waypointctl.log.records import RawMessage, Record, inner_records, raw_message, records
 from waypointctl.log.scan import DAMAGE, chunk_bytes, damaged, open_file, scan
 from waypointctl.log.topics import BY_NAME, Topic
 from waypointctl.units import NS_PER_S
@@ -92,6 +92,15 @@ class Log:
                 in the file are not those it says.
         """
         return self._messages(_decoders(self, topics), start_ns or 0, 1 << 64 if end_ns is None else end_ns)
+
+    def raw_messages(self) -> Iterator[tuple[str, RawMessage]]:
+        """Return every message with its topic, those for viewers too, as it stands in the file."""
+        topics = self.contents.topics
+        for chunk in self._chunks(0, 1 << 64):
+            for opcode, body in inner_records(chunk_bytes(chunk)):
+                if opcode == Opcode.MESSAGE:
+                    raw = raw_message(body)
+                    yield topics[raw.channel].name, raw
 
     def _messages(self, decoders: Mapping[int, Topic], start_ns: int, end_ns: int) -> Iterator[Message]:
         for chunk in self._chunks(start_ns, end_ns):

@@ -10,6 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 import waypointctl
 from waypointctl import __version__
 from waypointctl.log.header import Attachment, LogHeader
@@ -99,8 +101,9 @@ def _processor() -> str:
         return platform.processor()
     facts = (line.partition(":")[2].strip() for line in lines if line.startswith(("model name", "flags")))
     name, flags = next(facts, ""), next(facts, "")
-    # The network's float kernels are chosen by the processor's features, so the name alone says too little.
-    return f"{name} ({hashlib.sha256(flags.encode()).hexdigest()[:8]})"
+    # Float kernels are chosen by the processor's features, so the name alone says too little; numpy's can be switched.
+    features = f"{flags} {np.show_config(mode='dicts')['SIMD Extensions']}"
+    return f"{name} ({hashlib.sha256(features.encode()).hexdigest()[:8]})"
 
 
 def _media_type(name: str) -> str:

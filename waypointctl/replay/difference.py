@@ -4,26 +4,52 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
-from dataclasses import fields
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, Final
 
 import numpy as np
 
 from waypointctl.log.messages import FloatArray, Message, PlannedWaypoint
 
+EXCERPT: Final = 60  # characters shown on either side of where long texts part
+ROUNDING: Final = 1e-9  # relative; some hundred thousand units in the last place would be more than rounding
 
-def difference(logged: Message, replayed: Message) -> tuple[str, str, str] | None:
-    """Return the first component in which two records differ with both values as text, or None.
 
-    Floats are compared as bits: -0.0 is not 0.0, and a NaN is the same NaN.
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Where two records part.
+
+    Attributes:
+        component: the field, with an index where it has many.
+        logged: the value in the log, as text; a float with its bits.
+        replayed: the value in the replay.
+        rounding: whether the values are as near as two ways of rounding may leave them.
+    """
+
+    component: str
+    logged: str
+    replayed: str
+    rounding: bool
+
+
+def difference(logged: Message, replayed: Message, *, rounded: bool = False) -> Difference | None:
+    """Return the first component in which two records differ, or None.
+
+    Floats are compared as bits: -0.0 is not 0.0, and a NaN is the same NaN. With `rounded` those that are as near
+    as two ways of rounding may leave them are taken as the same.
     """
     if type(logged) is not type(replayed):
-        return "type", type(logged).__name__, type(replayed).__name__
+        return Difference("type", type(logged).__name__, type(replayed).__name__, rounding=False)
     for field in fields(logged):
-        pairs = _pairs(field.name, getattr(logged, field.name), getattr(replayed, field.name))
-        for component, a, b in pairs:
-            return component, _text(a), _text(b)
+        for component, a, b in _pairs(field.name, getattr(logged, field.name), getattr(replayed, field.name)):
+            near = _near(a, b)
+            if not (rounded and near):
+                return Difference(component, *_texts(a, b), near)
     return None
+
+
+def _near(a: Any, b: Any) -> bool:
+    return isinstance(a, float) and isinstance(b, float) and abs(a - b) <= ROUNDING * max(1.0, abs(a))
 
 
 def different_bits(a: FloatArray, b: FloatArray) -> list[int]:
@@ -59,6 +85,15 @@ def _array_pairs(name: str, logged: FloatArray, replayed: FloatArray) -> Iterato
         return
     for at in different_bits(logged, replayed):
         yield f"{name}[{at}]", float(logged[at]), float(replayed[at])
+
+
+def _texts(logged: Any, replayed: Any) -> tuple[str, str]:
+    a, b = _text(logged), _text(replayed)
+    if max(len(a), len(b)) <= 2 * EXCERPT:
+        return a, b
+    same = next((at for at, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))
+    begin = max(0, same - EXCERPT)
+    return f"...{a[begin : same + EXCERPT]}...", f"...{b[begin : same + EXCERPT]}..."
 
 
 def _text(value: Any) -> str:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Final
 
 from pydantic import ValidationError
@@ -12,33 +14,48 @@ from pydantic import ValidationError
 from waypointctl.errors import InputError, LogError
 from waypointctl.log.messages import Event, EventKind, State
 from waypointctl.log.reader import Log, open_log
-from waypointctl.mission.files import parse_mission
+from waypointctl.log.writer import LogWriter
+from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.fly import fly
-from waypointctl.ops.header import MISSION, MJB, MJCF, POLICY_FOLDER, platform_facts
+from waypointctl.ops.header import MISSION, MJB, MJCF, POLICY_FOLDER, flight_header, platform_facts
+from waypointctl.ops.sink import tee
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import MANIFEST, Manifest
+from waypointctl.replay.records import compare_records
 from waypointctl.replay.verdict import Divergence, Verdict, Verification
 from waypointctl.replay.witness import AuditedPolicy, Diverged, LogEnded, Witness
 from waypointctl.sim.robots import Robot, compile_mjb, robot_from_mjb
 
 _DECISIVE: Final = {"version_mujoco": "MuJoCo", "architecture": "the architecture"}
-_NETWORK: Final = ("version_onnxruntime", "processor")
+_KERNELS: Final = {
+    "version_numpy": "numpy",
+    "version_onnxruntime": "onnxruntime",
+    "processor": "the processor",
+}
+_PROGRAM: Final = {**_KERNELS, "version_waypointctl": "waypointctl", "source": "waypointctl's source"}
+_SEED_DIGITS: Final = 19  # of 2**63
 _MANIFEST: Final = f"{POLICY_FOLDER}{MANIFEST}"
 _HASHED: Final = {"sha256_mission": MISSION, "sha256_mjcf": MJCF, "sha256_mjb": MJB, "sha256_policy": _MANIFEST}
 
 
 def verify(path: Path) -> Verification:
+    """Fly the flight of a log again and compare every message; `verify_log` for a log that is open."""
+    return verify_log(open_log(path))
+
+
+def verify_log(log: Log) -> Verification:
     """Fly the flight of a log again and compare every message.
 
     Everything comes from the log: mission, model, policy, seed. Physics is driven by the logged actions, each of
     which is computed again from the observation. States, observations, actions, reward terms and sums, events,
-    commands, acknowledgements and telemetry with their times of delivery, and checkpoints have to be equal.
+    commands, acknowledgements and telemetry with their times of delivery, and checkpoints have to be equal. Where
+    the same program runs on the same processor, a second log is written on the way, and every record of the first
+    has to be in it: viewers' topics, metadata and attachments too.
 
     Raises:
         LogError: the log cannot be read.
     """
-    log = open_log(path)
     if reason := _unverifiable(log):
         return Verification(Verdict.UNVERIFIABLE, 0, None, reason, ())
     try:
@@ -52,23 +69,48 @@ def verify(path: Path) -> Verification:
 
 
 def _fly_again(log: Log, mission: Mission, robot: Robot, policy: LoadedPolicy) -> Verification:
-    witness = Witness(log.messages())
-    here = platform_facts()
-    same_network = all(log.metadata.get(key) == here[key] for key in _NETWORK)
-    audited = AuditedPolicy(policy, witness, bitwise=same_network)
+    elsewhere = _differing(log, _KERNELS)
+    witness = Witness(log.messages(), bitwise=not elsewhere)
+    audited = AuditedPolicy(policy, witness, bitwise=not elsewhere)
     stopped = _interrupted_at(log)
+
+    def interrupted() -> bool:
+        return witness.compared["/state"] >= stopped
+
     try:
-        fly(mission, audited, witness, robot=robot, interrupted=lambda: witness.compared["/state"] >= stopped)
-        if witness.upcoming is not None:
-            raise witness.diverged("/event", "end", type(witness.upcoming).__name__, "the flight is over")
+        with _second_log(log, mission, robot, policy) as second:
+            fly(mission, audited, tee(witness, second), robot=robot, interrupted=interrupted)
+            if witness.upcoming is not None:
+                raise witness.diverged("/event", "end", type(witness.upcoming).__name__, "the flight is over")
+            second.close()
+            records = compare_records(log, open_log(second.path)) if not _differing(log, _PROGRAM) else None
     except Diverged as error:
+        if error.rounding and elsewhere:
+            reason = f"rounded otherwise at step {error.where.step} on {error.where.topic}: {' and '.join(elsewhere)}"
+            return Verification(Verdict.UNVERIFIABLE, witness.compared["/reward"], error.where, reason, ())
         return _diverged(error.where, witness, log)
     except LogEnded:
         ended = witness.diverged("/event", "end", "the log ends", "the flight goes on")
         return _diverged(ended.where, witness, log)
     steps = witness.compared["/action"]
-    checks = _checks(witness, audited, same_network)
-    return Verification(Verdict.EXACT, steps, None, f"{steps} control steps replayed, every bit the same", checks)
+    checks = _checks(witness, audited, elsewhere, records)
+    same = "every bit the same" if not elsewhere else "every bit of the physics the same"
+    return Verification(Verdict.EXACT, steps, None, f"{steps} control steps replayed, {same}", checks)
+
+
+def _differing(log: Log, facts: Mapping[str, str]) -> list[str]:
+    """Return which of the facts, key to name, are not here as they were where the log was made."""
+    here = platform_facts()
+    return [f"{name} differs" for key, name in facts.items() if log.metadata.get(key) != here[key]]
+
+
+@contextmanager
+def _second_log(log: Log, mission: Mission, robot: Robot, policy: LoadedPolicy) -> Iterator[LogWriter]:
+    """Yield the writer of a log that the replay writes for comparison; it is gone afterwards."""
+    mission_file = MissionFile(mission, log.attachments[MISSION], log.path)
+    header = flight_header(mission_file, policy, robot)
+    with TemporaryDirectory(prefix="waypointctl-") as folder, LogWriter(Path(folder) / "replay.mcap", header) as writer:
+        yield writer
 
 
 def _interrupted_at(log: Log) -> int:
@@ -119,8 +161,8 @@ def _contents(log: Log) -> tuple[Mission, Robot, LoadedPolicy]:
     attachments = log.attachments
     mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}")
     seed = log.metadata.get("seed", "")
-    if not seed.isdecimal():
-        raise LogError(f"the seed is {seed!r}, which is no number", where=str(log.path))
+    if not seed.isdecimal() or len(seed) > _SEED_DIGITS:
+        raise LogError(f"the seed is {seed[:40]!r}, which is none", where=str(log.path))
     mission = mission.model_copy(update={"seed": int(seed)})
     robot = robot_from_mjb(mission.robot, attachments[MJCF].decode(), attachments[MJB])
     return mission, robot, load_policy_bytes(_policy_files(attachments), f"{log.path}/{POLICY_FOLDER}")
@@ -146,12 +188,17 @@ def _software(facts: Mapping[str, str]) -> str:
     return f"{facts.get('version_waypointctl')} ({facts.get('source')})"
 
 
-def _checks(witness: Witness, audited: AuditedPolicy, same_network: bool) -> tuple[str, ...]:
+def _checks(witness: Witness, audited: AuditedPolicy, elsewhere: list[str], records: int | None) -> tuple[str, ...]:
     counts = witness.compared
     actions = (
-        "computed again by the network, bit for bit"
-        if same_network
-        else f"computed again on another processor or onnxruntime, at most {audited.largest_difference:.1e} apart"
+        f"within rounding ({', '.join(elsewhere)}), actions at most {audited.largest_difference:.1e} apart"
+        if elsewhere
+        else "computed again by the network, bit for bit"
+    )
+    whole = (
+        "viewers' topics and metadata not compared: another program or processor wrote them"
+        if records is None
+        else f"{records} records of the file, viewers' topics, metadata and attachments among them, byte for byte"
     )
     return (
         f"{counts['/state']} states, simulated from the first one and the logged actions alone",
@@ -161,4 +208,5 @@ def _checks(witness: Witness, audited: AuditedPolicy, same_network: bool) -> tup
         f"{counts['/command']} commands, {counts['/ack']} acknowledgements and {counts['/telemetry']} telemetry "
         "frames, with each time of delivery",
         f"{counts['/checkpoint']} checkpoints, with the link's random streams",
+        whole,
     )

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.log.messages import Action, Message, State
+from waypointctl.log.messages import Action, Message, Observation, State, Telemetry
 from waypointctl.log.topics import BY_KIND
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.difference import difference, different_bits
@@ -21,11 +21,12 @@ ACTION_TOLERANCE = 1e-4
 
 
 class Diverged(Exception):
-    """The replay has parted from the log."""
+    """The replay has parted from the log; `rounding` says that another way of rounding may be why."""
 
-    def __init__(self, where: Divergence) -> None:
+    def __init__(self, where: Divergence, *, rounding: bool = False) -> None:
         """Say where."""
         self.where = where
+        self.rounding = rounding
         super().__init__(where.component)
 
 
@@ -34,11 +35,16 @@ class LogEnded(Exception):
 
 
 class Witness:
-    """A sink for the replay's messages, with the logged ones to hold them against."""
+    """A sink for the replay's messages, with the logged ones to hold them against.
 
-    def __init__(self, logged: Iterator[Message]) -> None:
-        """Take the logged messages in their order."""
+    What is computed with numpy's trigonometry, observations and telemetry, may be rounded otherwise on another
+    processor. States never may: physics goes on from them.
+    """
+
+    def __init__(self, logged: Iterator[Message], *, bitwise: bool) -> None:
+        """Take the logged messages in their order; without `bitwise` let numpy round otherwise."""
         self._logged = logged
+        self._rounded = () if bitwise else (Observation, Telemetry)
         self._next: Message | None = next(logged, None)
         self._step = 0
         self._time_ns = 0
@@ -51,9 +57,10 @@ class Witness:
         logged = self._next
         if logged is None:
             raise LogEnded
-        found = difference(logged, replayed)
+        found = difference(logged, replayed, rounded=isinstance(replayed, self._rounded))
         if found is not None:
-            raise self.diverged(BY_KIND[type(logged)].name, *found)
+            topic = BY_KIND[type(logged)].name
+            raise self.diverged(topic, found.component, found.logged, found.replayed, rounding=found.rounding)
         self.compared[BY_KIND[type(logged)].name] += 1
         self._next = next(self._logged, None)
 
@@ -67,9 +74,10 @@ class Witness:
         """The control step under way."""
         return self._step
 
-    def diverged(self, topic: str, component: str, logged: str, replayed: str) -> Diverged:
+    def diverged(self, topic: str, component: str, logged: str, replayed: str, *, rounding: bool = False) -> Diverged:
         """Return the error that says where the two part: here."""
-        return Diverged(Divergence(self._step, self._time_ns, topic, component, logged, replayed))
+        where = Divergence(self._step, self._time_ns, topic, component, logged, replayed)
+        return Diverged(where, rounding=rounding)
 
 
 class AuditedPolicy:
