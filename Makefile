@@ -16,7 +16,8 @@ demo: $(VENV)/.run
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2 -m "not slow"
 
-test-all: $(VENV)/.dev
+test-all: $(VENV)/.dev # with rerun, half a gigabyte, and all that is slow
+	$(INSTALL) --editable ".[dev,viewers]"
 	$(BIN)/python -m pytest -n 2
 
 check: $(VENV)/.dev
@@ -32,6 +33,7 @@ bench: $(VENV)/.dev
 	$(BIN)/python bench/env_speed.py
 	$(BIN)/python bench/flight_speed.py
 	$(BIN)/python bench/log_write.py
+	$(BIN)/python bench/train_speed.py
 
 train: $(VENV)/.dev
 	$(BIN)/waypointctl train policies/ant-waypoint/train.yaml
