@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import random
+import zlib
+from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
 
 import pytest
+import zstandard
 from mcap.opcode import Opcode
+from mcap.records import Chunk
 from mcap.writer import Writer
 
 from tests.log.fake_flight import bits, flight
 from waypointctl.errors import LogError
+from waypointctl.log.chunk import encoded
 from waypointctl.log.reader import open_log
-from waypointctl.log.records import records
+from waypointctl.log.records import MAGIC, Record, body_stream, records
 
 
 def some_offsets(size: int, count: int) -> list[int]:
@@ -76,6 +82,74 @@ def test_damage_in_an_attachment_is_a_wrong_checksum(log_path: Path, tmp_path: P
         open_log(path)
 
 
+def rebuilt(whole: bytes, change: Callable[[Chunk], None]) -> bytes:
+    """Return a log after `change` to its second chunk, no checksum of the file as a whole telling of it."""
+    parts = [MAGIC]
+    seen = 0
+    for record in records(BytesIO(whole), len(MAGIC), len(whole)):
+        body = record.body
+        if record.opcode == Opcode.CHUNK:
+            seen += 1
+            if seen == 2:
+                chunk = Chunk.read(body_stream(body))
+                change(chunk)
+                body = encoded(chunk)[9:]
+        elif record.opcode == Opcode.DATA_END:
+            body = bytes(4)
+        elif record.opcode == Opcode.FOOTER:
+            body = body[:-4] + bytes(4)
+        parts.append(Record(record.offset, record.opcode, body).raw)
+    return b"".join([*parts, MAGIC])
+
+
+def is_read(path: Path) -> bool:
+    """Tell whether a log is read to its end, or refused; anything but a LogError passes through."""
+    try:
+        list(open_log(path).messages())
+    except LogError:
+        return False
+    return True
+
+
+def test_a_chunk_that_says_it_is_larger_than_any_memory(log_path: Path, tmp_path: Path) -> None:
+    def enlarge(chunk: Chunk) -> None:
+        chunk.uncompressed_size = 2**64 - 1
+
+    path = tmp_path / "large.mcap"
+    path.write_bytes(rebuilt(log_path.read_bytes(), enlarge))
+    with pytest.raises(LogError, match="is damaged at byte"):
+        open_log(path)
+
+
+@pytest.mark.parametrize(("compression", "good"), [("", True), ("lz4", False)])
+def test_a_chunk_that_says_another_compression(log_path: Path, tmp_path: Path, compression: str, good: bool) -> None:
+    def relabel(chunk: Chunk) -> None:
+        chunk.data = zstandard.decompress(chunk.data, chunk.uncompressed_size)
+        chunk.compression = compression
+
+    path = tmp_path / "other.mcap"
+    path.write_bytes(rebuilt(log_path.read_bytes(), relabel))
+    assert is_read(path) is good
+
+
+def test_damage_that_every_checksum_agrees_with_is_refused_or_read(log_path: Path, tmp_path: Path) -> None:
+    whole = log_path.read_bytes()
+    path = tmp_path / "damaged.mcap"
+    rng = random.Random(5)
+
+    def corrupt(chunk: Chunk) -> None:
+        data = bytearray(zstandard.decompress(chunk.data, chunk.uncompressed_size))
+        for _ in range(3):
+            data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+        chunk.data, chunk.uncompressed_crc = zstandard.compress(bytes(data)), zlib.crc32(data)
+
+    found = set()
+    for _ in range(60):
+        path.write_bytes(rebuilt(whole, corrupt))
+        found.add(is_read(path))
+    assert found == {True, False}  # a changed number is a number
+
+
 def test_missing_log(tmp_path: Path) -> None:
     with pytest.raises(LogError, match=r"none\.mcap: no such log"):
         open_log(tmp_path / "none.mcap")
@@ -116,6 +190,8 @@ def write_mcap(path: Path, metadata: dict[str, str] | None) -> None:
     [
         (None, "is an MCAP file, but not a log of waypointctl"),
         ({"schema_version": "2"}, "has the schema version 2; this waypointctl reads up to 1\n.*newer"),
+        ({"schema_version": "9" * 5000}, r"has the schema version '9{20}\.\.\.' in its metadata; a whole number"),
+        ({"schema_version": "\u0661"}, "a whole number is expected"),
         ({}, "has the schema version '' in its metadata; a whole number is expected"),
     ],
 )

@@ -210,6 +210,38 @@ def test_command_with_another_waypoint_is_drawn(view: FoxgloveView) -> None:
     assert [vector(pose.position) for pose in poses] == [(3, 4, 0), (6, 4, 0), (-1, 0, 0)]
 
 
+def many(count: int) -> tuple[PlannedWaypoint, ...]:
+    name = "\N{CIRCLED DIGIT ONE}" * 60  # as long as names may be
+    return tuple(PlannedWaypoint(i, name, 1.5 * i, -0.1, "radius", 0.3, NS_PER_S, 0) for i in range(count))
+
+
+def drawn(scene: dict[str, SceneEntity]) -> list[int]:
+    return sorted(int(name.removeprefix("waypoint ")) for name in scene if name.startswith("waypoint"))
+
+
+def test_up_to_a_hundred_waypoints_are_all_drawn() -> None:
+    view = FoxgloveView(FakeKinematics(), many(100))
+    view.start()
+    for index in (0, 50, 99):
+        assert drawn(entities(told(view, event(EventKind.LEG_STARTED, waypoint=index)))) == list(range(100))
+
+
+def test_of_a_thousand_waypoints_those_around_the_current_one_are_drawn() -> None:
+    view = FoxgloveView(FakeKinematics(), many(1000))
+    # What a viewer shows that follows the flight: what it was sent, without what it was told to delete.
+    shown = set(drawn(entities(view.start())))
+    assert shown == set(range(100))
+    for index in [*range(200), 999, 3]:
+        data = told(view, event(EventKind.LEG_STARTED, waypoint=index))
+        assert len(data["/scene"]) < 64 * 1024
+        found = drawn(entities(data))
+        deletions = SceneUpdate.FromString(data["/scene"]).deletions
+        assert all((it.timestamp.seconds, it.timestamp.nanos) == (0, 6) for it in deletions)  # after the event's 5 ns
+        shown = (shown - {int(it.id.removeprefix("waypoint ")) for it in deletions}) | set(found)
+        begin = min(max(0, index - 25), 900)
+        assert found == sorted(shown) == list(range(begin, begin + 100))
+
+
 def test_trail_is_bounded_and_begins_where_the_flight_began() -> None:
     trail = Trail()
     for second in range(5 * TRAIL_POSES):

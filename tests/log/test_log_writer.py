@@ -8,18 +8,21 @@ import os
 import subprocess
 import sys
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from mcap.reader import SeekingReader
-from mcap.records import Attachment, Chunk, DataEnd, Message, Metadata
+from mcap.records import Attachment as AttachmentRecord
+from mcap.records import Chunk, DataEnd, Message, Metadata
 from mcap.stream_reader import StreamReader
 
 from tests.log.fake_flight import DOWN_NS, UP_NS, flight, header
 from waypointctl import __version__
 from waypointctl.errors import OutputError
 from waypointctl.log.channels import CHUNK_BYTES
+from waypointctl.log.header import Attachment
 from waypointctl.log.messages import Checkpoint
 from waypointctl.log.reader import open_log
 from waypointctl.log.writer import LogWriter
@@ -49,9 +52,9 @@ def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
 def test_attachments_come_first_then_metadata_then_messages(log_path: Path) -> None:
     with open(log_path, "rb") as stream:
         kinds = [type(record) for record in StreamReader(stream, emit_chunks=True, validate_crcs=True).records]
-    firsts = [kinds.index(kind) for kind in (Attachment, Metadata, Chunk, DataEnd)]
+    firsts = [kinds.index(kind) for kind in (AttachmentRecord, Metadata, Chunk, DataEnd)]
     assert firsts == sorted(firsts)
-    assert kinds[1:4] == [Attachment] * 3
+    assert kinds[1:4] == [AttachmentRecord] * 3
 
 
 def test_library_is_ours_and_attachments_have_no_times(log_path: Path) -> None:
@@ -198,6 +201,18 @@ def test_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="cannot be written: Not a directory"):
         LogWriter(tmp_path / "file" / "flight.mcap", header())
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="needs a list of the open files")
+def test_a_writer_that_cannot_begin_leaves_nothing_open(tmp_path: Path) -> None:
+    good = header()
+    bad = replace(good, attachments=(*good.attachments, Attachment("x", "text/plain", None)))  # type: ignore[arg-type]
+    with pytest.raises(TypeError) as caught:
+        LogWriter(tmp_path / "flight.mcap", bad)
+    part = str(tmp_path / "flight.mcap.part")
+    assert os.path.exists(part)
+    assert part not in {os.path.realpath(f"/proc/self/fd/{number}") for number in os.listdir("/proc/self/fd")}
+    assert caught.tb  # whose frames keep the writer: it is not the collector that has closed the file
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")

@@ -1,16 +1,18 @@
 """One pass over a log: every checksum checked, every message counted, nothing kept but what is small.
 
-Whatever is wrong with a file is found here, before its first message is given out.
+Whatever is wrong with a file as MCAP is found here, before its first message is given out. What the messages say is
+decoded, and found wrong, only while they are read.
 """
 
 from __future__ import annotations
 
 import os
+import re
 import struct
 import zlib
 from pathlib import Path
 from types import MappingProxyType
-from typing import IO
+from typing import IO, Final
 
 from google.protobuf.message import DecodeError
 from mcap.exceptions import McapError
@@ -25,7 +27,8 @@ from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION
 from waypointctl.log.records import MAGIC, CutShort, Record, body_stream, inner_records, raw_message, records
 
 # What mcap, zstd and protobuf raise over bytes that are not what they should be.
-DAMAGE = (struct.error, ValueError, KeyError, MemoryError, McapError, ZstdError, DecodeError)
+DAMAGE = (struct.error, ValueError, KeyError, MemoryError, OverflowError, McapError, ZstdError, DecodeError)
+_VERSION: Final = re.compile("[0-9]{1,9}")  # Python reads no number of thousands of digits
 
 
 class _Tally:
@@ -92,8 +95,16 @@ def damaged(path: str, offset: int, what: str) -> LogError:
 
 
 def chunk_bytes(record: Record) -> bytes:
-    """Return the uncompressed records of a chunk, its checksum checked."""
-    stream, length = get_chunk_data_stream(Chunk.read(body_stream(record.body)), validate_crc=True)
+    """Return the uncompressed records of a chunk, its checksum checked.
+
+    Raises:
+        one of DAMAGE: it is not what was written.
+    """
+    chunk = Chunk.read(body_stream(record.body))
+    try:
+        stream, length = get_chunk_data_stream(chunk, validate_crc=True)
+    except RuntimeError as error:  # from lz4, which another tool may have compressed the log with
+        raise ValueError(str(error)) from error
     return stream.read(length)
 
 
@@ -205,8 +216,9 @@ def _check_crc(written: int, calculated: int) -> None:
 
 
 def _check_version(path: str, text: str) -> None:
-    if not text.isdecimal():
-        raise LogError(f"has the schema version {text!r} in its metadata; a whole number is expected", where=path)
+    if not _VERSION.fullmatch(text):
+        shown = text if len(text) <= 20 else f"{text[:20]}..."
+        raise LogError(f"has the schema version {shown!r} in its metadata; a whole number is expected", where=path)
     if int(text) > SCHEMA_VERSION:
         raise LogError(
             f"has the schema version {text}; this waypointctl reads up to {SCHEMA_VERSION}",

@@ -1,6 +1,6 @@
 """The topics of a flight's own records: which message stands on which, in which schema, at what times.
 
-The topics for viewers (/tf, /scene, ...) are in foxglove.py; nothing is read back from them.
+The topics for viewers (/tf, /scene, ...) are in foxglove/view.py; nothing is read back from them.
 """
 
 from __future__ import annotations

@@ -38,17 +38,19 @@ class LogWriter:
         """Create the file and write all that stands before the first message."""
         self.path = path
         self.part = path.with_name(f"{path.name}.part")
-        self._stream = _create(path, self.part)
         self._view = FoxgloveView(header.kinematics, header.waypoints)
         self._waiting: deque[Message] = deque()
         self._second_ends_ns = NS_PER_S
+        self._stream = _create(path, self.part)
         try:
             self._file = ChannelWriter(self._stream)
             self._begin(header)
-        except OSError as error:
+        except BaseException as error:
             with suppress(OSError):  # closing tries to write again
                 self._stream.close()
-            raise self._refusal(error) from error
+            if isinstance(error, OSError):
+                raise self._refusal(error) from error
+            raise
 
     def __call__(self, message: Message) -> None:
         """Write one message, and what viewers are to be told of it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import Enum
 from typing import Final
 
@@ -11,6 +11,7 @@ from foxglove_schemas_protobuf.CubePrimitive_pb2 import CubePrimitive
 from foxglove_schemas_protobuf.CylinderPrimitive_pb2 import CylinderPrimitive
 from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
+from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 from foxglove_schemas_protobuf.TextPrimitive_pb2 import TextPrimitive
@@ -20,6 +21,9 @@ from waypointctl.log.foxglove.geometry import pose, rotate, timestamp
 from waypointctl.log.kinematics import WORLD, Geom
 from waypointctl.log.messages import PlannedWaypoint
 
+# A scene is sent at every leg: with all of a thousand waypoints in each, the log would be mostly that.
+MAX_DRAWN: Final = 100
+DRAWN_BEFORE: Final = 25  # of these, the most that lie before the current one
 REGION_HEIGHT_M: Final = 0.1
 LABEL_HEIGHT_M: Final = 0.4
 PLANE_THICKNESS_M: Final = 0.02
@@ -35,14 +39,28 @@ class Standing(Enum):
     MISSED = (0.9, 0.2, 0.2, 0.5)
 
 
-def scene(
-    time_ns: int, geoms: Iterable[Geom], waypoints: Iterable[PlannedWaypoint], standings: dict[int, Standing]
-) -> bytes:
-    """Return foxglove.SceneUpdate with everything there is.
+def near(waypoints: Sequence[PlannedWaypoint], focus: int) -> Sequence[PlannedWaypoint]:
+    """Return the waypoints to draw while the one of index `focus` matters: all, or of many those around it in order."""
+    place = next((place for place, waypoint in enumerate(waypoints) if waypoint.index == focus), 0)
+    begin = max(0, min(place - DRAWN_BEFORE, len(waypoints) - MAX_DRAWN))
+    return waypoints[begin : begin + MAX_DRAWN]
 
-    Everything, each time: after a seek a viewer knows no more than the last message on the topic.
+
+def scene(
+    time_ns: int,
+    geoms: Iterable[Geom],
+    waypoints: Iterable[PlannedWaypoint],
+    standings: dict[int, Standing],
+    gone: Iterable[int] = (),
+) -> bytes:
+    """Return foxglove.SceneUpdate with the robot and `waypoints`, and without those of the indices in `gone`.
+
+    All of them, each time: after a seek a viewer knows no more than the last message on the topic.
     """
     update = SceneUpdate()
+    for index in gone:
+        # What is deleted is what is earlier than this, and it may have been drawn at the same instant.
+        update.deletions.append(SceneEntityDeletion(id=_entity_id(index), timestamp=timestamp(time_ns + 1)))
     for waypoint in waypoints:
         region = _waypoint(waypoint, standings.get(waypoint.index, Standing.PENDING))
         update.entities.append(region)
@@ -63,6 +81,10 @@ def waypoint_poses(time_ns: int, waypoints: Iterable[PlannedWaypoint]) -> bytes:
     return PosesInFrame(timestamp=timestamp(time_ns), frame_id=WORLD, poses=poses).SerializeToString()
 
 
+def _entity_id(index: int) -> str:
+    return f"waypoint {index}"
+
+
 def _color(rgba: tuple[float, float, float, float]) -> Color:
     r, g, b, a = rgba
     return Color(r=r, g=g, b=b, a=a)
@@ -72,7 +94,7 @@ def _waypoint(waypoint: PlannedWaypoint, standing: Standing) -> SceneEntity:
     side = 2 * waypoint.tolerance_m
     size = Vector3(x=side, y=side, z=REGION_HEIGHT_M)
     at = pose((waypoint.x_m, waypoint.y_m, REGION_HEIGHT_M / 2))
-    entity = SceneEntity(id=f"waypoint {waypoint.index}", frame_id=WORLD)
+    entity = SceneEntity(id=_entity_id(waypoint.index), frame_id=WORLD)
     color = _color(standing.value)
     if waypoint.acceptance == "box":
         entity.cubes.append(CubePrimitive(pose=at, size=size, color=color))

@@ -14,7 +14,7 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from waypointctl.log.foxglove.geometry import timestamp
 from waypointctl.log.foxglove.motion import Motion
-from waypointctl.log.foxglove.scene import Standing, scene, waypoint_poses
+from waypointctl.log.foxglove.scene import Standing, near, scene, waypoint_poses
 from waypointctl.log.foxglove.trail import Trail
 from waypointctl.log.kinematics import Kinematics
 from waypointctl.log.messages import Command, Event, EventKind, Message, PlannedWaypoint, Severity, State
@@ -59,6 +59,8 @@ class FoxgloveView:
         self._trail = Trail()
         self._waypoints = {waypoint.index: waypoint for waypoint in waypoints}
         self._standings: dict[int, Standing] = {}
+        self._focus = -1  # the waypoint that the last event was about
+        self._drawn: set[int] = set()
         self._motion_due_ns = 0
         self._trail_due_ns = 0
 
@@ -111,6 +113,7 @@ class FoxgloveView:
         standing = _STANDINGS.get(event.kind)
         if standing is not None and event.waypoint in self._waypoints:
             self._standings[event.waypoint] = standing
+            self._focus = event.waypoint
             frames.append(self._scene(event.time_ns))
         return frames
 
@@ -118,5 +121,8 @@ class FoxgloveView:
         return [Frame("/waypoints", time_ns, waypoint_poses(time_ns, self._waypoints.values()))]
 
     def _scene(self, time_ns: int) -> Frame:
-        data = scene(time_ns, self._geoms, self._waypoints.values(), self._standings)
+        waypoints = near(tuple(self._waypoints.values()), self._focus)
+        drawn = {waypoint.index for waypoint in waypoints}
+        data = scene(time_ns, self._geoms, waypoints, self._standings, gone=sorted(self._drawn - drawn))
+        self._drawn = drawn
         return Frame("/scene", time_ns, data)
