@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -41,3 +42,17 @@ def test_force_replaces_what_a_killed_flight_left(folder: Path) -> None:
     (folder / "log.mcap.part").write_bytes(b"half a flight")
     with claimed("m", folder / "log.mcap", force=True) as path:
         assert path.with_name("log.mcap.part").stat().st_size == 0
+
+
+@pytest.mark.parametrize("force", [True, False])
+def test_what_is_no_regular_file_is_never_replaced(folder: Path, force: bool) -> None:
+    os.mkfifo(folder / "pipe")
+    with pytest.raises(OutputError, match=r"pipe: is not a regular file, .*\n  Name another file"):
+        claimed("m", folder / "pipe", force=force).__enter__()
+    assert [path.name for path in folder.iterdir()] == ["pipe"]
+    assert (folder / "pipe").is_fifo()
+
+
+def test_a_name_that_is_too_long_is_refused(folder: Path) -> None:
+    with pytest.raises(OutputError, match="cannot be written: File name too long"):
+        claimed("m", folder / ("x" * 5000), force=True).__enter__()

@@ -69,6 +69,20 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
             "acceptance.size_m: 0 is not > 0",
         ),
         ("name: x\ndeadline: {first_s: -1}\ncases: [{name: a, waypoints: [[1, 2]]}]\n", "deadline.first_s: -1 is not"),
+        (
+            "name: x\ndeadline: {first_s: 1.0e+300}\ncases: [{name: a, waypoints: [[1, 2]]}]\n",
+            ":2:21: deadline.first_s: 1e+300 is not <= 86400",
+        ),
+        (
+            "name: x\ndeadline: {further_s: 86401}\ncases: [{name: a, waypoints: [[1, 2]]}]\n",
+            ":2:23: deadline.further_s: 86401 is not <= 86400",
+        ),
+        (
+            "name: x\nacceptance: {size_m: 1.0e+200}\ncases: [{name: a, waypoints: [[1, 2]]}]\n",
+            ":2:22: acceptance.size_m: 1e+200 is not <= 100",
+        ),
+        ("name: x\ncases: [{name: a, waypoints: [[1, 1.0e+200]]}]\n", ":2:35: cases[0].waypoints[0][1]: 1e+200 is not"),
+        ("name: x\ncases: [{name: a, waypoints: [[-10001, 1]]}]\n", ":2:32: cases[0].waypoints[0][0]: -10001 is not"),
         ("cases: [{name: a, waypoints: [[1, 2]]}]\n", "name: is missing"),
         ("just text\n", "is not a mapping"),
         ("", ""),

@@ -115,12 +115,14 @@ def test_a_missing_file_is_named(folder: Path, name: str) -> None:
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
-    assert refusal(tmp_path / "none").startswith(f"{tmp_path / 'none'}: no such folder\n  `waypointctl policies`")
+    assert refusal(tmp_path / "none").startswith(f"{tmp_path / 'none'}: no such folder\n  A policy is a folder with")
 
 
 def test_a_file_is_no_folder(tmp_path: Path) -> None:
     (tmp_path / "policy.zip").write_bytes(b"PK")
-    assert "policy.zip: is not a folder; a policy is a folder with manifest.json" in refusal(tmp_path / "policy.zip")
+    assert "policy.zip: is not a folder\n  A policy is a folder with manifest.json; `waypointctl policies`" in refusal(
+        tmp_path / "policy.zip"
+    )
 
 
 @pytest.mark.parametrize("name", ["policy.onnx", "weights.safetensors"])
@@ -197,3 +199,12 @@ def test_a_file_that_cannot_be_read_is_named(folder: Path) -> None:
     (folder / "policy.onnx").unlink()
     (folder / "policy.onnx").mkdir()
     assert refusal(folder) == f"{folder / 'policy.onnx'}: cannot be read: Is a directory"
+
+
+def test_a_manifest_nested_without_end_is_refused(folder: Path) -> None:
+    (folder / "manifest.json").write_text("[" * 200_000)
+    assert "manifest.json: not JSON: " in refusal(folder)
+
+
+def test_a_folder_whose_name_is_too_long_is_refused() -> None:
+    assert "cannot be read: File name too long" in refusal(Path("x" * 5000))

@@ -3,6 +3,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import onnx
 import pytest
 
@@ -76,3 +77,22 @@ def test_an_operator_that_does_not_exist_is_refused(sound: onnx.ModelProto, capf
     sound.graph.node[0].op_type = "Frobnicate"
     assert "onnxruntime cannot read it: " in refusal(sound.SerializeToString())
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_an_action_that_is_not_finite_is_refused(sound: onnx.ModelProto, value: float) -> None:
+    bias = next(tensor for tensor in sound.graph.initializer if tensor.name == "layer2.bias")
+    numbers = onnx.numpy_helper.to_array(bias).copy()
+    numbers[3] = value
+    bias.CopyFrom(onnx.numpy_helper.from_array(numbers, bias.name))
+    network = Network(sound.SerializeToString(), "policy.onnx")
+    with pytest.raises(PolicyError, match=r"policy\.onnx: the network gave a number that is not finite"):
+        network.run(np.zeros((3, 31)))
+
+
+def test_the_largest_action_there_is_is_finite(sound: onnx.ModelProto) -> None:
+    bias = next(tensor for tensor in sound.graph.initializer if tensor.name == "layer2.bias")
+    largest = np.full(8, np.finfo(np.float32).max, np.float32)
+    bias.CopyFrom(onnx.numpy_helper.from_array(largest, bias.name))
+    action = Network(sound.SerializeToString(), "policy.onnx").run(np.zeros((2, 31)))
+    np.testing.assert_allclose(action, float(largest[0]), rtol=1e-6)

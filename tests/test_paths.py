@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from waypointctl.errors import OutputError
+from waypointctl.paths import folder_fault, refuse_unwritable_file, refuse_unwritable_folder
+
+TOO_LONG = "x" * 5000
+
+
+def test_a_folder_has_no_fault_and_all_else_says_which(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    assert folder_fault(tmp_path) is None
+    assert folder_fault(tmp_path / "none") == "no such folder"
+    assert folder_fault(tmp_path / "file" / "none") == "no such folder"
+    assert folder_fault(tmp_path / "file") == "is not a folder"
+    assert folder_fault(Path(TOO_LONG)) == "cannot be read: File name too long"
+    assert folder_fault(Path("a\0b")) == "cannot be read: embedded null byte"
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(OutputError) as caught:
+        refuse_unwritable_file(path, "the picture")
+    assert caught.value.where == str(path)
+    return caught.value.problem
+
+
+def test_a_file_that_can_be_written_passes(tmp_path: Path) -> None:
+    refuse_unwritable_file(tmp_path / "new.png", "the picture")
+    (tmp_path / "old.png").touch()
+    refuse_unwritable_file(tmp_path / "old.png", "the picture")
+    assert [path.name for path in tmp_path.iterdir()] == ["old.png"]
+
+
+def test_a_file_that_cannot_be_written_says_why(tmp_path: Path) -> None:
+    assert refusal(tmp_path) == "the picture cannot be written: this is a folder"
+    assert refusal(tmp_path / "none" / "a.png") == f"the picture cannot be written: '{tmp_path}/none' is not a folder"
+    assert refusal(tmp_path / TOO_LONG) == "the picture cannot be written: File name too long"
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_file_without_permission(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    assert refusal(tmp_path / "a.png") == "the picture cannot be written: no permission"
+
+
+def test_a_folder_that_cannot_be_looked_up_is_refused(tmp_path: Path) -> None:
+    refuse_unwritable_folder(tmp_path / "a" / "b")
+    with pytest.raises(OutputError, match="the folder cannot be made: File name too long"):
+        refuse_unwritable_folder(tmp_path / TOO_LONG)
