@@ -17,7 +17,7 @@ from waypointctl.cli.view.live import PERIOD_S, LiveView, sizes
 from waypointctl.cli.view.pace import Pace
 from waypointctl.cli.view.tables import command_table, waypoint_table
 from waypointctl.cli.view.words import happening, printable, size
-from waypointctl.log.messages import Message, Severity, State
+from waypointctl.log.messages import FloatArray, Message, Severity, State
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.story import Fate, WaypointStory
 from waypointctl.units import NS_PER_S
@@ -90,6 +90,35 @@ def test_a_waypoint_shows_its_fate(fate: Fate) -> None:
 
 def test_an_empty_map() -> None:
     assert len(draw_map(Scene(np.zeros(0), np.zeros(0), ()), 20, 5)) == 5
+
+
+@pytest.mark.parametrize("place", [(np.nan, 0.0), (0.0, -np.inf), (1e300, 1e300)])
+def test_what_is_nowhere_is_left_out_of_the_map(place: tuple[float, float]) -> None:
+    nowhere = replace(NEAR, name="lost", x_m=place[0], y_m=place[1])
+    lost = WaypointStory(nowhere, Fate.OPEN, None, None, None, None)
+    known = scene()
+    shown = replace(known, waypoints=(*known.waypoints, lost), belief=place)
+    assert plain(draw_map(shown, 40, 10)) == plain(draw_map(replace(known, belief=None), 40, 10))
+
+
+def test_a_name_does_not_steer_the_terminal() -> None:
+    waypoint = WaypointStory(replace(NEAR, name="\x1b[2J"), Fate.OPEN, None, None, None, None)
+    drawing = "".join(plain(draw_map(replace(scene(), waypoints=(waypoint,)), 40, 10)))
+    assert "\N{REPLACEMENT CHARACTER}[2J" in drawing
+    assert "\x1b" not in drawing
+
+
+@pytest.mark.parametrize("qpos", [np.full(7, np.nan), np.full(7, np.inf), np.full(7, 1e300), np.zeros(0)])
+def test_the_view_goes_on_when_the_robot_is_nowhere(qpos: FloatArray) -> None:
+    people = Console(file=io.StringIO(), force_terminal=True, width=100, height=30)
+    view = LiveView(people, "hand", (NEAR, FAR))
+    for message in flight():
+        if isinstance(message, State) and message.step in (0, 5):
+            view.chronicle(replace(message, qpos=qpos))
+        else:
+            view.chronicle(message)
+        people.print(view.picture())
+    assert view.chronicle.story().states_off_map == 2
 
 
 @pytest.mark.parametrize("width", [1, 20, 40, 67, 68, 80, 200])

@@ -46,7 +46,7 @@ waypoints = st.builds(PlannedWaypoint, whole, names, floats, floats, names, floa
 BY_TYPE: dict[type, st.SearchStrategy[Message]] = {
     State: st.builds(State, times, whole, vectors, vectors, vectors),
     Observation: st.builds(Observation, times, whole, vectors),
-    Action: st.builds(Action, times, whole, names, vectors, vectors),
+    Action: st.builds(Action, times, whole, st.sampled_from(("policy", "stance", "off")), vectors, vectors),
     Reward: st.builds(Reward, times, whole, st.lists(st.tuples(names, floats), max_size=8).map(tuple), floats),
     Command: st.builds(
         Command, whole, st.sampled_from(CommandKind), st.lists(waypoints, max_size=4).map(tuple), names, times, times

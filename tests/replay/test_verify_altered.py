@@ -130,7 +130,8 @@ def test_one_changed_value_is_found_at_its_step_topic_and_component(
 def test_another_source_of_an_action_is_found(flown: Flown, tmp_path: Path) -> None:
     messages = flown.messages
     at = nth(messages, 9, Action)
-    messages[at] = replace(messages[at], source="off")  # type: ignore[call-arg]
+    action: Any = messages[at]
+    messages[at] = replace(action, source="off")
     found = divergence(flown, tmp_path, messages)
     assert (found.step, found.topic, found.component, found.logged) == (9, "/action", "source", "off")
 

@@ -41,10 +41,8 @@ def replay(
     Everything comes from the log. Exit with 0 if the replay is exact, 1 if it diverged or cannot be verified. With
     --rate, --start-offset, --loop or --start-paused the flight is only shown, live on a terminal.
     """
-    from json import dumps as to_json
-
     from waypointctl.cli.view import playback
-    from waypointctl.cli.view.story_json import story_json, verification_json
+    from waypointctl.cli.view.story_json import json_text, story_json, verification_json
     from waypointctl.cli.view.summary import print_story
     from waypointctl.log.reader import open_log
     from waypointctl.replay.logged import mission_name, story_of
@@ -67,7 +65,7 @@ def replay(
         if png is not None:
             _draw(story, opened, verification, png)
     if json:
-        sys.stdout.write(f"{to_json(found, indent=2)}\n")
+        sys.stdout.write(f"{json_text(found)}\n")
     raise typer.Exit(0 if verification.verdict == "exact" else 1)
 
 

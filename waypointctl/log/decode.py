@@ -1,12 +1,13 @@
 """Protobuf bytes to messages, equal to those that encode.py was given, floats bit for bit.
 
-A word that an enumeration does not know raises ValueError, bytes that are no such message raise
-google.protobuf.message.DecodeError; the reader says where they stood.
+A word that an enumeration does not know, or that is no source of an action, raises ValueError; bytes that are no such
+message raise google.protobuf.message.DecodeError. The reader says where they stood.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
@@ -31,6 +32,8 @@ from waypointctl.log.messages import (
 )
 from waypointctl.log.proto import messages_pb2 as pb
 
+_SOURCES: Final = ("policy", "stance", "off")  # who had the motors
+
 
 def _array(values: Sequence[float]) -> FloatArray:
     # A slice is a plain list, which numpy reads twice as fast as protobuf's container.
@@ -52,6 +55,8 @@ def observation(data: bytes) -> Observation:
 def action(data: bytes) -> Action:
     """Decode an Action."""
     it = pb.Action.FromString(data)
+    if it.source not in _SOURCES:
+        raise ValueError(f"{it.source!r} is no source of an action; allowed are {', '.join(_SOURCES)}")
     return Action(it.time_ns, it.step, it.source, _array(it.commanded), _array(it.applied))
 
 

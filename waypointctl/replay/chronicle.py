@@ -20,8 +20,9 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
+from waypointctl.ops.belief import FINAL_STAGES
 from waypointctl.replay.growing_track import GrowingTrack
-from waypointctl.replay.story import CommandStory, Effort, Fate, FloatArray, Story, WaypointStory
+from waypointctl.replay.story import CommandStory, Effort, Fate, FloatArray, Story, WaypointStory, is_on_map
 
 _ONBOARD: Final = {
     EventKind.COMMAND_RECEIVED: Stage.RECEIVED,
@@ -35,7 +36,6 @@ _FATES: Final = {
     EventKind.WAYPOINT_TIMEOUT: Fate.TIMED_OUT,
     EventKind.WAYPOINT_SKIPPED: Fate.SKIPPED,
 }
-_ENDS: Final = (Stage.COMPLETED, Stage.FAILED, Stage.REJECTED)
 
 
 def tell(messages: Iterable[Message], waypoints: Iterable[PlannedWaypoint] = ()) -> Story:
@@ -76,7 +76,7 @@ class Chronicle:
 
     Attributes:
         now_ns: the latest time that a message has shown, on either clock.
-        state: the newest true state of the robot.
+        state: the newest true state of the robot that is on the map.
         telemetry: the newest frame that has arrived at the operator.
         events: all so far.
     """
@@ -90,6 +90,7 @@ class Chronicle:
         self._waypoints = {waypoint.index: _Waypoint(waypoint) for waypoint in waypoints}
         self._commands: dict[int, _Command] = {}
         self._truth, self._belief = GrowingTrack(), GrowingTrack()
+        self._states_off_map = self._frames_off_map = 0
         self._reward: dict[str, float] = {}
         self._reward_total = 0.0
         self._source = ""
@@ -153,6 +154,8 @@ class Chronicle:
             effort=self._effort(),
             truth=self._truth.track(),
             belief=self._belief.track(),
+            states_off_map=self._states_off_map,
+            frames_off_map=self._frames_off_map,
         )
 
     def _ending(self) -> tuple[str, str, int]:
@@ -168,14 +171,17 @@ class Chronicle:
 
     def _move(self, state: State) -> None:
         self.now_ns = max(self.now_ns, state.time_ns)
-        x_m, y_m = float(state.qpos[0]), float(state.qpos[1])
+        place = (*state.qpos[:2].tolist(), *state.qvel[:2].tolist())
+        if len(place) < 4 or not is_on_map(*place):
+            self._states_off_map += 1
+            return
+        x_m, y_m, *velocity_mps = place
         if self.state is not None and self._source:
             before = self.state
             self._time_ns[self._source] += state.time_ns - before.time_ns
             self._way_m[self._source] += math.hypot(x_m - float(before.qpos[0]), y_m - float(before.qpos[1]))
         self.state = state
-        speed_mps = math.hypot(float(state.qvel[0]), float(state.qvel[1]))
-        self._truth.add(state.time_ns, state.time_ns, x_m, y_m, speed_mps)
+        self._truth.add(state.time_ns, state.time_ns, x_m, y_m, math.hypot(*velocity_mps))
 
     def _pay(self, reward: Reward) -> None:
         for name, value in reward.terms:
@@ -185,7 +191,10 @@ class Chronicle:
     def _hear(self, frame: Telemetry) -> None:
         self.now_ns = max(self.now_ns, frame.received_ns)
         self.telemetry = frame
-        self._belief.add(frame.issued_ns, frame.received_ns, frame.x_m, frame.y_m, frame.speed_mps)
+        if is_on_map(frame.x_m, frame.y_m, frame.speed_mps):
+            self._belief.add(frame.issued_ns, frame.received_ns, frame.x_m, frame.y_m, frame.speed_mps)
+        else:
+            self._frames_off_map += 1
         for index in frame.reached:
             waypoint = self._waypoints.get(index)
             if waypoint is not None and waypoint.learned_ns is None:
@@ -214,9 +223,9 @@ class Chronicle:
             self._visit(waypoint, event)
 
     def _advance(self, command: _Command, stage: Stage, time_ns: int) -> None:
-        if command.onboard not in _ENDS:
+        if command.onboard not in FINAL_STAGES:
             command.onboard = stage
-            if stage in _ENDS:
+            if stage in FINAL_STAGES:
                 command.ended_ns = time_ns
 
     def _visit(self, waypoint: _Waypoint, event: Event) -> None:

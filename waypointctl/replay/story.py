@@ -7,15 +7,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.log.messages import Ack, Event, EventKind, PlannedWaypoint, Stage
+from waypointctl.ops.belief import FINAL_STAGES
 from waypointctl.units import NS_PER_S
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+# A hundred times as far as a mission can ask for. An altered log can say anything, even what no map has room for.
+FARTHEST_M: Final = 1e6
+
+
+def is_on_map(*values: float) -> bool:
+    """Return whether places [m] and speeds [m/s] can be drawn and summed: finite, and at most FARTHEST_M."""
+    return all(abs(value) <= FARTHEST_M for value in values)  # not so of a NaN
 
 
 class Fate(StrEnum):
@@ -77,8 +87,7 @@ class CommandStory:
     @property
     def concluded_ns(self) -> int | None:
         """When the operator heard that it had ended, on the operator's clock."""
-        ends = (Stage.COMPLETED, Stage.FAILED, Stage.REJECTED)
-        return next((ack.received_ns for ack in self.acks if ack.stage in ends), None)
+        return next((ack.received_ns for ack in self.acks if ack.stage in FINAL_STAGES), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,10 +110,15 @@ class WaypointStory:
     reached_ns: int | None
     learned_ns: int | None
 
+    @property
+    def is_on_map(self) -> bool:
+        """Whether it can be drawn."""
+        return is_on_map(self.planned.x_m, self.planned.y_m, self.planned.tolerance_m)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Where the robot was: one row a control step of the truth, or a frame of telemetry."""
+    """Where the robot was: one row a control step of the truth, or a frame of telemetry, that is on the map."""
 
     time_ns: IntArray  # (n,) when it was there
     known_ns: IntArray  # (n,) when it was known: the same again for the truth, the arrival for telemetry
@@ -172,6 +186,8 @@ class Story:
         effort: distance and time.
         truth: where the robot was.
         belief: where the operator was told it was.
+        states_off_map: how many states `truth` and `effort` leave out, as no robot can be there.
+        frames_off_map: how many telemetry frames `belief` leaves out.
     """
 
     outcome: str
@@ -186,6 +202,8 @@ class Story:
     effort: Effort
     truth: Track
     belief: Track
+    states_off_map: int
+    frames_off_map: int
 
     @property
     def reached(self) -> int:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.cli.view.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
-from waypointctl.replay.story import Fate, WaypointStory
+from waypointctl.cli.view.words import printable
+from waypointctl.replay.story import Fate, WaypointStory, is_on_map
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,7 +66,13 @@ class _Frame:
 
 
 def draw_map(scene: Scene, columns: int, lines: int, *, ascii_only: bool = False) -> list[Text]:
-    """Return the map in `lines` lines of `columns` characters; the last line has the scale and the signs."""
+    """Return the map in `lines` lines of `columns` characters; the last line has the scale and the signs.
+
+    Waypoints and a belief that an altered log put nowhere, or farther than any map reaches, are left out.
+    """
+    waypoints = [waypoint for waypoint in scene.waypoints if waypoint.is_on_map]
+    belief = scene.belief if scene.belief is not None and is_on_map(*scene.belief) else None
+    scene = replace(scene, waypoints=waypoints, belief=belief)
     canvas = Canvas(columns, lines - 1)
     frame = _frame(scene, canvas)
     for waypoint in scene.waypoints:
@@ -112,13 +119,14 @@ def _label(canvas: Canvas, frame: _Frame, waypoint: WaypointStory) -> None:
     plan = waypoint.planned
     x, y = frame.dot(plan.x_m, plan.y_m)
     reach = plan.tolerance_m * frame.dots_per_m
-    length = len(plan.name)
+    name = printable(plan.name)
+    length = len(name)
     right, left = x + reach + CELL_WIDTH, x - reach - CELL_WIDTH * (length + 1)
     middle = x - CELL_WIDTH * (length // 2)
     places = ((right, y), (left, y), (middle, y - reach - CELL_HEIGHT), (middle, y + reach + CELL_HEIGHT))
     for place in places:
         if canvas.is_free(*place, length):
-            canvas.sign(*place, plan.name, _FATE_STYLES[waypoint.fate])
+            canvas.sign(*place, name, _FATE_STYLES[waypoint.fate])
             return
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -12,6 +14,23 @@ if TYPE_CHECKING:
     from waypointctl.replay.verdict import Verification
 
 Plain = dict[str, object]
+
+
+def json_text(found: Plain) -> str:
+    """Return JSON; a number that JSON has no word for, NaN or infinite, is null."""
+    return json.dumps(_finite(found), indent=2, allow_nan=False)
+
+
+def _finite(value: object) -> object:
+    match value:
+        case float():
+            return value if math.isfinite(value) else None
+        case dict():
+            return {key: _finite(item) for key, item in value.items()}
+        case list():
+            return [_finite(item) for item in value]
+        case _:
+            return value
 
 
 def verification_json(verification: Verification) -> Plain:
@@ -47,6 +66,8 @@ def story_json(story: Story, mission: str) -> Plain:
         "standing_share": effort.standing_share,
         "reward": dict(story.reward),
         "reward_total": story.reward_total,
+        "states_off_map": story.states_off_map,
+        "frames_off_map": story.frames_off_map,
         "waypoints": [_waypoint(waypoint) for waypoint in story.waypoints],
         "commands": [_command(command) for command in story.commands],
     }

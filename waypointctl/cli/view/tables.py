@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from waypointctl.cli.view.words import at, number, printable
 from waypointctl.log.messages import EventKind
-from waypointctl.replay.story import Fate
+from waypointctl.replay.story import FARTHEST_M, Fate
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 
 _DELAYS_WIDTH: Final = 100  # columns, from which on there is room for the delay of each way
+_MOST_REWARD: Final = 1e9  # written out; an altered log's can have 300 digits
 
 
 def waypoint_table(story: Story) -> Table:
@@ -46,8 +47,14 @@ def reward_table(story: Story) -> Table:
     table = _table("reward")
     _add_numbers(table, "sum", "a step")
     for name, total in (*story.reward, ("total", story.reward_total)):
-        table.add_row(printable(name), f"{total:,.2f}", f"{total / story.steps:+.4f}" if story.steps else "-")
+        table.add_row(printable(name), *_reward_row(total, story.steps))
     return table
+
+
+def _reward_row(total: float, steps: int) -> tuple[str, str]:
+    if abs(total) > _MOST_REWARD:
+        return f"{total:.3g}", f"{total / steps:+.3g}" if steps else "-"
+    return f"{total:,.2f}", f"{total / steps:+.4f}" if steps else "-"
 
 
 def effort_lines(story: Story) -> list[str]:
@@ -63,7 +70,16 @@ def effort_lines(story: Story) -> list[str]:
     if story.falls:
         falls = (at(event.time_ns) for event in story.events if event.kind is EventKind.FALL)
         lines.append(f"fell       at {', '.join(falls)}")
+    if off_map := _off_map(story):
+        lines.append(f"left out   {off_map}: not finite, or beyond {FARTHEST_M:,.0f} m")
     return lines
+
+
+def _off_map(story: Story) -> str:
+    """Return how much of the log no map or sum can take in, in words; nothing of a log that was not altered."""
+    waypoints = sum(not waypoint.is_on_map for waypoint in story.waypoints)
+    counts = ((story.states_off_map, "state"), (story.frames_off_map, "telemetry frame"), (waypoints, "waypoint"))
+    return ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for count, what in counts if count)
 
 
 def _table(*headings: str) -> Table:

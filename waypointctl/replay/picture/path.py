@@ -23,7 +23,8 @@ _MARGIN: Final = 0.08
 def draw_path(axes: Axes, story: Story) -> None:
     """Draw the map of a story, metres in equal scale along both axes."""
     for waypoint in story.waypoints:
-        _draw_waypoint(axes, waypoint, with_time=len(story.waypoints) <= _MOST_TIMES)
+        if waypoint.is_on_map:
+            _draw_waypoint(axes, waypoint, with_time=len(story.waypoints) <= _MOST_TIMES)
     way, told = story.truth.thinned(_POINTS), story.belief.thinned(_POINTS)
     axes.plot(way.x_m, way.y_m, color=palette.ROBOT, linewidth=1.8, label="robot, truth", zorder=3)
     axes.plot(told.x_m, told.y_m, ".", color=palette.OPERATOR, markersize=5, label="telemetry frame", zorder=4)
@@ -35,15 +36,14 @@ def draw_path(axes: Axes, story: Story) -> None:
     axes.margins(_MARGIN)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="Path")
     axes.grid(color=palette.FAINT, linewidth=0.4)
-    _set_ticks(axes, story)
+    _set_ticks(axes)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.065), ncols=5, frameon=False, fontsize=9, columnspacing=1.2)
 
 
-def _set_ticks(axes: Axes, story: Story) -> None:
+def _set_ticks(axes: Axes) -> None:
     """Set the ticks of both axes the same distance apart."""
-    x_m = [*story.truth.x_m, *(waypoint.planned.x_m for waypoint in story.waypoints)]
-    y_m = [*story.truth.y_m, *(waypoint.planned.y_m for waypoint in story.waypoints)]
-    extent_m = max(np.ptp(x_m), np.ptp(y_m), 1.0) if x_m else 1.0
+    drawn = axes.dataLim  # of everything: ticks for less than that could be millions
+    extent_m = max(drawn.width, drawn.height, 1.0)  # minus infinity, where nothing is drawn
     power = 10.0 ** np.floor(np.log10(extent_m / 8))
     step_m = next(step * power for step in (1, 2, 5, 10) if step * power >= extent_m / 8)
     axes.xaxis.set_major_locator(MultipleLocator(step_m))

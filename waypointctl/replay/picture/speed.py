@@ -77,6 +77,8 @@ def _name(axes: Axes, time_s: float, text: str, color: str) -> None:
 def _moving_mean(track: Track) -> FloatArray:
     """Return the mean speed of the window centred on each row (n,)."""
     total = np.concatenate([[0.0], np.cumsum(track.speed_mps)])
-    first = np.searchsorted(track.time_ns, track.time_ns - _WINDOW_NS // 2, "left")
-    last = np.searchsorted(track.time_ns, track.time_ns + _WINDOW_NS // 2, "right")
-    return np.asarray((total[last] - total[first]) / (last - first), np.float64)
+    # The times of an altered log may stand anywhere up to the last int64, in any order.
+    times = track.time_ns.astype(np.float64)
+    first = np.searchsorted(times, times - _WINDOW_NS // 2, "left")
+    last = np.searchsorted(times, times + _WINDOW_NS // 2, "right")
+    return np.asarray((total[last] - total[first]) / np.maximum(last - first, 1), np.float64)
