@@ -35,8 +35,8 @@ def test_a_log_alone_is_proved_and_told(alone: Path, program: Program) -> None:
     code, out, err = program("replay", "log.mcap")
     assert (code, err) == (0, "")
     first, *_ = out.splitlines()
-    assert first == "EXACT: 101 control steps replayed, every bit the same"
-    assert "success: 2 of 2 waypoints reached in 2.02 s" in out
+    assert first == "EXACT: 102 control steps replayed, every bit the same"
+    assert "success: 2 of 2 waypoints reached in 2.04 s" in out
     # Here is reached at 0.5 s on board and known half a second later; the command's round trip takes 1 s.
     assert re.search(r"here +\(0, 0\) +box 3 m +0\.50 +0\.50 +1\.00 +0\.50\n", out)
     assert re.search(
@@ -58,8 +58,8 @@ def test_verify_as_json(alone: Path, program: Program) -> None:
     code, out, err = program("replay", "log.mcap", "--verify", "--json")
     found = json.loads(out)
     assert code == 0
-    assert (found["verdict"], found["steps"], found["first_divergence"]) == ("exact", 101, None)
-    assert found["reason"].startswith("101 control steps")
+    assert (found["verdict"], found["steps"], found["first_divergence"]) == ("exact", 102, None)
+    assert found["reason"].startswith("102 control steps")
     assert "story" not in found
     assert err.startswith("EXACT: ")
 
@@ -68,15 +68,15 @@ def test_the_story_as_json(alone: Path, program: Program) -> None:
     found = json.loads(program("replay", "log.mcap", "--json")[1])
     story = found["story"]
     assert found["verdict"] == "exact"
-    assert (story["mission"], story["outcome"], story["control_steps"]) == ("easy", "success", 101)
+    assert (story["mission"], story["outcome"], story["control_steps"]) == ("easy", "success", 102)
     assert [(one["name"], one["reached_s"], one["known_s"]) for one in story["waypoints"]] == [
         ("here", 0.5, 1.0),
-        ("there [/bold]", 1.52, 2.02),
+        ("there [/bold]", 1.54, 2.04),
     ]
     (command,) = story["commands"]
     assert (command["uplink_s"], command["downlink_s"], command["round_trip_s"]) == (0.5, 0.5, 1.0)
     assert sum(story["reward"].values()) == pytest.approx(story["reward_total"])
-    assert story["walking_s"] + story["standing_s"] == pytest.approx(2.02)
+    assert story["walking_s"] + story["standing_s"] == pytest.approx(2.04)
 
 
 def test_a_log_that_is_not_what_happened_exits_with_1(yard: Path, program: Program) -> None:
@@ -141,7 +141,7 @@ def test_shown_again_it_takes_its_time(alone: Path, program: Program) -> None:
     assert (code, out) == (0, "")
     # What is left, 1.02 s, at twice the pace; loading is all that comes on top.
     assert 0.5 <= time.monotonic() - began < 5.0
-    assert err.splitlines()[-1] == "     2.020 s  operator  success: 2 of 2 waypoints reached in 2.02 s"
+    assert err.splitlines()[-1] == "     2.040 s  operator  success: 2 of 2 waypoints reached in 2.04 s"
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_shown_again_it_takes_its_time(alone: Path, program: Program) -> None:
         (("--rate", "0"), "above 0"),
         (("--start-offset", "-1"), "at least 0"),
         (("--start-offset", "nan"), "at least 0"),
-        (("--start-offset", "99"), "the flight is over at 2.02 s"),
+        (("--start-offset", "99"), "the flight is over at 2.04 s"),
         (("--start-paused",), "no terminal"),
         (("--loop", "--verify"), "leave out --verify"),
         (("--rate", "1", "--json"), "leave out --verify, --json and --png"),

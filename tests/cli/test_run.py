@@ -38,7 +38,7 @@ def test_without_a_terminal_each_happening_is_a_line_with_its_time_and_clock(yar
     # The hold of 1 s ends at 1.5 s, the next waypoint is found reached a control step later; half a second brings it.
     assert "     1.500 s  robot     hold at here completed" in lines
     assert "     1.520 s  robot     command 1 completed" in lines
-    assert "     2.020 s  operator  heard: command 1 completed, 0.500 s ago" in lines
+    assert "     2.040 s  operator  heard: command 1 completed, 0.500 s ago" in lines
     assert "\x1b" not in err
 
 
@@ -49,10 +49,10 @@ def test_json_is_one_object_on_stdout(yard: Path, program: Program) -> None:
     assert found == {
         "mission": "easy",
         "outcome": "success",
-        "reason": "2 of 2 waypoints reached in 2.02 s",
+        "reason": "2 of 2 waypoints reached in 2.04 s",
         "waypoints_reached": 2,
         "waypoints_total": 2,
-        "sim_time_s": 2.02,
+        "sim_time_s": 2.04,
         "seed": 4,
         "log": "here.mcap",
         "log_sha256": hashlib.sha256((yard / "here.mcap").read_bytes()).hexdigest(),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -45,6 +44,7 @@ def replay(
     from waypointctl.cli.view.story_json import json_text, story_json, verification_json
     from waypointctl.cli.view.summary import print_story
     from waypointctl.log.reader import open_log
+    from waypointctl.paths import refuse_unwritable_file
     from waypointctl.replay.logged import mission_name, story_of
 
     if rate is not None or start_offset is not None or loop or start_paused:
@@ -53,9 +53,9 @@ def replay(
         _play(open_log(log), playback.Playback(rate or 1.0, start_offset or 0.0, loop, start_paused))
         return
     if png is not None:
-        _refuse_unwritable(png)
+        refuse_unwritable_file(png, "the picture")
     opened = open_log(log)
-    verification = _prove(log, stderr=json)
+    verification = _prove(opened, stderr=json)
     found = verification_json(verification)
     if not verify or png is not None:
         story = story_of(opened)
@@ -79,17 +79,17 @@ def _play(log: Log, playback: Playback) -> None:
             raise typer.Exit(130)
 
 
-def _prove(log: Path, *, stderr: bool) -> Verification:
+def _prove(log: Log, *, stderr: bool) -> Verification:
     from waypointctl.cli.console import console, is_live
     from waypointctl.cli.view.summary import print_verdict
-    from waypointctl.replay.verify import verify
+    from waypointctl.replay.verify import verify_log
 
     people = console(stderr=True)
     if is_live(people):
         with people.status("simulating the flight again"):
-            verification = verify(log)
+            verification = verify_log(log)
     else:
-        verification = verify(log)
+        verification = verify_log(log)
     print_verdict(verification, stderr=stderr)
     return verification
 
@@ -105,13 +105,3 @@ def _draw(story: Story, log: Log, verification: Verification, png: Path) -> None
     except OSError as error:
         raise OutputError(f"cannot be written: {error.strerror}", where=str(png)) from error
     typer.echo(f"drawn into {png}", err=True)
-
-
-def _refuse_unwritable(path: Path) -> None:
-    """Refuse a picture that could not be written, before the flight is simulated for it."""
-    if path.is_dir():
-        raise OutputError("is a folder; the picture is a file", where=str(path), mend="Name the file: flight.png.")
-    if not path.parent.is_dir():
-        raise OutputError("cannot be written: its folder does not exist", where=str(path), mend="Create the folder.")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise OutputError("cannot be written: no permission", where=str(path), mend="Choose another place.")
