@@ -38,9 +38,9 @@ def test_a_log_alone_is_proved_and_told(alone: Path, program: Program) -> None:
     assert first == "EXACT: 102 control steps replayed, every bit the same"
     assert "success: 2 of 2 waypoints reached in 2.04 s" in out
     # Here is reached at 0.5 s on board and known half a second later; the command's round trip takes 1 s.
-    assert re.search(r"here +\(0, 0\) +box 3 m +0\.50 +0\.50 +1\.00 +0\.50\n", out)
+    assert re.search(r"here +\(0, 0\) +box 3 m +0\.50 +0\.52 +1\.02 +0\.50\n", out)
     assert re.search(
-        r"1 +upload_plan here, there \[/bold\] +0\.00 +0\.50 +1\.00 +1\.52 +2\.02 +0\.50 +0\.50 +1\.00 +completed", out
+        r"1 +upload_plan here, there \[/bold\] +0\.00 +0\.50 +1\.00 +1\.54 +2\.04 +0\.50 +0\.50 +1\.00 +completed", out
     )
     assert re.search(r"\ntotal +-?[\d,.]+ ", out)
     assert "● robot" in out
@@ -70,7 +70,7 @@ def test_the_story_as_json(alone: Path, program: Program) -> None:
     assert found["verdict"] == "exact"
     assert (story["mission"], story["outcome"], story["control_steps"]) == ("easy", "success", 102)
     assert [(one["name"], one["reached_s"], one["known_s"]) for one in story["waypoints"]] == [
-        ("here", 0.5, 1.0),
+        ("here", 0.52, 1.02),
         ("there [/bold]", 1.54, 2.04),
     ]
     (command,) = story["commands"]
