@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from waypointctl.errors import OutputError
-from waypointctl.paths import folder_fault, refuse_unwritable_file, refuse_unwritable_folder
+from waypointctl.paths import folder_fault, refuse_other_content, refuse_unwritable_file, refuse_unwritable_folder
 
 TOO_LONG = "x" * 5000
 
@@ -45,6 +45,22 @@ def test_a_file_that_cannot_be_written_says_why(tmp_path: Path) -> None:
 def test_a_file_without_permission(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
     assert refusal(tmp_path / "a.png") == "the picture cannot be written: no permission"
+
+
+@pytest.mark.parametrize("content", [None, b"", b"\x89PNG\r\n\x1a\n"])
+def test_an_empty_file_or_one_of_its_kind_may_be_replaced(tmp_path: Path, content: bytes | None) -> None:
+    if content is not None:
+        (tmp_path / "a.png").write_bytes(content)
+    refuse_other_content(tmp_path / "a.png", b"\x89PNG", "a PNG")
+
+
+def test_anything_else_is_not_replaced(tmp_path: Path) -> None:
+    (tmp_path / "log.mcap").write_bytes(b"\x89MCAP0\r\n")
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to(tmp_path / "pipe")
+    for name, problem in (("log.mcap", "is not a PNG"), ("pipe", "not a regular"), ("link", "not a regular")):
+        with pytest.raises(OutputError, match=problem):
+            refuse_other_content(tmp_path / name, b"\x89PNG", "a PNG")
 
 
 def test_a_folder_that_cannot_be_looked_up_is_refused(tmp_path: Path) -> None:

@@ -49,6 +49,38 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
     raise OutputError(f"{what} cannot be written: {fault}", where=str(path), mend=_FILE_MEND)
 
 
+def refuse_other_content(path: Path, magic: bytes, kind: str) -> None:
+    """Refuse to replace what is there unless it is an empty file, or one of the kind that is to be written.
+
+    Args:
+        path: of the file to write, which may be there already.
+        magic: what a file of the kind begins with.
+        kind: for the message: "a PNG".
+
+    Raises:
+        OutputError: it is something else, such as the very input, or is no regular file, such as a device.
+    """
+    try:
+        if not path.exists():
+            return
+        # A look at the beginning of a device or a pipe could wait for ever.
+        if not path.is_file():
+            fault = f"is not a regular file, and {kind} would take its place"
+        elif begins(path, magic):
+            return
+        else:
+            fault = f"is there already and is not {kind}"
+    except OSError as error:
+        fault = f"cannot be read, to see whether it is {kind}: {error.strerror}"
+    raise OutputError(fault, where=str(path), mend="Name another file.")
+
+
+def begins(path: Path, magic: bytes) -> bool:
+    """Return whether a regular file is empty or begins with these bytes."""
+    with path.open("rb") as file:
+        return file.read(len(magic)) in (b"", magic)
+
+
 def refuse_unwritable_folder(folder: Path) -> None:
     """Refuse a folder that cannot be made or written, before there is anything to write.
 

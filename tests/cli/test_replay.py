@@ -135,6 +135,16 @@ def test_a_picture_that_cannot_be_written_is_refused_first(alone: Path, program:
     assert err.startswith(f"error: {png}: ")
 
 
+def test_a_picture_replaces_a_picture_and_nothing_else(alone: Path, program: Program) -> None:
+    before = (alone / "log.mcap").read_bytes()
+    code, out, err = program("replay", "log.mcap", "--png", "log.mcap")
+    assert (code, out) == (2, "")
+    assert err == "error: log.mcap: is there already and is not a PNG\n  Name another file.\n"
+    assert (alone / "log.mcap").read_bytes() == before
+    for _ in range(2):
+        assert program("replay", "log.mcap", "--verify", "--png", "f.png")[0] == 0
+
+
 def test_shown_again_it_takes_its_time(alone: Path, program: Program) -> None:
     began = time.monotonic()
     code, out, err = program("replay", "log.mcap", "--rate", "2", "--start-offset", "1")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from waypointctl.log.reader import Log
     from waypointctl.replay.story import Story
     from waypointctl.replay.verdict import Verification
+
+_PNG: Final = b"\x89PNG"
 
 
 def replay(
@@ -44,7 +46,7 @@ def replay(
     from waypointctl.cli.view.story_json import json_text, story_json, verification_json
     from waypointctl.cli.view.summary import print_story
     from waypointctl.log.reader import open_log
-    from waypointctl.paths import refuse_unwritable_file
+    from waypointctl.paths import refuse_other_content, refuse_unwritable_file
     from waypointctl.replay.logged import mission_name, story_of
 
     if rate is not None or start_offset is not None or loop or start_paused:
@@ -54,6 +56,7 @@ def replay(
         return
     if png is not None:
         refuse_unwritable_file(png, "the picture")
+        refuse_other_content(png, _PNG, "a PNG")
     opened = open_log(log)
     verification = _prove(opened, stderr=json)
     found = verification_json(verification)
