@@ -116,7 +116,7 @@ def test_without_the_packages_it_says_how_to_install_them(command: Command, monk
     assert (code, out) == (2, "")
     assert err == (
         "error: training needs packages that are not installed: torch\n"
-        '  Install them with: pip install "waypointctl[train]"\n'
+        '  Install them with the train extra: pip install ".[train]" in the checkout.\n'
     )
 
 
