@@ -44,11 +44,19 @@ def test_force_replaces_what_a_killed_flight_left(folder: Path) -> None:
         assert path.with_name("log.mcap.part").stat().st_size == 0
 
 
+@pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n and a flight"])
+def test_force_replaces_a_log_or_an_empty_file(folder: Path, content: bytes) -> None:
+    (folder / "log.mcap").write_bytes(content)
+    with claimed("m", folder / "log.mcap", force=True) as path:
+        assert path == folder / "log.mcap"
+
+
 @pytest.mark.parametrize("force", [True, False])
 def test_what_is_no_regular_file_is_never_replaced(folder: Path, force: bool) -> None:
     os.mkfifo(folder / "pipe")
-    with pytest.raises(OutputError, match=r"pipe: is not a regular file, .*\n  Name another file"):
+    with pytest.raises(OutputError, match=r"pipe: is not a regular file, .*\n  Name another file") as caught:
         claimed("m", folder / "pipe", force=force).__enter__()
+    assert "--force" not in str(caught.value)
     assert [path.name for path in folder.iterdir()] == ["pipe"]
     assert (folder / "pipe").is_fifo()
 

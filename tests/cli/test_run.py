@@ -89,13 +89,24 @@ def test_the_same_seed_flies_the_same_and_another_does_not(yard: Path, program: 
 
 
 def test_a_log_that_is_there_is_not_replaced_unless_asked_to(yard: Path, program: Program) -> None:
-    (yard / "kept.mcap").write_bytes(b"precious")
+    precious = b"\x89MCAP0\r\n, a flight"
+    (yard / "kept.mcap").write_bytes(precious)
     code, out, err = program("run", "easy.yaml", "--out", "kept.mcap")
     assert (code, out) == (2, "")
     assert err == "error: kept.mcap: is there already\n  --force replaces it; or give another --out.\n"
-    assert (yard / "kept.mcap").read_bytes() == b"precious"
+    assert (yard / "kept.mcap").read_bytes() == precious
     assert program("run", "easy.yaml", "--out", "kept.mcap", "--force")[0] == 0
     assert open_log(yard / "kept.mcap").is_complete
+
+
+def test_force_does_not_replace_the_mission(yard: Path, program: Program) -> None:
+    before = (yard / "easy.yaml").read_bytes()
+    code, out, err = program("run", "easy.yaml", "--out", "easy.yaml", "--force")
+    assert (code, out) == (2, "")
+    assert err == "error: easy.yaml: is not a log; --force replaces only logs\n  Give another --out.\n"
+    assert "--force" not in program("run", "easy.yaml", "--out", "easy.yaml")[2]
+    assert (yard / "easy.yaml").read_bytes() == before
+    assert not (yard / "easy.yaml.part").exists()
 
 
 def test_the_log_of_a_flight_under_way_is_not_written_into(yard: Path, program: Program) -> None:

@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import Final
 
 from waypointctl.errors import OutputError
+from waypointctl.paths import begins
 
 FOLDER: Final = Path("logs")
+
+_MCAP: Final = b"\x89MCAP0\r\n"
 
 
 @contextmanager
@@ -20,7 +23,7 @@ def claimed(mission: str, out: Path | None, *, force: bool) -> Iterator[Path]:
     Args:
         mission: its name, which is the log's where none is asked for: logs/<mission>.mcap, then -2, -3, ...
         out: the path that is asked for.
-        force: replace a log that stands there.
+        force: replace a log that stands there; nothing but a log or an empty file is ever replaced.
 
     Raises:
         OutputError: it cannot be written, or is there already.
@@ -51,6 +54,9 @@ def _asked(path: Path, force: bool) -> Path:
     if path.exists() and not path.is_file():
         problem = "is not a regular file, and a log would take its place"
         raise OutputError(problem, where=str(path), mend="Name another file, such as flight.mcap.")
+    if path.exists() and not begins(path, _MCAP):
+        problem = "is not a log; --force replaces only logs" if force else "is there already, and is not a log"
+        raise OutputError(problem, where=str(path), mend="Give another --out.")
     if force:
         _part(path).unlink(missing_ok=True)
     elif path.exists():
