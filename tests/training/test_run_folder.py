@@ -43,8 +43,19 @@ def test_the_run_that_was_worked_on_last_is_gone_on_with(tmp_path: Path) -> None
     begin(tmp_path / "ant-10", 50, at_s=40)
     begin(tmp_path / "ant-hill", 1, at_s=99)
     begin(tmp_path / "antelope", 1, at_s=99)
-    (tmp_path / "ant-11").mkdir()
     assert places("ant", tmp_path, None, resume=True).run == tmp_path / "ant-10"
+
+
+def test_a_newest_run_without_a_checkpoint_is_not_passed_over_in_silence(tmp_path: Path) -> None:
+    begin(tmp_path / "ant", 100, at_s=30)
+    killed = tmp_path / "ant-2"
+    killed.mkdir()
+    with pytest.raises(RecipeError, match=r"the newest run .*ant-2 has no checkpoint\n  Name the run .*by --out"):
+        places("ant", tmp_path, None, resume=True)
+    assert places("ant", tmp_path, tmp_path / "ant", resume=True).run == tmp_path / "ant"
+    # A run that was gone on with since the other was killed is the newest again.
+    os.utime(killed, (20, 20))
+    assert places("ant", tmp_path, None, resume=True).run == tmp_path / "ant"
 
 
 def test_the_newest_checkpoint_is_the_one_of_the_most_steps(tmp_path: Path) -> None:

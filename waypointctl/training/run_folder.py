@@ -51,7 +51,7 @@ def places(name: str, runs: Path, out: Path | None, *, resume: bool) -> Places:
         resume: go on with a run: with `out` if that is one, else with the newest of that name.
 
     Raises:
-        RecipeError: there is no run to go on with.
+        RecipeError: there is no run to go on with, or the newest has no checkpoint.
         OutputError: a folder cannot be written.
     """
     if out is not None:
@@ -119,12 +119,18 @@ def _made(path: Path) -> bool:
 
 
 def _newest_run(name: str, runs: Path) -> Path:
-    """Return the run of that name that was worked on last."""
+    """Return the run of that name that was worked on last.
+
+    One that was killed before its first checkpoint is no reason to go on, unasked, with an older one.
+    """
     own = re.compile(rf"{re.escape(name)}(-[0-9]+)?")
-    folders = runs.iterdir() if runs.is_dir() else iter(())
-    found = [(newest_checkpoint(path), path) for path in folders if own.fullmatch(path.name)]
-    begun = [(checkpoint.stat().st_mtime_ns, path) for checkpoint, path in found if checkpoint is not None]
-    if not begun:
+    folders = [path for path in runs.iterdir() if own.fullmatch(path.name)] if runs.is_dir() else []
+    found = [(newest_checkpoint(path), path) for path in folders if path.is_dir()]
+    if not any(checkpoint for checkpoint, _ in found):
         mend = "Train without --resume, or name a run's folder with --out."
         raise RecipeError(f"no run of {name!r} with a checkpoint to resume from", where=str(runs), mend=mend)
-    return max(begun)[1]
+    checkpoint, newest = max(found, key=lambda one: (one[0] or one[1]).stat().st_mtime_ns)
+    if checkpoint is None:
+        mend = "Name the run to go on with by --out, or train anew, without --resume."
+        raise RecipeError(f"the newest run {newest} has no checkpoint", where=str(runs), mend=mend)
+    return newest
