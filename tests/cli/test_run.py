@@ -3,6 +3,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import os
 import re
 import subprocess
 import sys
@@ -180,6 +181,28 @@ def test_whoever_reads_the_lines_may_go_away(yard: Path) -> None:
     done = subprocess.run(["bash", "-c", command], cwd=yard, capture_output=True, text=True, check=True)
     assert done.stdout == "     0.000 s  operator  mission easy started\n"
     assert open_log(yard / "log.mcap").is_complete
+
+
+@pytest.mark.parametrize("more", [("--json",), ()])
+def test_a_full_disk_under_the_answer_is_one_line(yard: Path, more: tuple[str, ...]) -> None:
+    with Path("/dev/full").open("wb") as full:
+        flight = start(yard, "run", "easy.yaml", *more, stdout=full.fileno(), stderr=subprocess.PIPE)
+        _, err = flight.communicate(timeout=60)
+    assert flight.returncode == 2
+    assert err.splitlines()[-1] == b"error: the answer cannot be written: No space left on device"
+    assert b"Traceback" not in err
+    assert b"Exception ignored" not in err
+
+
+def test_whoever_reads_the_answer_may_go_away(yard: Path) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    flight = start(yard, "run", "easy.yaml", "--json", stdout=writing, stderr=subprocess.PIPE)
+    os.close(writing)
+    _, err = flight.communicate(timeout=60)
+    assert flight.returncode == 1
+    assert b"Traceback" not in err
+    assert b"Exception ignored" not in err
 
 
 def test_flying_and_replaying_load_no_torch(yard: Path) -> None:

@@ -95,5 +95,5 @@ def test_a_missing_package_is_named_with_the_command_that_installs_it(
 ) -> None:
     refuse_incomplete()
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(InputError, match=rf'not installed: {module}\n  .*pip install "waypointctl\[train\]"'):
+    with pytest.raises(InputError, match=rf'not installed: {module}\n  .*pip install "\.\[train\]"'):
         refuse_incomplete()

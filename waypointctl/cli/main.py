@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import sys
 
 import typer
@@ -53,7 +55,28 @@ app.add_typer(policies, name="policies")
 def main() -> None:
     """Run the command line; print what waypointctl refuses as one message and exit with its code."""
     try:
-        app()
+        try:
+            app()
+        finally:
+            # What is still in the buffer may find the disk full as well.
+            if sys.stdout is not None:
+                sys.stdout.flush()
     except WaypointctlError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(error.exit_code)
+    except BrokenPipeError:
+        _drop_answer()
+        sys.exit(1)
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        print(f"error: the answer cannot be written: {error.strerror}", file=sys.stderr)
+        _drop_answer()
+        sys.exit(2)
+
+
+def _drop_answer() -> None:
+    # The interpreter flushes stdout as it ends, and would complain of the same once more.
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
