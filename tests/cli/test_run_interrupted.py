@@ -44,6 +44,17 @@ def test_the_first_signal_closes_the_log(yard: Path, number: signal.Signals, mor
     assert not (yard / "log.mcap.part").exists()
 
 
+def test_a_mission_that_never_comes_does_not_keep_the_program(yard: Path) -> None:
+    os.mkfifo(yard / "pipe.yaml")
+    waiting = start(yard, "run", "pipe.yaml", stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    time.sleep(2.0)
+    assert waiting.poll() is None
+    waiting.send_signal(signal.SIGTERM)
+    waiting.communicate(timeout=LIMIT_S)
+    assert waiting.returncode == -signal.SIGTERM
+    assert not (yard / "logs").exists()
+
+
 def test_a_flight_that_is_killed_leaves_what_it_had(yard: Path) -> None:
     flight = fly(yard)
     time.sleep(1.0)

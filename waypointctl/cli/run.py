@@ -48,18 +48,18 @@ def run(
     from waypointctl.ops.record import record
     from waypointctl.policy.bundle import load_policy
 
-    with interruption() as interrupted:
-        mission_file = _mission(mission, seed)
-        plan = planned_waypoints(mission_file.mission)
-        loaded = load_policy(policy or mission_file.policy_path)
-        with claimed(mission_file.mission.name, out, force=force) as path:
-            began_s = time.monotonic()
-            with watch(mission_file.mission.name, plan) as view:
-                if rate is not None:
-                    view.say(f"at {rate:g} times real time")
-                sink = view if rate is None else paced(view, Pace(rate), interrupted)
-                recording = record(mission_file, loaded, path, watch=sink, interrupted=interrupted)
-            wall_s = time.monotonic() - began_s
+    mission_file = _mission(mission, seed)
+    plan = planned_waypoints(mission_file.mission)
+    loaded = load_policy(policy or mission_file.policy_path)
+    # Only a flight can be asked to end: before it, where a file may keep one waiting, a signal ends the program.
+    with interruption() as interrupted, claimed(mission_file.mission.name, out, force=force) as path:
+        began_s = time.monotonic()
+        with watch(mission_file.mission.name, plan) as view:
+            if rate is not None:
+                view.say(f"at {rate:g} times real time")
+            sink = view if rate is None else paced(view, Pace(rate), interrupted)
+            recording = record(mission_file, loaded, path, watch=sink, interrupted=interrupted)
+        wall_s = time.monotonic() - began_s
     print_flight(view.chronicle.story(), recording, wall_s, stderr=json)
     if json:
         sys.stdout.write(_json(mission_file, recording))
