@@ -45,7 +45,8 @@ def evaluate_policy(
     loaded = load_policy(policy)
     with _progress(chosen, trials) as progress:
         evaluation = evaluate(loaded, chosen, trials, seed, threads, progress)
-    console(stderr=json).print(evaluation_table(evaluation))
+    people = console(stderr=json)
+    people.print(evaluation_table(evaluation, people.width))
     if out is not None:
         write_evaluation(evaluation, out)
     if json:

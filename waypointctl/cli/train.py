@@ -106,7 +106,8 @@ def _tell(trained: Trained, recipe_file: RecipeFile, go_on: str, *, stderr: bool
     record = trained.policy.manifest.training
     try_it = shlex.join(["waypointctl", "eval", str(trained.folder)])
     if trained.evaluation is not None:
-        console(stderr=stderr).print(evaluation_table(trained.evaluation))
+        people = console(stderr=stderr)
+        people.print(evaluation_table(trained.evaluation, people.width))
         typer.echo(f"{trained.folder}: trained in {span(record.wall_time_s)}", err=stderr)
         return
     typer.echo(f"interrupted after {record.steps} of {recipe_file.recipe.total_steps} steps", err=stderr)

@@ -1,0 +1,72 @@
+"""An evaluation as a table: no number of it is cut, however narrow the terminal."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+from rich.console import Console
+
+from waypointctl.cli.view.evaluation import evaluation_table
+from waypointctl.evaluation.result import CaseResult, Evaluation
+from waypointctl.evaluation.suite import AcceptanceSpec, DeadlineSpec
+
+NUMBERS = ("100/100", "100.0%", "96.3-100.0", "97%", "112.35", "0.987")
+
+
+def shown(width: int, name: str = "to-6-6") -> str:
+    case = CaseResult(
+        name=name,
+        waypoints=((6.0, 6.0), (-6.0, 6.0), (-6.0, -6.0), (6.0, -6.0)),
+        trials=100,
+        successes=100,
+        rate=1.0,
+        wilson95=(0.963, 1.0),
+        falls=0,
+        timeouts=0,
+        mean_time_s=112.35,
+        spl=0.987,
+        paper=0.97,
+    )
+    evaluation = Evaluation.model_construct(
+        policy="walker",
+        suite="paper",
+        seed=7,
+        cases=(case,),
+        acceptance=AcceptanceSpec(),
+        deadline=DeadlineSpec(),
+        policy_sha256="",
+        versions={},
+    )
+    out = Console(file=io.StringIO(), width=width)
+    with out.capture() as capture:
+        out.print(evaluation_table(evaluation, width))
+    text = capture.get()
+    assert max(map(len, text.splitlines())) <= width
+    assert "…" not in text
+    return text
+
+
+@pytest.mark.parametrize("name", ["to-6-6", "a-name-" * 8])
+def test_80_columns_hold_every_number_whole(name: str) -> None:
+    text = shown(80, name)
+    assert "waypoints" not in text
+    for part in ("success", "rate", "paper", "falls", *NUMBERS[:4]):
+        assert part in text, part
+
+
+def test_80_columns_hold_all_but_the_waypoints_of_a_short_name() -> None:
+    assert [part for part in NUMBERS if part not in shown(80)] == []
+
+
+def test_a_wide_terminal_has_the_waypoints_too() -> None:
+    text = shown(160)
+    assert "(6, 6) (-6, 6) (-6, -6) (6, -6)" in text
+    assert [part for part in NUMBERS if part not in text] == []
+
+
+def test_the_narrowest_keep_the_rate() -> None:
+    text = shown(30)
+    assert "100/100" in text
+    assert "100.0%" in text
+    assert "96.3" not in text
