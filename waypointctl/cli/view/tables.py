@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from waypointctl.replay.story import CommandStory, Story, WaypointStory
 
 
+_NAMES: Final = ("waypoint", "command", "reward")  # wrapped where there is little room; numbers are not
 _DELAYS_WIDTH: Final = 100  # columns, from which on there is room for the delay of each way
 _MOST_REWARD: Final = 1e9  # written out; an altered log's can have 300 digits
 
@@ -88,7 +89,7 @@ def _table(*headings: str) -> Table:
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold", show_edge=False)
     for heading in headings:
-        table.add_column(heading, no_wrap=True, overflow="ellipsis")
+        table.add_column(heading, no_wrap=heading not in _NAMES, overflow="fold")
     return table
 
 
