@@ -40,7 +40,9 @@ def test_counts(number: float, text: str) -> None:
     assert count(number) == text
 
 
-@pytest.mark.parametrize(("time_s", "text"), [(0.4, "0:00"), (59.6, "1:00"), (167, "2:47"), (3767, "1:02:47")])
+@pytest.mark.parametrize(
+    ("time_s", "text"), [(-3.0, "0:00"), (0.4, "0:00"), (59.6, "1:00"), (167, "2:47"), (3767, "1:02:47")]
+)
 def test_spans(time_s: float, text: str) -> None:
     assert span(time_s) == text
 
@@ -60,6 +62,12 @@ def test_a_line_says_where_it_is() -> None:
         " 62.5%  640 of 1.0 k steps  13/s  phase 2/2  success 25%  fall 50%  timeout 25%  reward 0.52  rate 5.9e-04  "
         "0:30 left"
     )
+
+
+def test_the_last_update_overshoots_and_is_all_of_it_with_no_time_left() -> None:
+    said = line(status(1100), 2)
+    assert said.startswith("100.0%  1.1 k of 1.0 k steps")
+    assert said.endswith("  0:00 left")
 
 
 def test_plain_lines_come_now_and_then_and_none_before_a_checkpoint_is_lost(

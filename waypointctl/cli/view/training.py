@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Final, Protocol, Self
 
 from waypointctl.cli.console import console, is_live
-from waypointctl.cli.view.training_words import count, line, percent, span, sparkline
+from waypointctl.cli.view.training_words import count, done, line, percent, span, sparkline
 from waypointctl.training.status import CheckpointSaved, TrainingStatus
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ class LivePanel:
         else:
             self._status = news
             if news.success_rate is not None:
-                self._history.append((news.steps / news.total_steps, news.success_rate))
+                self._history.append((done(news), news.success_rate))
         self._draw_in_time()
 
     def evaluating(self, case: str, ended: int) -> None:
@@ -171,7 +171,7 @@ class LivePanel:
         bar = ProgressBar(status.total_steps, status.steps, width=columns)
         rows: list[tuple[str, RenderableType]] = [
             ("", bar),
-            ("steps", f"{count(status.steps)} of {count(status.total_steps)}, {status.steps / status.total_steps:.1%}"),
+            ("steps", f"{count(status.steps)} of {count(status.total_steps)}, {done(status):.1%}"),
             ("speed", f"{count(status.steps_per_s)} steps/s"),
             ("time", f"{span(status.elapsed_s)} elapsed, {span(status.remaining_s)} left"),
             ("phase", f"{status.phase + 1} of {len(self._recipe.phases)}, learning rate {status.learning_rate:.2e}"),

@@ -20,8 +20,8 @@ def count(number: float) -> str:
 
 
 def span(time_s: float) -> str:
-    """Return a time as 2:47 or 1:02:47."""
-    minutes, seconds = divmod(round(time_s), 60)
+    """Return a time as 2:47 or 1:02:47; one below nothing, as what is left after the last update, as 0:00."""
+    minutes, seconds = divmod(max(round(time_s), 0), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
 
@@ -31,12 +31,17 @@ def percent(rate: float | None) -> str:
     return "-" if rate is None else f"{rate:.0%}"
 
 
+def done(status: TrainingStatus) -> float:
+    """Return the part of the steps that is done, 1 at most: the last update can overshoot the total."""
+    return min(status.steps / status.total_steps, 1.0)
+
+
 def line(news: TrainingStatus | CheckpointSaved, phases: int) -> str:
     """Return one line; `phases` is how many the recipe has."""
     if isinstance(news, CheckpointSaved):
         return f"checkpoint {news.folder}"
     parts = (
-        f"{news.steps / news.total_steps:6.1%}",
+        f"{done(news):6.1%}",
         f"{count(news.steps)} of {count(news.total_steps)} steps",
         f"{count(news.steps_per_s)}/s",
         f"phase {news.phase + 1}/{phases}",
