@@ -121,7 +121,7 @@ def _truncated(path: Path, size: int, survey: _Survey) -> LogError:
     return LogError(
         f"is cut short at byte {size}, {kept}: its writer was killed, or it was not copied to its end",
         where=str(path),
-        mend="The flight was killed, or is not over, or the file was cut: `waypointctl info` shows what there is of it.",
+        mend="The flight was killed, is not over, or the file was cut: `waypointctl info` shows what there is.",
     )
 
 
