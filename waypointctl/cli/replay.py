@@ -102,7 +102,7 @@ def _draw(story: Story, log: Log, verification: Verification, png: Path) -> None
     from waypointctl.replay.picture.page import draw
 
     proof = f"replay {verification.verdict}, {verification.steps} control steps"
-    picture = draw(story, mission_name(log), proof)
+    picture = draw(story, mission_name(log), proof, is_exact=verification.verdict == "exact")
     try:
         png.write_bytes(picture)
     except OSError as error:

@@ -31,13 +31,14 @@ _STYLE: Final[dict[Any, Any]] = {
 }
 
 
-def draw(story: Story, title: str, proof: str) -> bytes:
+def draw(story: Story, title: str, proof: str, *, is_exact: bool) -> bytes:
     """Return the picture of a story as PNG, WIDTH by HEIGHT pixels; the same story gives the same bytes.
 
     Args:
         story: what to draw.
         title: the mission's name.
         proof: what replay found, for the last line.
+        is_exact: whether it found the same flight; if not, the proof is the headline, in red.
     """
     with mpl.rc_context(_STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from")  # of a script the font lacks: drawn as a box
@@ -52,16 +53,25 @@ def draw(story: Story, title: str, proof: str) -> bytes:
         draw_speed(speed, story)
         draw_sequence(sequence, story)
         sequence.set_xlim(0.0, max(1.0, seconds(story.ended_ns)) * 1.02)
-        _write_frame(figure, story, title, proof)
+        _write_heading(figure, story, title, None if is_exact else proof)
+        _write_facts(figure, story, proof)
         image = io.BytesIO()
         figure.savefig(image, format="png", dpi=_DPI, metadata={"Software": None})
     return image.getvalue()
 
 
-def _write_frame(figure: Figure, story: Story, title: str, proof: str) -> None:
-    color = palette.REACHED if story.outcome == "success" else palette.FAILED
-    figure.text(0.05, 0.955, title, fontsize=17, fontweight="bold", va="center")
-    figure.text(0.05, 0.922, f"{story.outcome}: {story.reason}", fontsize=11.5, color=color, va="center")
+def _write_heading(figure: Figure, story: Story, title: str, alarm: str | None) -> None:
+    outcome = f"{story.outcome}: {story.reason}"
+    if alarm is None:
+        color = palette.REACHED if story.outcome == "success" else palette.FAILED
+        figure.text(0.05, 0.955, title, fontsize=17, fontweight="bold", va="center")
+        figure.text(0.05, 0.922, outcome, fontsize=11.5, color=color, va="center")
+    else:  # what the log says of itself is then no headline, and its success not green
+        figure.text(0.05, 0.968, alarm.upper(), fontsize=22, fontweight="bold", color=palette.UNPROVEN, va="center")
+        figure.text(0.05, 0.93, f"{title}; the log says {outcome}", fontsize=11.5, va="center")
+
+
+def _write_facts(figure: Figure, story: Story, proof: str) -> None:
     effort = story.effort
     facts = [f"{effort.distance_m:.1f} m walked"]
     if effort.mean_speed_mps is not None:
