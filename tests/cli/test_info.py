@@ -30,6 +30,7 @@ def test_json_is_one_object_with_everything(log_path: Path) -> None:
     topics = {topic["name"]: topic for topic in found["topics"]}
     assert found["complete"] is True
     assert found["duration_s"] == 2.0
+    assert found["outcome"] == "the mission ends"
     assert found["messages"] == sum(topic["count"] for topic in topics.values())
     assert topics["/state"] == {
         "name": "/state",
@@ -53,6 +54,7 @@ def test_table_for_people(log_path: Path) -> None:
     assert "[bold]not markup[/bold]" in result.stdout
     assert "2.000 s of simulation" in result.stdout
     assert "complete" in result.stdout
+    assert "outcome: the mission ends" in result.stdout.splitlines()
 
 
 def test_log_that_is_cut_short_is_shown_as_such(log_path: Path, tmp_path: Path) -> None:
@@ -62,6 +64,19 @@ def test_log_that_is_cut_short_is_shown_as_such(log_path: Path, tmp_path: Path) 
     assert result.exit_code == 0
     assert json.loads(result.stdout)["complete"] is False
     assert "cut short" in CliRunner().invoke(app, ["info", str(cut)]).stdout
+
+
+@pytest.mark.parametrize(("is_whole", "said"), [(True, "the log has no such event"), (False, "the flight was killed")])
+def test_a_flight_whose_end_is_not_in_the_log(tmp_path: Path, is_whole: bool, said: str) -> None:
+    path = tmp_path / "flight.mcap"
+    with LogWriter(path, header()) as sink:
+        for message in list(flight(100))[:-1]:
+            sink(message)
+    if not is_whole:
+        path.write_bytes(path.read_bytes()[:-1000])
+    assert json.loads(CliRunner().invoke(app, ["info", str(path), "--json"]).stdout)["outcome"] is None
+    lines = CliRunner().invoke(app, ["info", str(path)]).stdout.splitlines()
+    assert f"outcome: not said: {said}" in lines
 
 
 def test_what_is_no_log_is_refused(tmp_path: Path) -> None:

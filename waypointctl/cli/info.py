@@ -21,9 +21,10 @@ def info(
     ],
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Show what is in a log: topics with counts and rates, duration, metadata, attachments, whether it is complete.
+    """Show what is in a log: how the flight ended, topics with counts and rates, metadata, attachments.
 
-    Checks every checksum on the way. A log that is cut short is shown up to where it is whole.
+    Says how long it is and whether it is complete, and checks every checksum on the way. A log that is cut short is
+    shown up to where it is whole.
     """
     from waypointctl.log.reader import open_log
 
@@ -44,10 +45,22 @@ def _record(log: Log) -> dict[str, Any]:
         "start_ns": log.start_ns,
         "end_ns": log.end_ns,
         "duration_s": log.duration_s,
+        "outcome": _outcome(log),
         "topics": [_topic_record(topic) for topic in log.topics.values()],
         "attachments": [{"name": name, "size_bytes": len(data)} for name, data in log.attachments.items()],
         "metadata": dict(log.metadata),
     }
+
+
+def _outcome(log: Log) -> str | None:
+    """Return what the log says of the flight's end, None if it says nothing."""
+    from waypointctl.log.messages import Event, EventKind
+
+    outcome = None
+    for message in log.messages(("/event",)):
+        if isinstance(message, Event) and message.kind is EventKind.MISSION_ENDED:
+            outcome = message.text
+    return outcome
 
 
 def _topic_record(topic: TopicSummary) -> dict[str, Any]:
@@ -63,10 +76,14 @@ def _topic_record(topic: TopicSummary) -> dict[str, Any]:
 
 def _show(log: Log) -> None:
     from waypointctl.cli.console import console
+    from waypointctl.cli.view.words import printable
 
     out = console()
+    outcome = _outcome(log)
+    unsaid = "not said: the log has no such event" if log.is_complete else "not said: the flight was killed"
     whole = "complete" if log.is_complete else "cut short: its writer was killed, or it was not copied to its end"
-    out.print(f"{log.path}: {log.duration_s:.3f} s of simulation, {log.message_count} messages")
+    out.print(f"{log.path}: {log.duration_s:.3f} s of simulation, {log.message_count} messages", soft_wrap=True)
+    out.print(f"outcome: {unsaid if outcome is None else printable(outcome)}", soft_wrap=True)
     out.print(f"{log.contents.size_bytes:,} bytes, written by {log.contents.library}, {whole}")
     out.print()
     out.print(_topic_table(log))
