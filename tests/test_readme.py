@@ -64,3 +64,7 @@ def test_the_architecture_fits_a_page() -> None:
 )
 def test_every_part_is_in_the_architecture(part: str) -> None:
     assert f"`{part}/`" in (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+
+
+def test_nothing_is_left_to_be_filled_in() -> None:
+    assert "@@" not in README
