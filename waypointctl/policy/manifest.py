@@ -61,6 +61,28 @@ class NetworkSpec(_Record):
     activation: Literal["elu", "tanh", "relu"]
 
 
+class SelectionRecord(_Record):
+    """How the weights were chosen among a training's checkpoints: by the most successes, the later of equals."""
+
+    suite: Name
+    seed: Annotated[int, Field(ge=0)]
+    trials: Count  # of all cases together
+    successes: Annotated[int, Field(ge=0)]
+    candidates: Count  # how many were tested
+    last_step: Annotated[int, Field(ge=0)]  # where training ended, in control steps
+    stop_at: Annotated[Number, Field(gt=0, le=1)] | None  # the success rate that training was to end at
+
+
+class StartRecord(_Record):
+    """The policy that a training began with the weights of."""
+
+    policy: Name
+    observation: Name  # its layout
+    steps: Annotated[int, Field(ge=0)]  # of its own training
+    policy_sha256: Sha256  # of its manifest.json
+    weights_sha256: Sha256
+
+
 class TrainingRecord(_Record):
     """Where the weights come from."""
 
@@ -71,6 +93,8 @@ class TrainingRecord(_Record):
     steps: Annotated[int, Field(ge=0)]  # control steps of all robots together
     wall_time_s: Annotated[Number, Field(ge=0)]
     versions: dict[Name, Name]  # of the packages that decide the result: mujoco, torch, ...
+    selection: SelectionRecord | None = None  # none: the last checkpoint
+    start: StartRecord | None = None  # none: random weights
 
 
 class FileRecord(_Record):

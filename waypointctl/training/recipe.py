@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, Strict
+from pydantic import Field, Strict, model_validator
 
 from waypointctl.mission.file_model import FileModel
 from waypointctl.task.acceptance import Acceptance
@@ -17,6 +17,7 @@ from waypointctl.task.start import Start
 from waypointctl.training.recipe_course import AcceptanceRecipe, CourseRecipe, DeadlineRecipe, StartRecipe
 from waypointctl.training.recipe_fields import Count, Few
 from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe, PpoRecipe
+from waypointctl.training.recipe_selection import SelectionRecipe
 
 
 class EvaluationRecipe(FileModel):
@@ -41,8 +42,23 @@ class Recipe(FileModel):
     network: NetworkRecipe = NetworkRecipe()
     ppo: PpoRecipe = PpoRecipe()
     phases: Annotated[tuple[PhaseRecipe, ...], Field(min_length=1)]
+    start_from: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
+        None, description="folder of a policy to begin with the weights of, relative to this file"
+    )
     checkpoint_steps: Count = Field(1_000_000, description="control steps between checkpoints")
     evaluation: EvaluationRecipe = EvaluationRecipe()
+    selection: SelectionRecipe | None = Field(
+        None, description="choose the policy among the checkpoints; without it, it is the last"
+    )
+
+    @model_validator(mode="after")
+    def _chosen_and_reported_apart(self) -> Self:
+        if self.selection is not None and self.selection.seed == self.evaluation.seed:
+            raise ValueError(
+                f"selection.seed and evaluation.seed are both {self.evaluation.seed}: what a policy is chosen by must "
+                "not be what is reported of it; give selection a seed of its own"
+            )
+        return self
 
     @property
     def total_steps(self) -> int:
@@ -64,6 +80,12 @@ class Recipe(FileModel):
         first, last = self.phases[number].learning_rate
         return first + (last - first) * progress
 
+    def entropy_at(self, step: int) -> float:
+        """Return the weight of the entropy bonus at a control step."""
+        number, progress = self.phase_at(step)
+        first, last = self.phases[number].entropy or (self.ppo.entropy, self.ppo.entropy)
+        return first + (last - first) * progress
+
     def task(self, phase: int) -> TaskConfig:
         """Return the task as it is in a phase."""
         heading_rad = None if self.start.heading == "random" else 0.0
@@ -81,6 +103,17 @@ class Recipe(FileModel):
                 speed_spread=self.start.speed_spread,
             ),
         )
+
+    def stopping_at(self, rate: float) -> Recipe:
+        """Return the recipe with its training ending when a success rate is reached.
+
+        Raises:
+            ValueError: the recipe selects nothing, and its evaluation has the seed of a selection by default.
+        """
+        selection = (self.selection or SelectionRecipe()).model_copy(update={"stop_at": rate})
+        if selection.seed == self.evaluation.seed:
+            raise ValueError(f"evaluation.seed is {selection.seed}, which checkpoints are selected by unless told")
+        return self.model_copy(update={"selection": selection})
 
     def scaled_to(self, steps: int) -> Recipe:
         """Return the recipe with its phases shortened or stretched to `steps` control steps in all.

@@ -45,7 +45,7 @@ class PpoRecipe(FileModel):
     gamma: Fraction = 0.99
     gae_lambda: Fraction = 0.95
     clip: Rate = 0.2
-    entropy: Fraction = 0.0
+    entropy: Fraction = Field(0.0, description="weight of the entropy bonus, in phases that have none of their own")
     value: Annotated[float, Strict(), Field(gt=0, le=10)] = Field(0.5, description="weight of the value loss")
     max_gradient: Factor = Field(0.5, description="norm that the gradient is clipped to")
     reward_scale: Factor = Field(0.1, description="of all rewards, for the value function")
@@ -64,4 +64,7 @@ class PhaseRecipe(FileModel):
 
     steps: Count = Field(description="control steps of all robots together")
     learning_rate: tuple[Rate, Rate] = Field((6e-4, 6e-5), description="at the phase's beginning and end")
+    entropy: tuple[Fraction, Fraction] | None = Field(
+        None, description="weight of the entropy bonus at the phase's beginning and end; ppo.entropy unless told"
+    )
     reward: RewardRecipe = RewardRecipe()
