@@ -49,7 +49,7 @@ def test_the_same_stream_draws_the_same_course() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"perimeter": "circle"}, "course.perimeter: 'circle' is not one of square, legs"),
+        ({"perimeter": "circle"}, "course.perimeter: 'circle' is not one of square, disc, ring, legs, none"),
         ({"count": 0}, "course.count: 0 is not >= 1 waypoint"),
         ({"side_m": 0.0}, "course.side_m: 0.0 is not > 0 m"),
         ({"side_m": np.nan}, "course.side_m: nan is not > 0 m"),

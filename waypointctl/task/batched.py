@@ -16,6 +16,7 @@ from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.observation import NOISE_SIZE, Goals, layout
 from waypointctl.task.progress import CourseProgress
+from waypointctl.task.retry import FailedCourses
 from waypointctl.task.reward import JointLimits, progress_speed, reward_terms
 
 FloatArray = NDArray[np.float64]
@@ -62,7 +63,7 @@ class BatchedWaypointEnv:
     """N robots, each on a course of its own, stepped on all cores.
 
     Robot i draws its starts from stream(seed, "start", i) and its courses from stream(seed, "course", i), whatever
-    the other robots do.
+    the other robots do; where failed courses are walked again, it remembers its own.
     """
 
     def __init__(
@@ -94,11 +95,17 @@ class BatchedWaypointEnv:
             num_robots, max_waypoints or config.course.count, config.deadline, self.robot.control_period_ns
         )
         self.noise: FloatArray = np.zeros((num_robots, NOISE_SIZE))
-        self.starts = [stream(seed, "start", i) for i in range(num_robots)]
-        self.courses = [stream(seed, "course", i) for i in range(num_robots)]
+        self.seed(seed)
         self._limits = JointLimits.of_range(self.robot.joint_low, self.robot.joint_high)
         self._autoreset = autoreset
         self._period_s = self.robot.control_period_ns / 1e9
+
+    def seed(self, seed: int) -> None:
+        """Begin every random stream anew, and forget the courses that failed."""
+        self.starts = [stream(seed, "start", i) for i in range(self.num_robots)]
+        self.courses = [stream(seed, "course", i) for i in range(self.num_robots)]
+        retry, count = self.config.retry, self.config.course.count
+        self.failed = FailedCourses(retry, self.num_robots, count, seed) if retry.probability else None
 
     def reset(self) -> FloatArray:
         """Begin a new episode with every robot; return the observations (n, k)."""
@@ -112,7 +119,9 @@ class BatchedWaypointEnv:
         self.batch.place(np.asarray(robots, np.intp), qpos, qvel)
         for i, start in zip(robots, qpos, strict=True):
             rng = self.courses[i]
-            self.progress.assign(i, self.config.course.draw(rng, start[:2]) if waypoints is None else waypoints)
+            self.progress.assign(i, self._course(i, start[:2]) if waypoints is None else waypoints)
+            if self.failed is not None and waypoints is not None:
+                self.failed.given(i)
             self.noise[i] = rng.uniform(-1.0, 1.0, NOISE_SIZE)
 
     def observe(self) -> FloatArray:
@@ -137,6 +146,8 @@ class BatchedWaypointEnv:
         observation = self._observation(body, slice(None))
         ended = np.flatnonzero(fell | truncated)
         final_observation = observation[ended]
+        if self.failed is not None:
+            self.failed.ended(ended, success[ended], self.progress)
         if self._autoreset and len(ended):
             self.begin(ended)
             observation[ended] = self._observation(self._body(ended), ended)
@@ -151,6 +162,11 @@ class BatchedWaypointEnv:
             ended=ended,
             final_observation=final_observation,
         )
+
+    def _course(self, robot: int, start: FloatArray) -> FloatArray:
+        """Return a course for a new episode: one that failed, or one just drawn."""
+        again = None if self.failed is None else self.failed.choose(robot)
+        return self.config.course.draw(self.courses[robot], start) if again is None else again
 
     def _body(self, robots: Robots) -> Body:
         # Copies, column by column: a robot's state lies among much else in the batch's memory.

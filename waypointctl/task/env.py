@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.progress import CourseProgress
@@ -77,7 +76,7 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         self._make_room(count)
         self._env.config = replace(self._config, start=start)
         self._env.begin([0], waypoints)
-        course = self._env.progress.waypoints[0, :count].copy()
+        course = self._env.progress.waypoints[0, : self._env.progress.count[0]].copy()
         return self._env.observe()[0], {"waypoint_index": 0, "waypoints": course}
 
     def step(self, action: NDArray[np.float32]) -> tuple[FloatArray, float, bool, bool, dict[str, Any]]:
@@ -98,8 +97,7 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         }
 
     def _seed(self, seed: int) -> None:
-        self._env.starts = [stream(seed, "start", 0)]
-        self._env.courses = [stream(seed, "course", 0)]
+        self._env.seed(seed)
         self._seeded = True
 
     def _make_room(self, count: int) -> None:

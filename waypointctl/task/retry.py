@@ -1,0 +1,105 @@
+"""Courses that failed lately are walked again: each robot remembers its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.errors import InputError
+from waypointctl.seeding import stream
+from waypointctl.task.progress import CourseProgress
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_NEW: Final = -1  # a course just drawn
+_NOT_MINE: Final = -2  # none that may be remembered: it was given, or its episode has ended
+
+
+@dataclass(frozen=True, slots=True)
+class Retry:
+    """How often a new episode walks a course again that failed: by a fall or by its deadline.
+
+    Attributes:
+        probability: that an episode does so, if a failed course is remembered; 0 remembers none.
+        memory: failed courses that a robot remembers; the oldest is forgotten for a new one.
+        tries: how often a remembered course is tried; it is forgotten when it is walked to its end, or after these.
+    """
+
+    probability: float = 0.0
+    memory: int = 8
+    tries: int = 5
+
+    def __post_init__(self) -> None:
+        """Refuse what is no probability and what is no number of courses or tries."""
+        if not 0 <= self.probability <= 1:
+            raise InputError(f"retry.probability: {self.probability} is not from 0 to 1")
+        if self.memory < 1 or self.tries < 1:
+            raise InputError(f"retry: memory {self.memory} and tries {self.tries} are not both >= 1")
+
+
+class FailedCourses:
+    """What n robots remember of the courses they failed.
+
+    Robot i decides with stream(seed, "retry", i) and remembers its own failures alone, so that it goes as it would
+    without the others. A course is repeated, not its start: that is drawn anew.
+
+    Attributes:
+        streams: of each robot.
+        waypoints: (n, memory, m, 2) in the world frame [m], the oldest course first.
+        count: (n, memory) waypoints of each course.
+        tries: (n, memory) how often each was tried again, in vain.
+        size: (n,) courses remembered.
+        walking: (n,) which of them is being walked; negative: none.
+    """
+
+    def __init__(self, retry: Retry, num_robots: int, max_waypoints: int, seed: int) -> None:
+        """Remember nothing yet."""
+        self.retry = retry
+        self.streams = [stream(seed, "retry", i) for i in range(num_robots)]
+        self.waypoints: FloatArray = np.zeros((num_robots, retry.memory, max_waypoints, 2))
+        self.count: IntArray = np.ones((num_robots, retry.memory), np.int64)
+        self.tries: IntArray = np.zeros((num_robots, retry.memory), np.int64)
+        self.size: IntArray = np.zeros(num_robots, np.int64)
+        self.walking: IntArray = np.full(num_robots, _NOT_MINE)
+
+    def choose(self, robot: int) -> FloatArray | None:
+        """Return the failed course (m, 2) [m] that a robot is to walk now, or None for a new one."""
+        rng, size = self.streams[robot], int(self.size[robot])
+        again = rng.random() < self.retry.probability and size > 0
+        self.walking[robot] = slot = int(rng.integers(size)) if again else _NEW
+        return self.waypoints[robot, slot, : self.count[robot, slot]].copy() if again else None
+
+    def given(self, robot: int) -> None:
+        """Take note that a robot walks a course that was not drawn: however it ends, it is not remembered."""
+        self.walking[robot] = _NOT_MINE
+
+    def ended(self, robots: NDArray[np.intp], success: NDArray[np.bool_], progress: CourseProgress) -> None:
+        """Remember or forget the courses of robots (e,) whose episodes ended, in success (e,) or not."""
+        for robot, walked in zip(robots, success, strict=True):
+            slot = self.walking[robot]
+            # Who is left to walk on ends in every step; an episode counts once.
+            self.walking[robot] = _NOT_MINE
+            if slot == _NEW and not walked:
+                self._remember(robot, progress.waypoints[robot, : progress.count[robot]])
+            elif slot >= 0:
+                self.tries[robot, slot] += 1
+                if walked or self.tries[robot, slot] >= self.retry.tries:
+                    self._forget(robot, slot)
+
+    def _remember(self, robot: int, course: FloatArray) -> None:
+        if self.size[robot] == self.retry.memory:
+            self._forget(robot, 0)
+        slot = self.size[robot]
+        self.waypoints[robot, slot, : len(course)] = course
+        self.count[robot, slot] = len(course)
+        self.tries[robot, slot] = 0
+        self.size[robot] += 1
+
+    def _forget(self, robot: int, slot: int) -> None:
+        for of_courses in (self.waypoints[robot], self.count[robot], self.tries[robot]):
+            of_courses[slot:-1] = of_courses[slot + 1 :].copy()
+        self.size[robot] -= 1
