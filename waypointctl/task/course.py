@@ -14,13 +14,13 @@ from waypointctl.task.perimeter import Ring, Square
 
 FloatArray = NDArray[np.float64]
 
-# What each perimeter is drawn by, besides the count; those with a centre also take min_distance_m.
+# The perimeters, each with the fields of a Course that it is drawn by.
 PERIMETERS: Final = {
-    "square": ("centre_m", "side_m"),
-    "disc": ("centre_m", "radius_m"),
-    "ring": ("centre_m", "inner_radius_m", "radius_m"),
-    "legs": ("leg_m",),
-    "none": ("leg_m",),
+    "square": ("count", "centre_m", "side_m", "min_distance_m"),
+    "disc": ("count", "centre_m", "radius_m", "min_distance_m"),
+    "ring": ("count", "centre_m", "inner_radius_m", "radius_m", "min_distance_m"),
+    "legs": ("count", "leg_m"),
+    "none": ("count", "leg_m"),
 }
 
 # Each try has a fifth of a chance at least (largest_gap_m), so that no draw ever comes to the last one.
@@ -50,7 +50,7 @@ class Course:
     side_m: float = 5.0
     leg_m: tuple[float, float] = (1.0, 12.0)
     radius_m: float = 2.5
-    inner_radius_m: float = 1.0
+    inner_radius_m: float = 0.0
     min_distance_m: float = 0.0
 
     def __post_init__(self) -> None:
@@ -66,11 +66,8 @@ class Course:
             raise InputError(f"course.leg_m: {list(self.leg_m)} is not a shortest and a longest length in m")
         if self.perimeter == "ring" and not 0 <= self.inner_radius_m < self.radius_m:
             raise InputError(f"course.inner_radius_m: {self.inner_radius_m} is not less than radius_m {self.radius_m}")
-        if not 0 <= self.min_distance_m <= self.largest_min_distance_m:
-            raise InputError(
-                f"course.min_distance_m: {self.min_distance_m} is not from 0 to {self.largest_min_distance_m:g} m",
-                mend=self.min_distance_mend,
-            )
+        if self.min_distance_m and not 0 < self.min_distance_m <= self.largest_min_distance_m:
+            raise InputError(f"course.min_distance_m: {self.min_distance_m} {self.min_distance_rule}")
 
     @property
     def region(self) -> Square | Ring | None:
@@ -91,14 +88,12 @@ class Course:
         return 0.0 if region is None else region.largest_gap_m
 
     @property
-    def min_distance_mend(self) -> str:
-        """What there is to do about a `min_distance_m` that is too large."""
-        match self.region:
-            case Square():
-                return "Half the side is the most; a larger square has room for more."
-            case Ring():
-                return "0.85 of the radius is the most; a larger one has room for more."
-        return "Without a perimeter the shortest leg, the first of leg_m, is the least distance."
+    def min_distance_rule(self) -> str:
+        """What is wrong with a `min_distance_m` outside of what is allowed, in words that follow it."""
+        region = self.region
+        if region is None:
+            return "needs a perimeter; without one the shortest leg is the least distance"
+        return f"is not from 0 to {region.largest_gap_m:g} m; this {self.perimeter} has room for {region.gap_rule}"
 
     def draw(self, rng: np.random.Generator, start: FloatArray) -> FloatArray:
         """Return waypoints (count, 2) in the world frame [m] for a robot at start (2,)."""

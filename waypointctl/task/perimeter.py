@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,10 @@ class Square:
 
     Attributes:
         side_m: its side.
+        gap_rule: what `largest_gap_m` is, in words.
     """
+
+    gap_rule: ClassVar[str] = "half its side"
 
     side_m: float
 
@@ -39,7 +43,10 @@ class Ring:
     Attributes:
         inner_radius_m: of the hole.
         radius_m: of the whole.
+        gap_rule: what `largest_gap_m` is, in words.
     """
+
+    gap_rule: ClassVar[str] = "0.85 of its radius"
 
     inner_radius_m: float
     radius_m: float

@@ -11,7 +11,7 @@ from pydantic import Field, Strict, model_validator
 from waypointctl.mission.file_model import FileModel
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.config import TaskConfig
-from waypointctl.task.course import Course, Deadline
+from waypointctl.task.course import Deadline
 from waypointctl.task.reward import RewardWeights
 from waypointctl.task.start import Start
 from waypointctl.training.recipe_course import AcceptanceRecipe, CourseRecipe, DeadlineRecipe, StartRecipe
@@ -93,7 +93,8 @@ class Recipe(FileModel):
             robot=self.robot,
             observation=self.observation,
             reward=RewardWeights(**self.phases[phase].reward.model_dump()),
-            course=Course(**self.course.model_dump()),
+            course=self.course.source,
+            retry=self.course.retry,
             acceptance=Acceptance(**self.acceptance.model_dump()),
             deadline=Deadline(**self.deadline.model_dump()),
             start=Start(

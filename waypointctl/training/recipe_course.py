@@ -2,31 +2,78 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict
 
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
-from waypointctl.training.recipe_fields import Duration, Few, Length, Place
+from waypointctl.task.cases import Cases
+from waypointctl.task.course import Course
+from waypointctl.task.course_file import CourseFields
+from waypointctl.task.retry import Retry
+from waypointctl.training.recipe_fields import Duration, Factor, Few, Fraction, Length, Place
 
 
-class CourseRecipe(FileModel):
-    """Where the waypoints of an episode are drawn."""
+class PointRecipe(FileModel):
+    """A waypoint of a case. A bare [x, y] is its position."""
 
-    perimeter: Literal["square", "legs"] = Field(
-        "square", description="square: each in a square; legs: each at a random distance and bearing from the last"
+    list_stands_for: ClassVar[str | None] = "position_m"
+
+    position_m: tuple[Place, Place] = Field(description="x and y in the world frame")
+
+
+class CaseRecipe(FileModel):
+    """A course as it is. A bare list is its waypoints."""
+
+    list_stands_for: ClassVar[str | None] = "waypoints"
+
+    waypoints: Annotated[tuple[PointRecipe, ...], Field(min_length=1, max_length=1000)] = Field(
+        description="in the order in which they are to be reached"
     )
-    count: Few = Field(4, description="waypoints an episode, the paper's M")
-    centre_m: tuple[Place, Place] = Field((10.0, 10.0), description="of the square")
-    side_m: Length = Field(5.0, description="of the square")
-    leg_m: tuple[Length, Length] = Field((1.0, 12.0), description="the shortest and the longest leg")
+    weight: Factor = Field(1.0, description="how often the course is drawn, relative to the others")
 
-    @model_validator(mode="after")
-    def _shortest_first(self) -> CourseRecipe:
-        if self.leg_m[0] > self.leg_m[1]:
-            raise ValueError(f"leg_m {list(self.leg_m)}: the shortest leg comes first")
-        return self
+
+class CourseRecipe(CourseFields):
+    """Where the robot is to go in an episode: a course that is drawn, or one of a list."""
+
+    cases: Annotated[tuple[CaseRecipe, ...], Field(min_length=1, max_length=10_000)] | None = Field(
+        None, description="courses to choose from, each a list of waypoints, in place of all that draws one"
+    )
+    retry_failed: Fraction = Field(
+        0.0, description="how probably an episode walks a course again that failed by a fall or the deadline"
+    )
+    retry_memory: Annotated[int, Strict(), Field(gt=0, le=256)] = Field(
+        8, description="failed courses that a robot remembers, its latest"
+    )
+    retry_tries: Few = Field(
+        5, description="how often a failed course is tried again before it is forgotten; walked, it is at once"
+    )
+
+    @property
+    def source(self) -> Course | Cases:
+        """Where courses come from."""
+        if self.cases is None:
+            return self.course
+        courses = tuple(tuple(point.position_m for point in case.waypoints) for case in self.cases)
+        return Cases(courses, tuple(case.weight for case in self.cases))
+
+    @property
+    def retry(self) -> Retry:
+        """How failed courses are walked again."""
+        return Retry(self.retry_failed, self.retry_memory, self.retry_tries)
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield each field that does not go with the others, and why."""
+        if self.cases is None:
+            yield from super().problems()
+        else:
+            for name in sorted(self.model_fields_set & set(CourseFields.model_fields)):
+                yield name, "means nothing beside 'cases', which are the courses themselves: keep one of the two"
+        for name in ("retry_memory", "retry_tries"):
+            if name in self.model_fields_set and not self.retry_failed:
+                yield name, "means nothing without 'retry_failed', such as retry_failed: 0.3"
 
 
 class AcceptanceRecipe(FileModel):
