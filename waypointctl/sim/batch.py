@@ -9,10 +9,15 @@ from numpy.typing import NDArray
 from waypointctl.sim.robots import Robot
 
 FloatArray = NDArray[np.float64]
+Ids = NDArray[np.intp]
 
 
 class RobotBatch:
-    """N robots, each in a world of its own. Arrays are live views of the N states."""
+    """N robots, each in a world of its own. Arrays are live views of the N states.
+
+    All begin with the model's masses, friction and gravity; `scale_mass`, `scale_friction` and `set_gravity` change
+    those of some robots, which costs the others nothing until the first call.
+    """
 
     def __init__(self, robot: Robot, num_robots: int, threads: int = 0) -> None:
         """Make N worlds, stepped on `threads` threads (0: one a core)."""
@@ -24,7 +29,7 @@ class RobotBatch:
         self._ctrl: FloatArray = self._batch.bind("ctrl")
         self._new = self.integration[0].copy()
 
-    def place(self, ids: NDArray[np.intp], qpos: FloatArray, qvel: FloatArray) -> None:
+    def place(self, ids: Ids, qpos: FloatArray, qvel: FloatArray) -> None:
         """Put the robots `ids` (k,) at qpos (k, nq), qvel (k, nv) with everything else as new, at time 0."""
         self.integration[ids] = self._new
         self.qpos[ids] = qpos
@@ -34,3 +39,29 @@ class RobotBatch:
         """Hold the motors at applied (n, nu), in [-1, 1], for one control period."""
         self._ctrl[:] = applied
         self._batch.step(nstep=self.robot.substeps)
+
+    def step_physics(self, applied: FloatArray) -> None:
+        """Hold the motors at applied (n, nu), in [-1, 1], for one physics step."""
+        self._ctrl[:] = applied
+        self._batch.step(nstep=1)
+
+    def scale_mass(self, ids: Ids, factor: FloatArray) -> None:
+        """Give the robots `ids` (k,) `factor` (k,) times the model's masses and inertias, in all their bodies.
+
+        Armature and damping are the motors' and stay. What follows from the masses is computed anew (mj_setConst).
+        """
+        model = self.robot.model
+        self._batch.expand("body_mass")[ids] = model.body_mass * factor[:, np.newaxis]
+        self._batch.expand("body_inertia")[ids] = model.body_inertia * factor[:, np.newaxis, np.newaxis]
+        self._batch.set_const(np.unique(ids))
+
+    def scale_friction(self, ids: Ids, factor: FloatArray) -> None:
+        """Give the robots `ids` (k,) `factor` (k,) times the model's sliding friction, with all they touch."""
+        # MuJoCo takes the larger of two touching geoms' friction, so the ground's has to change as well.
+        sliding = self.robot.model.geom_friction[:, 0]
+        self._batch.expand("geom_friction")[ids, :, 0] = sliding * factor[:, np.newaxis]
+
+    def set_gravity(self, ids: Ids, gravity_mps2: FloatArray) -> None:
+        """Let the robots `ids` (k,) fall with gravity_mps2 (k,), straight down."""
+        down = np.array([0.0, 0.0, -1.0])
+        self._batch.expand("gravity")[ids] = gravity_mps2[:, np.newaxis] * down

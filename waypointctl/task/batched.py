@@ -18,6 +18,7 @@ from waypointctl.task.observation import NOISE_SIZE, Goals, layout
 from waypointctl.task.progress import CourseProgress
 from waypointctl.task.retry import FailedCourses
 from waypointctl.task.reward import JointLimits, progress_speed, reward_terms
+from waypointctl.task.varied_robots import VariedRobots
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -91,6 +92,7 @@ class BatchedWaypointEnv:
         self.layout = layout(config.observation)
         self.num_robots = num_robots
         self.batch = RobotBatch(self.robot, num_robots, threads)
+        self.varied = VariedRobots(config.variation, self.batch)
         self.progress = CourseProgress(
             num_robots, max_waypoints or config.course.count, config.deadline, self.robot.control_period_ns
         )
@@ -104,6 +106,7 @@ class BatchedWaypointEnv:
         """Begin every random stream anew, and forget the courses that failed."""
         self.starts = [stream(seed, "start", i) for i in range(self.num_robots)]
         self.courses = [stream(seed, "course", i) for i in range(self.num_robots)]
+        self.varied.seed(seed)
         retry, count = self.config.retry, self.config.course.count
         self.failed = FailedCourses(retry, self.num_robots, count, seed) if retry.probability else None
 
@@ -116,7 +119,9 @@ class BatchedWaypointEnv:
         """Begin a new episode with some robots, on a given course (m, 2) or on one drawn for each."""
         states = [self.config.start.draw(self.robot, self.starts[i]) for i in robots]
         qpos, qvel = (np.stack(part) for part in zip(*states, strict=True))
-        self.batch.place(np.asarray(robots, np.intp), qpos, qvel)
+        ids = np.asarray(robots, np.intp)
+        self.batch.place(ids, qpos, qvel)
+        self.varied.begin(ids)
         for i, start in zip(robots, qpos, strict=True):
             rng = self.courses[i]
             self.progress.assign(i, self._course(i, start[:2]) if waypoints is None else waypoints)
@@ -130,9 +135,8 @@ class BatchedWaypointEnv:
 
     def step(self, actions: FloatArray) -> Step:
         """Walk one control period with actions (n, nu), clipped to [-1, 1]."""
-        applied = clip_actions(actions)
         before = self.batch.qpos[:, :2].copy()
-        self.batch.step(applied)
+        applied = self.varied.step(clip_actions(actions))
 
         body = self._body(slice(None))
         fell = fallen(body, self.robot.fall_height_m, self.robot.fall_up)
@@ -173,4 +177,4 @@ class BatchedWaypointEnv:
         return body_of(self.batch.qpos[robots].copy(order="F"), self.batch.qvel[robots].copy(order="F"))
 
     def _observation(self, body: Body, robots: Robots) -> FloatArray:
-        return self.layout.observe(body, Goals(self.progress.goals[robots], self.noise[robots]))
+        return self.layout.observe(self.varied.seen(body), Goals(self.progress.goals[robots], self.noise[robots]))

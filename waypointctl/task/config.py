@@ -10,6 +10,7 @@ from waypointctl.task.course import Course, Deadline
 from waypointctl.task.retry import Retry
 from waypointctl.task.reward import RewardWeights
 from waypointctl.task.start import Start
+from waypointctl.task.variation import Variation
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,3 +25,4 @@ class TaskConfig:
     acceptance: Acceptance = field(default_factory=Acceptance)
     deadline: Deadline = field(default_factory=Deadline)
     start: Start = field(default_factory=Start)
+    variation: Variation = field(default_factory=Variation)

@@ -38,7 +38,7 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
 
     `info` of a step has `reward_<term>` for each term of the reward, `waypoint_index` (of the waypoint walked to, from
     0), `waypoint_reached` (in this step), `success`, `fell` and `timed_out`; that of a reset has `waypoint_index` and
-    `waypoints` (m, 2) [m].
+    `waypoints` (m, 2) [m], and what was drawn of the config's variation under its name there, such as `mass_factor`.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  # declared so by Gymnasium
@@ -77,7 +77,8 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         self._env.config = replace(self._config, start=start)
         self._env.begin([0], waypoints)
         course = self._env.progress.waypoints[0, : self._env.progress.count[0]].copy()
-        return self._env.observe()[0], {"waypoint_index": 0, "waypoints": course}
+        varied = {name: float(value[0]) for name, value in self._env.varied.values(np.array([0])).items()}
+        return self._env.observe()[0], {"waypoint_index": 0, "waypoints": course, **varied}
 
     def step(self, action: NDArray[np.float32]) -> tuple[FloatArray, float, bool, bool, dict[str, Any]]:
         """Walk one control period with action (nu,), clipped to [-1, 1]."""
