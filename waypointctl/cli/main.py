@@ -10,6 +10,7 @@ import typer
 
 from waypointctl import __version__
 from waypointctl.cli.eval import evaluate_policy
+from waypointctl.cli.import_policy import import_policy
 from waypointctl.cli.info import info
 from waypointctl.cli.policies import policies
 from waypointctl.cli.replay import replay
@@ -49,6 +50,7 @@ app.command()(validate)
 app.command()(schema)
 app.command("train")(train_policy)
 app.command("eval")(evaluate_policy)
+policies.command("import")(import_policy)
 app.add_typer(policies, name="policies")
 
 

@@ -27,8 +27,9 @@ def mlp_to_onnx(
     *,
     clip: float,
     epsilon: float,
+    squash: bool = False,
 ) -> bytes:
-    """Return the ONNX model of `clip((x - mean) / sqrt(variance + epsilon))` followed by a linear-output MLP.
+    """Return the ONNX model of `clip((x - mean) / sqrt(variance + epsilon))` followed by an MLP.
 
     The normaliser is stable-baselines3's VecNormalize. The model maps "observation", (n, k) float32, to
     "action", (n, nu) float32, not clipped. Nothing but the arguments goes into the bytes.
@@ -41,6 +42,7 @@ def mlp_to_onnx(
         variance: (k,) of the observations.
         clip: bound of the normalised observation, > 0.
         epsilon: added to the variance, > 0.
+        squash: end with tanh, as SAC and TD3 do, instead of the last linear layer.
 
     Raises:
         ValueError: the shapes do not fit each other, or a number is not finite.
@@ -49,11 +51,15 @@ def mlp_to_onnx(
 
     _check(layers, mean, variance, clip, epsilon)
     nodes, tensors = _normaliser(mean, variance, clip, epsilon)
-    for node, weights in (_linear(i, layer, last=i == len(layers) - 1) for i, layer in enumerate(layers)):
+    last = len(layers) - 1
+    for i, layer in enumerate(layers):
+        node, weights = _linear(i, layer, output="action" if i == last and not squash else f"layer{i}.out")
         nodes.append(node)
         tensors.extend(weights)
-        if node.output[0] != "action":
+        if i < last:
             nodes.append(helper.make_node(OPERATORS[activation], [node.output[0]], [f"{node.name}.active"]))
+    if squash:
+        nodes.append(helper.make_node("Tanh", [nodes[-1].output[0]], ["action"]))
     graph = helper.make_graph(
         nodes,
         "policy",
@@ -83,14 +89,12 @@ def _normaliser(
     return nodes, [numpy_helper.from_array(value.astype(np.float32), name) for name, value in constants.items()]
 
 
-def _linear(index: int, layer: Layer, *, last: bool) -> tuple[NodeProto, list[TensorProto]]:
+def _linear(index: int, layer: Layer, *, output: str) -> tuple[NodeProto, list[TensorProto]]:
     from onnx import helper, numpy_helper
 
     name = f"layer{index}"
     source = "layer0.in" if index == 0 else f"layer{index - 1}.active"
-    node = helper.make_node(
-        "Gemm", [source, f"{name}.weight", f"{name}.bias"], ["action" if last else f"{name}.out"], name=name, transB=1
-    )
+    node = helper.make_node("Gemm", [source, f"{name}.weight", f"{name}.bias"], [output], name=name, transB=1)
     weights = zip((f"{name}.weight", f"{name}.bias"), layer, strict=True)
     return node, [numpy_helper.from_array(np.ascontiguousarray(w, dtype=np.float32), n) for n, w in weights]
 

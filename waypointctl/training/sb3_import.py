@@ -1,0 +1,165 @@
+"""A model that stable-baselines3 saved, made into a policy bundle. Nothing that it brings along is executed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors.numpy import save
+
+from waypointctl.errors import OutputError, PolicyError
+from waypointctl.evaluation.result import EVALUATION
+from waypointctl.paths import refuse_unwritable_folder
+from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
+from waypointctl.policy.manifest import (
+    MANIFEST,
+    ActionSpec,
+    NetworkSpec,
+    ObservationSpec,
+    PolicyDescription,
+    TrainingRecord,
+)
+from waypointctl.policy.write import bundle_files, copy_bundle
+from waypointctl.seeding import stream
+from waypointctl.sim.robots import Robot, load_robot
+from waypointctl.task.observation import Layout, layout
+from waypointctl.training.export import ACTION_MEANING
+from waypointctl.training.onnx_export import mlp_to_onnx
+from waypointctl.training.sb3_archive import Sb3Archive, read_archive
+from waypointctl.training.sb3_network import Sb3Network, build_network
+from waypointctl.training.sb3_normaliser import Normaliser, read_normaliser
+
+CHECKED: Final = 256  # random observations that the bundle and stable-baselines3 act on
+TOLERANCE: Final = 1e-4  # between their actions: a wrong network is far off, float32 is within a tenth of this
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """A policy that was imported.
+
+    Attributes:
+        policy: loaded from the bundle that was written.
+        archive: what it came from.
+        network: as it was read.
+        normaliser: as it was read; of count 0 where there is none.
+        difference: the largest between its actions and stable-baselines3's own, on `CHECKED` random observations.
+    """
+
+    policy: LoadedPolicy
+    archive: Sb3Archive
+    network: Sb3Network
+    normaliser: Normaliser
+    difference: float
+
+
+def import_sb3(
+    model: Path, out: Path, *, robot: str, observation: str, vecnormalize: Path | None = None, force: bool = False
+) -> Imported:
+    """Make a policy bundle of a saved model.
+
+    What cannot be checked is what the model was trained on: it is taken to be the layout and the robot named here.
+
+    Args:
+        model: the .zip of PPO, A2C, SAC or TD3 with an MlpPolicy.
+        out: the bundle's folder.
+        robot: that it is for.
+        observation: the name of the layout that it sees.
+        vecnormalize: the file that VecNormalize.save() wrote; without it observations are taken as they are.
+        force: replace a policy that is in `out` already, and remove its evaluation.
+
+    Raises:
+        PolicyError: the model or the normaliser is not what can be imported, or does not fit the layout or the robot.
+        OutputError: `out` cannot be written, or something is there already.
+    """
+    _refuse_replacing(out, force)
+    seen, body = layout(observation), load_robot(robot)
+    archive = read_archive(model)
+    network = build_network(archive, seen.size, body.num_joints)
+    normaliser = read_normaliser(vecnormalize, seen.size) if vecnormalize else Normaliser.identity(seen.size)
+    onnx = mlp_to_onnx(
+        network.layers,
+        network.activation,
+        normaliser.mean,
+        normaliser.variance,
+        clip=normaliser.clip,
+        epsilon=normaliser.epsilon,
+        squash=network.squash,
+    )
+    description = _description(archive, network, normaliser, seen, body, out)
+    files = bundle_files(description, onnx, save(_weights(archive, normaliser)))
+    policy = load_policy_bytes(files, str(out))
+    difference = _difference(policy, network, normaliser)
+    if not difference <= TOLERANCE:
+        problem = f"the exported network's actions differ from stable-baselines3's by {difference:.2g}"
+        raise PolicyError(problem, where=str(model), mend="Nothing was written; please report it with the model.")
+    _write(policy, out)
+    return Imported(policy, archive, network, normaliser, difference)
+
+
+def _difference(policy: LoadedPolicy, network: Sb3Network, normaliser: Normaliser) -> float:
+    """Return the largest difference between the bundle's clipped actions and stable-baselines3's predict()."""
+    rng = stream(0, "sb3-import")
+    spread = 3.0 * np.sqrt(normaliser.variance + normaliser.epsilon)
+    drawn = normaliser.mean + spread * rng.standard_normal((CHECKED, normaliser.mean.size))
+    observation = drawn.astype(np.float32).astype(np.float64)
+    expected, _ = network.policy.predict(normaliser.apply(observation).astype(np.float32), deterministic=True)
+    return float(np.abs(np.clip(policy.act(observation), -1.0, 1.0) - expected).max())
+
+
+def _weights(archive: Sb3Archive, normaliser: Normaliser) -> dict[str, NDArray[np.generic]]:
+    """Return the arrays of weights.safetensors, named as those of a policy trained here."""
+    tensors = {name: np.ascontiguousarray(tensor.numpy()) for name, tensor in archive.tensors.items()}
+    return tensors | {
+        "normaliser.mean": normaliser.mean,
+        "normaliser.var": normaliser.variance,
+        "normaliser.count": np.array(normaliser.count),
+    }
+
+
+def _description(
+    archive: Sb3Archive, network: Sb3Network, normaliser: Normaliser, seen: Layout, body: Robot, out: Path
+) -> PolicyDescription:
+    names, units, scales = zip(*seen.components, strict=True)
+    normalised = f", with a VecNormalize file of SHA-256 {normaliser.sha256}" if normaliser.sha256 else ""
+    return PolicyDescription(
+        name=out.resolve().name,
+        robot=body.name,
+        control_period_ns=body.control_period_ns,
+        observation=ObservationSpec(layout=seen.name, size=seen.size, names=names, units=units, scales=scales),
+        action=ActionSpec(size=body.num_joints, meaning=ACTION_MEANING, limits=(-1.0, 1.0)),
+        network=NetworkSpec(hidden_sizes=network.hidden_sizes, activation=network.activation),
+        reward={},  # a .zip does not say what was paid; a flight pays the defaults
+        training=TrainingRecord(
+            algorithm=f"{network.algorithm} (stable-baselines3, imported)",
+            recipe=f"imported from {archive.path.name}{normalised}",
+            recipe_sha256=archive.sha256,
+            seed=archive.count("seed"),
+            steps=archive.count("num_timesteps"),
+            wall_time_s=0.0,
+            versions={"waypointctl": version("waypointctl"), "stable-baselines3": archive.version},
+        ),
+    )
+
+
+def _refuse_replacing(out: Path, force: bool) -> None:
+    refuse_unwritable_folder(out)
+    if not out.exists() or not any(out.iterdir()):
+        return
+    if not (out / MANIFEST).is_file():
+        raise OutputError("is there already and is no policy", where=str(out), mend="Name another folder.")
+    if not force:
+        raise OutputError(
+            "is a policy already", where=str(out), mend="Name another folder, or replace it with --force."
+        )
+
+
+def _write(policy: LoadedPolicy, out: Path) -> None:
+    try:
+        (out / EVALUATION).unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot be replaced: {error.strerror}", where=str(out / EVALUATION)) from error
+    copy_bundle(policy, out)
