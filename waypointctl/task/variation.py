@@ -93,8 +93,9 @@ def _whole_steps(latency_s: float, robot: Robot) -> int:
     steps = round(latency_s / robot.physics_period_s)
     if not math.isclose(steps * robot.physics_period_s, latency_s, rel_tol=1e-9, abs_tol=1e-9):
         period_ms = 1000 * robot.physics_period_s
+        below_ms = period_ms * math.floor(latency_s / robot.physics_period_s)
         raise InputError(
-            f"variation.latency_s: {1000 * latency_s:g} ms is no whole number of {robot.name}'s physics steps "
-            f"of {period_ms:g} ms"
+            f"variation.latency_s: {1000 * latency_s:g} ms is no whole number of the {robot.name}'s physics steps of "
+            f"{period_ms:g} ms; the nearest are {below_ms:g} ms and {below_ms + period_ms:g} ms"
         )
     return steps

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
 from waypointctl.mission.file_model import FileModel
+from waypointctl.sim.robots import load_robot
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Deadline
@@ -18,6 +19,7 @@ from waypointctl.training.recipe_course import AcceptanceRecipe, CourseRecipe, D
 from waypointctl.training.recipe_fields import Count, Few
 from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe, PpoRecipe
 from waypointctl.training.recipe_selection import SelectionRecipe
+from waypointctl.training.recipe_variation import VariationRecipe
 
 
 class EvaluationRecipe(FileModel):
@@ -39,6 +41,7 @@ class Recipe(FileModel):
     acceptance: AcceptanceRecipe = AcceptanceRecipe()
     deadline: DeadlineRecipe = DeadlineRecipe()
     start: StartRecipe = StartRecipe()
+    variation: VariationRecipe = Field(VariationRecipe(), description="how robots differ; they do not unless told")
     network: NetworkRecipe = NetworkRecipe()
     ppo: PpoRecipe = PpoRecipe()
     phases: Annotated[tuple[PhaseRecipe, ...], Field(min_length=1)]
@@ -50,6 +53,13 @@ class Recipe(FileModel):
     selection: SelectionRecipe | None = Field(
         None, description="choose the policy among the checkpoints; without it, it is the last"
     )
+
+    @field_validator("variation")
+    @classmethod
+    def _fits_the_robot(cls, variation: VariationRecipe, info: ValidationInfo) -> VariationRecipe:
+        if "robot" in info.data:
+            variation.check(load_robot(info.data["robot"]))
+        return variation
 
     @model_validator(mode="after")
     def _chosen_and_reported_apart(self) -> Self:
@@ -103,6 +113,7 @@ class Recipe(FileModel):
                 joint_spread_rad=self.start.joint_spread_rad,
                 speed_spread=self.start.speed_spread,
             ),
+            variation=self.variation.variation(),
         )
 
     def stopping_at(self, rate: float) -> Recipe:
