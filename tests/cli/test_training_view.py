@@ -30,6 +30,7 @@ def status(steps: int, success: float | None = 0.25) -> TrainingStatus:
         timeout_rate=0.25,
         mean_reward=0.517,
         learning_rate=5.9e-4,
+        entropy=0.01,
     )
 
 

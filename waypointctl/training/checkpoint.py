@@ -15,10 +15,12 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from waypointctl.errors import OutputError, RecipeError
+from waypointctl.policy.manifest import StartRecord
 from waypointctl.training.export import export_policy
 from waypointctl.training.learner import Learner
 from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.run_folder import FOLDER, RECIPE, require_checkpoint
+from waypointctl.training.recipe_selection import SelectionRecipe
+from waypointctl.training.run_folder import RECIPE, checkpoint_at, require_checkpoint
 from waypointctl.training.snapshot import LearnerFacts, Snapshot, restore, take
 
 ARRAYS: Final = "training.safetensors"
@@ -35,6 +37,8 @@ class Facts(BaseModel):
         seed: of the run, which need not be the file's.
         phase_steps: the lengths of the phases, which need not be the file's.
         wall_time_s: spent on training until then.
+        selection: of the run, which need not be the file's.
+        start: the policy that the run began with the weights of, which need not be there any more.
         learner: its state.
     """
 
@@ -44,6 +48,8 @@ class Facts(BaseModel):
     seed: int
     phase_steps: list[int]
     wall_time_s: float
+    selection: SelectionRecipe | None = None
+    start: StartRecord | None = None
     learner: LearnerFacts
 
 
@@ -55,7 +61,7 @@ def save_checkpoint(learner: Learner, recipe_file: RecipeFile, run: Path, wall_t
     Raises:
         OutputError: it cannot be written.
     """
-    final = run / FOLDER / f"step-{learner.steps:010d}"
+    final = checkpoint_at(run, learner.steps)
     if final.exists():
         return final
     staging = final.with_name(f".{final.name}.{os.getpid()}.tmp")
@@ -64,7 +70,7 @@ def save_checkpoint(learner: Learner, recipe_file: RecipeFile, run: Path, wall_t
         export_policy(learner, recipe_file, staging, wall_time_s)
         snapshot = take(learner)
         arrays = save(snapshot.arrays)
-        facts = _facts(recipe_file, wall_time_s, snapshot)
+        facts = _facts(learner, recipe_file, wall_time_s, snapshot)
         (staging / ARRAYS).write_bytes(arrays)
         text = json.dumps({"sha256": _sha256(facts, arrays), "facts": facts.model_dump(mode="json")})
         (staging / FACTS).write_text(text, encoding="utf-8")
@@ -77,7 +83,7 @@ def save_checkpoint(learner: Learner, recipe_file: RecipeFile, run: Path, wall_t
 
 
 def begun_as(recipe_file: RecipeFile, run: Path) -> RecipeFile:
-    """Return the recipe with the seed and the steps that a run began with.
+    """Return the recipe with the seed, the steps and the selection that a run began with.
 
     Raises:
         RecipeError: the run has no checkpoint, or its newest is damaged or of another recipe.
@@ -85,7 +91,10 @@ def begun_as(recipe_file: RecipeFile, run: Path) -> RecipeFile:
     checkpoint = require_checkpoint(run)
     facts, _ = _read(checkpoint)
     _refuse_other_file(facts, recipe_file, checkpoint)
-    recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps).model_copy(update={"seed": facts.seed})
+    began = {"seed": facts.seed, "selection": facts.selection}
+    if "selection" not in facts.model_fields_set:  # of a version that had none
+        del began["selection"]
+    recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps).model_copy(update=began)
     return replace(recipe_file, recipe=recipe)
 
 
@@ -110,22 +119,27 @@ def load_checkpoint(learner: Learner, recipe_file: RecipeFile, folder: Path) -> 
     except (KeyError, RuntimeError, ValueError, SafetensorError) as error:
         problem = f"the checkpoint does not fit this version of waypointctl: {error}"
         raise RecipeError(problem, where=str(folder), mend="Resume with the version it was made by.") from error
+    learner.start = facts.start
     return facts.wall_time_s
 
 
-def _facts(recipe_file: RecipeFile, wall_time_s: float, snapshot: Snapshot) -> Facts:
+def _facts(learner: Learner, recipe_file: RecipeFile, wall_time_s: float, snapshot: Snapshot) -> Facts:
     recipe = recipe_file.recipe
-    return Facts(
+    facts = Facts(
         recipe_sha256=recipe_file.sha256,
         seed=recipe.seed,
         phase_steps=[phase.steps for phase in recipe.phases],
         wall_time_s=wall_time_s,
+        selection=recipe.selection,
+        start=learner.start,
         learner=snapshot.facts,
     )
+    return Facts.model_validate(facts.model_dump())  # with every field set, those at their defaults too
 
 
 def _sha256(facts: Facts, arrays: bytes) -> str:
-    return hashlib.sha256(facts.model_dump_json().encode() + arrays).hexdigest()
+    # Only what the file has: fields that were added since must not change what it was.
+    return hashlib.sha256(facts.model_dump_json(exclude_unset=True).encode() + arrays).hexdigest()
 
 
 def _read(folder: Path) -> tuple[Facts, bytes]:

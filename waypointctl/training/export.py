@@ -79,5 +79,6 @@ def _description(learner: Learner, recipe_file: RecipeFile, wall_time_s: float) 
             steps=learner.steps,
             wall_time_s=round(wall_time_s, 1),
             versions={package: version(package) for package in PACKAGES},
+            start=learner.start,
         ),
     )

@@ -11,6 +11,7 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
+from waypointctl.policy.manifest import StartRecord
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.vec_env import BatchedVecEnv
@@ -27,6 +28,7 @@ class Learner:
         robots: `env` as stable-baselines3 takes it.
         normaliser: of the observations, around `robots`.
         ppo: the algorithm, with policy and optimiser.
+        start: the policy that it began with the weights of, if it did.
     """
 
     def __init__(self, recipe: Recipe, threads: int) -> None:
@@ -34,6 +36,7 @@ class Learner:
         if threads:
             torch.set_num_threads(threads)
         self.recipe = recipe
+        self.start: StartRecord | None = None
         ppo, net = recipe.ppo, recipe.network
         self.env = BatchedWaypointEnv(recipe.task(0), ppo.robots, recipe.seed, threads=threads)
         self.robots = BatchedVecEnv(self.env, ppo.reward_scale)
@@ -79,6 +82,11 @@ class Learner:
         phase, _ = self.recipe.phase_at(self.steps)
         self.env.config = self.recipe.task(phase)
         return phase
+
+    def weigh_entropy(self) -> float:
+        """Weigh the entropy bonus of the next update as the present step says; return the weight."""
+        self.ppo.ent_coef = self.recipe.entropy_at(self.steps)
+        return self.ppo.ent_coef
 
     def learn(self, callback: BaseCallback) -> None:
         """Train from the present step to the recipe's last, or until the callback ends it."""

@@ -3,6 +3,8 @@
 runs/ant-waypoint/        the run, named for its recipe: -2, -3, ... where the name is taken
     train.yaml            the recipe as it was when the run began
     checkpoints/step-.../ each a bundle, and all that training needs to go on
+    progress.csv          how it went, a row for each rollout
+    selection.json        how the checkpoints did that were tested, where the recipe wants that
     tensorboard/          scalars
     manifest.json ...     the bundle and its evaluation, when it is complete and goes nowhere else
 """
@@ -67,6 +69,11 @@ def newest_checkpoint(run: Path) -> Path | None:
     """Return the folder of a run's newest checkpoint, None if there is none."""
     steps = {int(path.name[5:]): path for path in (run / FOLDER).glob("step-*") if path.name[5:].isdecimal()}
     return steps[max(steps)] if steps else None
+
+
+def checkpoint_at(run: Path, steps: int) -> Path:
+    """Return the folder of a run's checkpoint at a control step."""
+    return run / FOLDER / f"step-{steps:010d}"
 
 
 def require_checkpoint(run: Path) -> Path:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +24,7 @@ class TrainingStatus:
         timeout_rate: of episodes.
         mean_reward: a control step, unscaled.
         learning_rate: of the optimiser.
+        entropy: weight of the entropy bonus.
     """
 
     steps: int
@@ -35,6 +38,7 @@ class TrainingStatus:
     timeout_rate: float | None
     mean_reward: float
     learning_rate: float
+    entropy: float
 
     @property
     def remaining_s(self) -> float:
@@ -48,3 +52,54 @@ class CheckpointSaved:
 
     steps: int
     folder: Path
+
+
+@dataclass(frozen=True, slots=True)
+class CheckpointTesting:
+    """A checkpoint is being tested: `ended` of the `trials` of a case have ended."""
+
+    case: str
+    ended: int
+    trials: int
+
+
+@dataclass(frozen=True, slots=True)
+class CheckpointTested:
+    """A checkpoint has been tested, for the selection of the best.
+
+    Attributes:
+        steps: of its training.
+        trials: of all cases together.
+        success_rate: of these, with deterministic actions.
+        best_steps: of the best one so far.
+        best_success_rate: of the best one so far.
+        stop_at: the success rate that ends the training, if one does.
+    """
+
+    steps: int
+    trials: int
+    success_rate: float
+    best_steps: int
+    best_success_rate: float
+    stop_at: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class StartedFrom:
+    """Training begins with another policy's weights.
+
+    Attributes:
+        policy: its name.
+        layout: of its observations.
+        own_layout: of the observations in this training.
+        others: which of the inputs mean something else here: (what it was, what it is now).
+    """
+
+    policy: str
+    layout: str
+    own_layout: str
+    others: tuple[tuple[str, str], ...]
+
+
+News: TypeAlias = TrainingStatus | CheckpointSaved | CheckpointTesting | CheckpointTested | StartedFrom
+Watch: TypeAlias = Callable[[News], None]

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from waypointctl.errors import OutputError
-from waypointctl.evaluation.evaluate import Progress, evaluate
+from waypointctl.evaluation.evaluate import Progress
 from waypointctl.evaluation.result import EVALUATION, Evaluation
 from waypointctl.evaluation.suite import load_suite
 from waypointctl.paths import refuse_unwritable_folder
@@ -18,11 +17,16 @@ from waypointctl.policy.write import copy_bundle
 from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
 from waypointctl.training.divergence import refuse_diverged
 from waypointctl.training.learner import Learner
+from waypointctl.training.progress_file import ProgressFile
 from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.run_folder import RECIPE, held, newest_checkpoint, require_checkpoint
+from waypointctl.training.run_folder import RECIPE, checkpoint_at, held, newest_checkpoint, require_checkpoint
 from waypointctl.training.scalars import scalar_logger
-from waypointctl.training.status import CheckpointSaved
-from waypointctl.training.watcher import Watch, Watcher
+from waypointctl.training.selection import Selection, with_record
+from waypointctl.training.start_from import load_origin, start_from
+from waypointctl.training.status import CheckpointSaved, Watch
+from waypointctl.training.testing import Tester, evaluate_unless, selection_suite
+from waypointctl.training.watcher import Watcher
+from waypointctl.training.whole_file import write_whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,15 +37,17 @@ class Trained:
         policy: as it stands in `folder`.
         folder: the bundle; the last checkpoint's if the training was interrupted.
         evaluation: on the paper's cases; None if the training was interrupted.
+        steps: that training went on for; the policy's own are fewer if an earlier checkpoint was selected.
+        wall_time_s: of all sessions, without the evaluation.
+        selection: the checkpoints that were tested, where the recipe wants that.
     """
 
     policy: LoadedPolicy
     folder: Path
     evaluation: Evaluation | None
-
-
-class _Interrupted(Exception):
-    """The evaluation is to end."""
+    steps: int
+    wall_time_s: float
+    selection: Selection | None
 
 
 def train(
@@ -63,7 +69,7 @@ def train(
     Args:
         recipe_file: what to do.
         out: where the finished bundle goes, with its recipe and evaluation; what is there is replaced.
-        run: the run's folder, for checkpoints and TensorBoard scalars.
+        run: the run's folder, for checkpoints, progress and TensorBoard scalars.
         threads: of physics and of torch; 0 is one a core.
         resume: go on from the newest checkpoint in `run`.
         watch: told how it goes.
@@ -73,33 +79,39 @@ def train(
     Raises:
         OutputError: `out` or `run` cannot be written, or `run` is of an earlier training that is not to be resumed.
         RecipeError: there is no checkpoint to resume from, or it is damaged or of another recipe; or the training
-            diverged.
+            diverged, or is to start from a policy of other sizes.
+        PolicyError, SuiteError: the policy to start from, or the suite to select by, is not there.
     """
     refuse_unwritable_folder(out)
     with held(run):
         learner = Learner(recipe_file.recipe, threads)
-        spent_s = _begin(learner, recipe_file, run, resume)
-        watcher = _learn(learner, recipe_file, run, spent_s, watch, interrupted)
-        saved = watcher.saved
-        assert saved is not None, "every training ends with a checkpoint"
-        policy = load_policy(saved.folder)
-        plan = recipe_file.recipe.evaluation
+        begun_s = time.monotonic() - _begin(learner, recipe_file, run, resume, watch)
+        tester = None
+        if (suite := selection_suite(recipe_file, run, resume=resume)) and (plan := recipe_file.recipe.selection):
+            selection = Selection(plan, run, learner.steps)
+            tester = Tester(selection, suite, threads=threads, begun_s=begun_s, watch=watch, interrupted=interrupted)
+        watcher = _learn(learner, recipe_file, run, begun_s, tester, watch, interrupted)
+        wall_time_s = time.monotonic() - begun_s
+        folder, policy, steps = _chosen(watcher, tester, run)
         evaluation = None
-        if not watcher.stopped:
-            evaluation = _evaluate(policy, plan.trials, plan.seed, threads, evaluating, interrupted)
+        if not watcher.interrupted:
+            evaluation = _evaluate(policy, recipe_file, threads, evaluating, interrupted)
+        tested = tester.selection if tester else None
         if evaluation is None:
-            return Trained(policy, saved.folder, evaluation=None)
+            return Trained(load_policy(folder), folder, None, steps, wall_time_s, tested)
         _finish(policy, recipe_file, evaluation, out)
-        return Trained(policy, out, evaluation)
+        return Trained(policy, out, evaluation, steps, wall_time_s, tested)
 
 
-def _begin(learner: Learner, recipe_file: RecipeFile, run: Path, resume: bool) -> float:
+def _begin(learner: Learner, recipe_file: RecipeFile, run: Path, resume: bool, watch: Watch) -> float:
     """Return the wall time spent until now [s]."""
     if resume:
         return load_checkpoint(learner, recipe_file, require_checkpoint(run))
     if newest_checkpoint(run):
         problem = "has the checkpoints of an earlier training"
         raise OutputError(problem, where=str(run), mend="Resume that training, or choose another folder.")
+    if origin := load_origin(recipe_file):
+        watch(start_from(learner, origin, recipe_file))
     _place_recipe(recipe_file, run)
     return 0.0
 
@@ -108,12 +120,11 @@ def _learn(
     learner: Learner,
     recipe_file: RecipeFile,
     run: Path,
-    spent_s: float,
+    begun_s: float,
+    tester: Tester | None,
     watch: Watch,
     interrupted: Callable[[], bool],
 ) -> Watcher:
-    begun_s = time.monotonic() - spent_s
-
     def save() -> CheckpointSaved:
         folder = save_checkpoint(learner, recipe_file, run, time.monotonic() - begun_s)
         return CheckpointSaved(learner.steps, folder)
@@ -121,9 +132,20 @@ def _learn(
     def refuse() -> None:
         refuse_diverged(learner, recipe_file, run)
 
-    watcher = Watcher(learner, watch=watch, save=save, refuse_diverged=refuse, interrupted=interrupted, begun_s=begun_s)
-    with scalar_logger(run / "tensorboard", learner.steps) as logger:
+    with scalar_logger(run / "tensorboard", learner.steps) as logger, ProgressFile(run, learner.steps) as progress:
+        watcher = Watcher(
+            learner,
+            watch=watch,
+            save=save,
+            progress=progress,
+            tester=tester,
+            refuse_diverged=refuse,
+            interrupted=interrupted,
+            begun_s=begun_s,
+        )
         learner.ppo.set_logger(logger)
+        if watcher.met:  # in an earlier session, which was ended in the evaluation
+            return watcher
         try:
             learner.learn(watcher)
         except ValueError:  # torch's distributions refuse numbers that are not finite in the middle of an update
@@ -132,25 +154,28 @@ def _learn(
     return watcher
 
 
+def _chosen(watcher: Watcher, tester: Tester | None, run: Path) -> tuple[Path, LoadedPolicy, int]:
+    """Return the checkpoint that becomes the policy, the policy, and the steps that training ended at.
+
+    It is the last one, unless the best was to be selected and training has come to its end.
+    """
+    if tester is None or watcher.interrupted:
+        assert watcher.saved is not None, "every training ends with a checkpoint"
+        return watcher.saved.folder, load_policy(watcher.saved.folder), watcher.saved.steps
+    folder = checkpoint_at(run, tester.selection.best.steps)
+    return folder, with_record(load_policy(folder), tester.selection.record()), tester.selection.last_steps
+
+
 def _evaluate(
     policy: LoadedPolicy,
-    trials: int,
-    seed: int,
+    recipe_file: RecipeFile,
     threads: int,
     evaluating: Progress,
     interrupted: Callable[[], bool],
 ) -> Evaluation | None:
     """Return how the policy does on the paper's cases, None if that was interrupted."""
-
-    def progress(case: str, ended: int) -> None:
-        if interrupted():
-            raise _Interrupted
-        evaluating(case, ended)
-
-    try:
-        return evaluate(policy, load_suite("paper"), trials, seed, threads, progress)
-    except _Interrupted:
-        return None
+    plan = recipe_file.recipe.evaluation
+    return evaluate_unless(interrupted, policy, load_suite("paper"), plan.trials, plan.seed, threads, evaluating)
 
 
 def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluation, out: Path) -> None:
@@ -161,21 +186,10 @@ def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluatio
         raise OutputError(f"cannot be replaced: {error.strerror}", where=str(out / EVALUATION)) from error
     copy_bundle(policy, out)
     _place_recipe(recipe_file, out)
-    _place(out / EVALUATION, evaluation.to_json().encode())
+    write_whole(out / EVALUATION, evaluation.to_json().encode())
 
 
 def _place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
     path = folder / RECIPE
     if not (path.exists() and path.samefile(recipe_file.path)):
-        _place(path, recipe_file.source)
-
-
-def _place(path: Path, content: bytes) -> None:
-    """Write a file so that it appears whole."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        part.write_bytes(content)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise OutputError(f"cannot be written: {error.strerror}", where=str(path)) from error
+        write_whole(path, recipe_file.source)
