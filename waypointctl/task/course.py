@@ -93,7 +93,8 @@ class Course:
         region = self.region
         if region is None:
             return "needs a perimeter; without one the shortest leg is the least distance"
-        return f"is not from 0 to {region.largest_gap_m:g} m; this {self.perimeter} has room for {region.gap_rule}"
+        most = f"{region.largest_gap_m:g} m ({region.gap_rule})"
+        return f"is not from 0 to {most}, the most that this {self.perimeter} has room for"
 
     def draw(self, rng: np.random.Generator, start: FloatArray) -> FloatArray:
         """Return waypoints (count, 2) in the world frame [m] for a robot at start (2,)."""

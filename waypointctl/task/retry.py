@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from waypointctl.errors import InputError
 from waypointctl.seeding import stream
 from waypointctl.task.progress import CourseProgress
+from waypointctl.task.stream_state import restore_stream, stream_words
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -89,6 +90,24 @@ class FailedCourses:
                 self.tries[robot, slot] += 1
                 if walked or self.tries[robot, slot] >= self.retry.tries:
                     self._forget(robot, slot)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return all that going on bit for bit needs, by name."""
+        return {**self._arrays(), "streams": np.stack([stream_words(rng) for rng in self.streams])}
+
+    def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
+        """Go on from what `state` returned.
+
+        Raises:
+            KeyError, ValueError: it is of other robots, or of another size of memory.
+        """
+        for name, array in self._arrays().items():
+            array[:] = arrays[name]
+        for rng, words in zip(self.streams, arrays["streams"], strict=True):
+            restore_stream(rng, words)
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def _remember(self, robot: int, course: FloatArray) -> None:
         if self.size[robot] == self.retry.memory:

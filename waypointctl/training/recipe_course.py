@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, Strict
+from pydantic import Field, Strict, field_validator
 
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
@@ -51,6 +51,15 @@ class CourseRecipe(CourseFields):
         5, description="how often a failed course is tried again before it is forgotten; walked, it is at once"
     )
 
+    @field_validator("cases", mode="before")
+    @classmethod
+    def _lists_in_lists(cls, cases: object) -> object:
+        # A bracket too few is the likely mistake, and would be called a number that is no mapping.
+        waypoints = [point for case in _entries(cases) for point in _entries(case)]
+        if any(isinstance(part, int | float | str) for part in (*_entries(cases), *waypoints)):
+            raise ValueError("each case is a list of waypoints, and each waypoint [x, y]: cases: [[[10 m, 10 m]]]")
+        return cases
+
     @property
     def source(self) -> Course | Cases:
         """Where courses come from."""
@@ -74,6 +83,10 @@ class CourseRecipe(CourseFields):
         for name in ("retry_memory", "retry_tries"):
             if name in self.model_fields_set and not self.retry_failed:
                 yield name, "means nothing without 'retry_failed', such as retry_failed: 0.3"
+
+
+def _entries(value: object) -> list[object]:
+    return value if isinstance(value, list) else []
 
 
 class AcceptanceRecipe(FileModel):
