@@ -6,12 +6,15 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from waypointctl.errors import PolicyError
+from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, StartSpec
 from waypointctl.evaluation.evaluate import evaluate
-from waypointctl.evaluation.result import read_evaluation, write_evaluation
-from waypointctl.evaluation.suite import AcceptanceSpec, Case, DeadlineSpec, Suite
+from waypointctl.evaluation.paths import Case, RandomPaths
+from waypointctl.evaluation.suite import Suite
+from waypointctl.evaluation.walk import Walks
 from waypointctl.policy.bundle import LoadedPolicy
 
 Make = Callable[..., LoadedPolicy]
@@ -45,7 +48,10 @@ def test_it_counts(tmp_path: Path, make_policy: Make) -> None:
 def test_it_says_what_was_tested_and_how(tmp_path: Path, make_policy: Make) -> None:
     policy = make_policy(tmp_path / "still", gain=0.0)
     found = json.loads(evaluate(policy, SUITE, trials=2, seed=3).to_json())
-    assert list(found) == [*("policy", "suite", "seed", "cases", "acceptance", "deadline", "policy_sha256", "versions")]
+    assert list(found) == [
+        *("policy", "suite", "seed", "cases", "acceptance", "deadline", "policy_sha256", "versions"),
+        *("start", "hold", "suite_acceptance", "observation", "training"),
+    ]
     assert (found["policy"], found["suite"], found["seed"]) == ("tiny", "easy", 3)
     assert found["acceptance"] == {"shape": "box", "size_m": 2.0}
     assert found["policy_sha256"] == policy.sha256
@@ -53,6 +59,7 @@ def test_it_says_what_was_tested_and_how(tmp_path: Path, make_policy: Make) -> N
     assert list(found["cases"][0]) == [
         *("name", "waypoints", "trials", "successes", "rate", "wilson95"),
         *("falls", "timeouts", "mean_time_s", "spl", "paper"),
+        *("orbiting", "stuck", "strayed", "legs", "legs_reached", "mean_leg_time_s", "mean_speed_mps", "course"),
     ]
     assert found["cases"][0]["waypoints"] == [[0.2, 0.0], [0.3, 0.1]]
 
@@ -122,7 +129,65 @@ def test_another_observation_layout_is_refused(tmp_path: Path, make_policy: Make
     assert str(caught.value).startswith(message)
 
 
-def test_an_evaluation_is_read_as_it_was_written(tmp_path: Path, make_policy: Make) -> None:
-    evaluation = evaluate(make_policy(tmp_path / "still", gain=0.0), SUITE, trials=2, seed=0)
-    write_evaluation(evaluation, tmp_path / "evaluation.json")
-    assert read_evaluation(tmp_path / "evaluation.json") == evaluation
+DRAWN = Suite(
+    name="drawn",
+    acceptance=AcceptanceSpec(shape="radius", size_m=0.2),
+    deadline=DeadlineSpec(first_s=1.0, further_s=0.5),
+    start=StartSpec(heading="random"),
+    courses=(RandomPaths(name="near", perimeter="legs", count=3, leg_m=(0.1, 0.3)),),
+)
+
+
+def walked(policy: LoadedPolicy, suite: Suite, trials: int, seed: int = 5) -> Walks:
+    seen: list[Walks] = []
+    evaluate(policy, suite, trials, seed, watch=lambda case, walks: seen.append(walks))
+    return seen[0]
+
+
+def test_a_trial_draws_the_same_and_goes_the_same_however_many_there_are(tmp_path: Path, make_policy: Make) -> None:
+    policy = make_policy(tmp_path / "wild", gain=3.0)
+    few, many = walked(policy, DRAWN, 3), walked(policy, DRAWN, 9)
+    for trial in range(3):
+        np.testing.assert_array_equal(few.paths[trial], many.paths[trial])
+        np.testing.assert_array_equal(few.ways[trial], many.ways[trial])
+    assert len({path.tobytes() for path in many.paths}) == 9
+    assert not np.array_equal(walked(policy, DRAWN, 1, seed=6).paths[0], few.paths[0])
+
+
+def test_another_acceptance_or_policy_draws_the_same_paths(tmp_path: Path, make_policy: Make) -> None:
+    first = walked(make_policy(tmp_path / "a", seed=0), DRAWN, 4)
+    wider = DRAWN.accepting(AcceptanceSpec(shape="box", size_m=1.0))
+    other = walked(make_policy(tmp_path / "b", seed=1), wider, 4)
+    np.testing.assert_array_equal(first.paths, other.paths)
+    assert [way[0].tolist() for way in first.ways] == [way[0].tolist() for way in other.ways]
+
+
+def test_drawn_paths_are_as_the_suite_says_and_start_in_any_heading(tmp_path: Path, make_policy: Make) -> None:
+    policy = make_policy(tmp_path / "still", gain=0.0)
+    paths = np.array(walked(policy, DRAWN, 60).paths)
+    legs = np.linalg.norm(np.diff(paths, axis=1, prepend=0.0), axis=2)
+    assert paths.shape == (60, 3, 2)
+    assert 0.1 <= legs.min() < 0.11
+    assert 0.29 < legs.max() <= 0.3
+    square = Suite(name="s", courses=(RandomPaths(name="q", count=2, centre_m=(3.0, 0.0), side_m=2.0),))
+    paths = np.array(walked(policy, square.model_copy(update={"deadline": SHORT}), 60).paths).reshape(-1, 2)
+    assert ((paths > [2.0, -1.0]) & (paths < [4.0, 1.0])).all()
+    assert (paths.min(axis=0) < [2.1, -0.9]).all()
+
+
+def test_the_suite_says_how_many_trials_unless_told(tmp_path: Path, make_policy: Make) -> None:
+    policy = make_policy(tmp_path / "still", gain=0.0)
+    suite = SUITE.model_copy(update={"trials": 3})
+    assert [case.trials for case in evaluate(policy, suite).cases] == [3, 3]
+    whole = evaluate(policy, suite, 2)
+    assert (whole.trials, whole.successes, whole.rate) == (4, 2, 0.5)
+    assert whole.wilson95 == pytest.approx((0.150, 0.850), abs=5e-4)  # Newcombe's method 3 at 2 of 4
+
+
+def test_every_trial_is_counted_once(tmp_path: Path, make_policy: Make) -> None:
+    for seed in range(3):
+        (case,) = evaluate(make_policy(tmp_path / f"{seed}", seed=seed, gain=3.0), DRAWN, 20, 1).cases
+        assert case.strayed == 0
+        assert case.successes + case.falls + case.timeouts == case.trials == 20
+        assert case.course == DRAWN.courses[0]
+        assert case.waypoints == ()

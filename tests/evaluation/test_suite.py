@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+from importlib.resources import files
 from pathlib import Path
 
+import fastjsonschema
 import pytest
+from ruamel.yaml import YAML
 
 from waypointctl.errors import SuiteError
-from waypointctl.evaluation.suite import load_suite
+from waypointctl.evaluation.suite import BUILT_IN, load_suite, suite_schema
 
 PAPER = {  # Tables 1 to 3, policy 5
     ((10, 10),): 1.0,
@@ -30,7 +33,7 @@ def refusal(path: Path, text: str) -> str:
 
 def test_the_papers_suite_is_the_papers_tables() -> None:
     suite = load_suite("paper")
-    assert {case.waypoints: case.paper for case in suite.cases} == PAPER
+    assert {case.path: case.paper for case in suite.cases} == PAPER
     assert len({case.name for case in suite.cases}) == 10
     assert (suite.acceptance.shape, suite.acceptance.size_m) == ("box", 0.5)
     assert (suite.deadline.first_s, suite.deadline.further_s) == (10, 20)
@@ -47,7 +50,7 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
     suite = load_suite(str(path))
     assert suite.name == "my-suite"
     assert (suite.acceptance.to_task().shape, suite.acceptance.to_task().size_m) == ("radius", 0.3)
-    assert suite.cases[0].waypoints == ((7.0, 12.0), (14.0, 14.5))
+    assert suite.cases[0].path == ((7.0, 12.0), (14.0, 14.5))
     assert suite.cases[0].paper is None
 
 
@@ -55,8 +58,38 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("name: x\ncases: [{name: a, waypoints: [[1, 2]]}]\nacceptence: {}\n", ":3:1: acceptence: unknown key; did"),
-        ("name: x\ncases: []\n", ":2:8: cases: a suite needs at least one case"),
-        ("name: x\ncases: [{name: a, waypoints: []}]\n", "cases[0].waypoints: a path needs at least one waypoint"),
+        ("name: x\n", ":1:1: a suite needs 'cases', 'courses' or both"),
+        (
+            "name: x\ncourses: [{name: a, leg: [3 m, 2 m], perimeter: legs}]\n",
+            ":2:11: courses[0]: leg_m [3.0, 2.0]: the",
+        ),
+        ("name: x\ncourses: [{name: a, perimeter: legs, side: 3 m}]\n", "courses[0]: side_m has no effect with 'perim"),
+        ("name: x\ncourses: [{name: a, leg_m: [1, 2]}]\n", "courses[0]: leg_m has no effect with 'perimeter: square'"),
+        ("name: x\ncourses: [{name: a, perimeter: disk}]\n", "courses[0].perimeter: 'disk' is not 'square' or 'legs'"),
+        ("name: x\ncourses: [{name: a, side: 0 m}]\n", ":2:27: courses[0].side: 0 m is not > 0 m"),
+        ("name: x\ncourses: [{name: a, count: 0}]\n", "courses[0].count: 0 is not > 0"),
+        ("name: x\ncourses: [{name: a}]\ncases: [{name: a, waypoints: [[1, 2]]}]\n", "more than one is called a"),
+        ("name: x\ntrials: 0\ncourses: [{name: a}]\n", ":2:9: trials: 0 is not > 0"),
+        ("name: x\nhold: {within: 0 m}\ncourses: [{name: a}]\n", ":2:16: hold.within: 0 m is not > 0 m"),
+        (
+            "name: x\nstart: {heading: north}\ncourses: [{name: a}]\n",
+            "start.heading: 'north' is not 'random' or 'along_x'",
+        ),
+        (
+            "name: x\nacceptance: {size: 3}\ncourses: [{name: a}]\n",
+            "size: 3 has no unit; write 'size: 3 m' or 'size_m: 3'",
+        ),
+        (
+            "name: x\ncourses: [{name: a}]\ntables: [{title: T, policies: [1], cases: [a]}]\n",
+            "tables: 'T' names the policy 1, which 'policies' does not have",
+        ),
+        (
+            "name: x\ncourses: [{name: a}]\npolicies: [{number: 1, training: waypoints, observation: state}]\n"
+            "tables: [{title: T, policies: [1], cases: [a]}]\n",
+            "tables: 'T' names the case 'a', which 'cases' does not have",
+        ),
+        ("name: x\ncases: []\n", ":2:8: cases: has 0 entries; at least 1 are needed"),
+        ("name: x\ncases: [{name: a, waypoints: []}]\n", "cases[0].waypoints: has 0 entries; at least 1 are"),
         ("name: x\ncases: [{name: a, waypoints: [[1, .nan]]}]\n", ":2:35: cases[0].waypoints[0][1]: nan is not"),
         ("name: x\ncases: [{name: a, waypoints: [[1, -.inf]]}]\n", "cases[0].waypoints[0][1]: -inf is not"),
         ("name: x\ncases: [{name: a, waypoints: [[true, 1]]}]\n", "waypoints[0][0]: true is not a number"),
@@ -102,7 +135,47 @@ def test_one_bad_number_is_one_problem(tmp_path: Path) -> None:
 
 
 def test_a_suite_that_is_not_there_is_refused_with_those_that_are(tmp_path: Path) -> None:
-    with pytest.raises(SuiteError, match=r"papers: there is no such file\n  give a YAML file, or .*: paper$"):
+    with pytest.raises(
+        SuiteError, match=r"papers: there is no such file\n  give a YAML file, or .*: paper, region, anywhere, station$"
+    ):
         load_suite("papers")
     with pytest.raises(SuiteError, match="is a folder, not a file"):
         load_suite(str(tmp_path))
+
+
+def test_what_the_built_in_suites_say() -> None:
+    region, anywhere, station = (load_suite(name) for name in ("region", "anywhere", "station"))
+    ways = [
+        (s.trials, s.courses[0].perimeter, s.courses[0].count, s.start.heading) for s in (region, anywhere, station)
+    ]
+    assert ways == [(1000, "square", 4, "along_x"), (200, "legs", 20, "random"), (1000, "legs", 1, "random")]
+    assert (region.courses[0].centre_m, region.courses[0].side_m) == ((10.0, 10.0), 10.0)
+    assert anywhere.courses[0].leg_m == station.courses[0].leg_m == (1.0, 10.0)
+    assert [str(s.acceptance) for s in (region, anywhere, station)] == ["box 0.5 m", "box 0.5 m", "radius 0.3 m"]
+    assert (region.hold, anywhere.hold) == (None, None)
+    assert station.hold is not None
+    assert (station.hold.time_s, station.hold.within_m) == (10.0, 0.5)
+
+
+def test_both_spellings_of_a_quantity_are_the_same_suite(tmp_path: Path) -> None:
+    texts = (
+        "acceptance: {shape: radius, size: 30 cm}\ndeadline: {first: 1 min, further: 0 s}\nhold: {time: 5 s}\n"
+        "cases: [{name: a, waypoints: [[1 m, 200 cm]]}]\ncourses: [{name: b, side: 4 m, centre: [1 m, 2 m]}]\n",
+        "acceptance: {shape: radius, size_m: 0.3}\ndeadline: {first_s: 60, further_s: 0}\nhold: {time_s: 5}\n"
+        "cases: [{name: a, waypoints: [[1, 2]]}]\ncourses: [{name: b, side_m: 4, centre_m: [1, 2]}]\n",
+    )
+    read = []
+    for number, text in enumerate(texts):
+        (tmp_path / f"{number}.yaml").write_text(f"name: x\n{text}")
+        read.append(load_suite(str(tmp_path / f"{number}.yaml")))
+    assert read[0] == read[1]
+    assert (read[0].acceptance.size_m, read[0].cases[0].path) == (0.3, ((1.0, 2.0),))
+
+
+def test_the_schema_takes_the_built_in_suites_and_no_other_perimeter() -> None:
+    validate = fastjsonschema.compile(suite_schema())
+    suites = files("waypointctl.evaluation") / "suites"
+    for name in BUILT_IN:
+        validate(YAML(typ="safe").load((suites / f"{name}.yaml").read_text(encoding="utf-8")))
+    with pytest.raises(fastjsonschema.JsonSchemaException, match="perimeter"):
+        validate({"name": "x", "courses": [{"name": "a", "perimeter": "moon"}]})

@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 def evaluate_policy(
     policy: Annotated[Path, typer.Argument(metavar="POLICY", help="Its folder.", show_default=False)],
     suite: Annotated[str, typer.Option(help="The paths: 'paper', or a YAML file.")] = "paper",
-    trials: Annotated[int, typer.Option(min=1, max=100_000, help="How often each path is walked.")] = 100,
+    trials: Annotated[
+        int | None,
+        typer.Option(min=1, max=100_000, help="How often each path is walked; as the suite says.", show_default=False),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the postures that the trials start in.")] = 0,
     require: Annotated[
         float | None,
@@ -34,7 +37,7 @@ def evaluate_policy(
     from waypointctl.cli.console import console
     from waypointctl.cli.view.evaluation import evaluation_table
     from waypointctl.evaluation.evaluate import evaluate
-    from waypointctl.evaluation.result import write_evaluation
+    from waypointctl.evaluation.saved import write_evaluation
     from waypointctl.evaluation.suite import load_suite
     from waypointctl.paths import refuse_unwritable_file
     from waypointctl.policy.bundle import load_policy
@@ -43,7 +46,7 @@ def evaluate_policy(
     if out is not None:
         refuse_unwritable_file(out, "the evaluation")
     loaded = load_policy(policy)
-    with _progress(chosen, trials) as progress:
+    with _progress(chosen, trials or chosen.trials) as progress:
         evaluation = evaluate(loaded, chosen, trials, seed, threads, progress)
     people = console(stderr=json)
     people.print(evaluation_table(evaluation, people.width))
@@ -75,5 +78,5 @@ def _progress(suite: Suite, trials: int) -> Iterator[Progress | None]:
     from rich.progress import Progress as Bars
 
     with Bars(console=people, transient=True) as bars:
-        tasks = {case.name: bars.add_task(case.name, total=trials) for case in suite.cases}
+        tasks = {case.name: bars.add_task(case.name, total=trials) for case in suite.walked}
         yield lambda case, ended: bars.update(tasks[case], completed=ended)

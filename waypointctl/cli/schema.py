@@ -23,7 +23,13 @@ def _recipe() -> dict[str, Any]:
     return recipe_schema()
 
 
-_SCHEMAS: Final[dict[str, Callable[[], dict[str, Any]]]] = {"mission": _mission, "recipe": _recipe}
+def _suite() -> dict[str, Any]:
+    from waypointctl.evaluation.suite import suite_schema
+
+    return suite_schema()
+
+
+_SCHEMAS: Final[dict[str, Callable[[], dict[str, Any]]]] = {"mission": _mission, "recipe": _recipe, "suite": _suite}
 
 
 def schema(of: Annotated[str, typer.Argument(metavar="|".join(_SCHEMAS), help="What the file is.")]) -> None:

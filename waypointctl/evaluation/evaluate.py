@@ -7,13 +7,12 @@ from functools import partial
 from importlib.metadata import version
 from typing import TypeAlias
 
-import numpy as np
-
 from waypointctl.errors import InputError, PolicyError
-from waypointctl.evaluation.result import CaseResult, Evaluation
-from waypointctl.evaluation.suite import Case, Suite
+from waypointctl.evaluation.paths import Case, RandomPaths
+from waypointctl.evaluation.result import Evaluation
+from waypointctl.evaluation.suite import Suite
+from waypointctl.evaluation.summary import summary
 from waypointctl.evaluation.walk import Walks, walk
-from waypointctl.evaluation.wilson import wilson_interval
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.require import require
 from waypointctl.seeding import stream
@@ -21,39 +20,47 @@ from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig
 
 Progress: TypeAlias = Callable[[str, int], None]  # (the case's name, its trials that have ended)
+Watch: TypeAlias = Callable[[Case | RandomPaths, Walks], None]
 
 
 def evaluate(
     policy: LoadedPolicy,
     suite: Suite,
-    trials: int,
-    seed: int,
+    trials: int | None = None,
+    seed: int = 0,
     threads: int = 0,
     progress: Progress | None = None,
+    watch: Watch | None = None,
 ) -> Evaluation:
-    """Walk each path of a suite `trials` times and count.
+    """Walk each path of a suite many times and count.
 
-    Trial i of a case starts with the same posture whatever the other cases and however many trials there are.
+    Trial i of a case starts in the same posture, and walks the same path where paths are drawn, whatever the policy,
+    the acceptance and the other cases are and however many trials there are.
 
     Args:
         policy: what is tested.
         suite: the paths.
-        trials: of each case, > 0; they are walked side by side.
-        seed: of the starts, not negative.
+        trials: of each case, > 0; they are walked side by side. None: as many as the suite says.
+        seed: of the starts and of random paths, not negative.
         threads: of the physics; 0 is one a core. The result does not depend on it.
         progress: called whenever trials have ended.
+        watch: given the trials of each case, for those who want more than the counts.
 
     Raises:
         PolicyError: it was made for a robot or an observation layout that there is not, or not any more.
     """
+    trials = suite.trials if trials is None else trials
     env = _env(policy, suite, trials, seed, threads)
     results = []
-    for case in suite.cases:
+    for case in suite.walked:
         name = f"evaluation/{suite.name}/{case.name}"
         env.starts = [stream(seed, name, trial) for trial in range(trials)]
         env.courses = [stream(seed, f"{name}/course", trial) for trial in range(trials)]
-        ended = partial(progress, case.name) if progress else _ignore
-        results.append(_summary(case, walk(env, policy, np.array(case.waypoints), ended)))
+        paths = [case.draw(seed, f"{name}/path", trial) for trial in range(trials)]
+        walks = walk(env, policy, paths, partial(progress, case.name) if progress else _ignore, suite.hold)
+        if watch is not None:
+            watch(case, walks)
+        results.append(summary(case, walks))
     return Evaluation(
         policy=policy.manifest.name,
         suite=suite.name,
@@ -63,6 +70,9 @@ def evaluate(
         deadline=suite.deadline,
         policy_sha256=policy.sha256,
         versions={name: version(name) for name in ("waypointctl", "mujoco", "numpy", "onnxruntime")},
+        start=suite.start,
+        hold=suite.hold,
+        observation=policy.observation_layout,
     )
 
 
@@ -72,8 +82,9 @@ def _env(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, threads: in
         observation=policy.observation_layout,
         acceptance=suite.acceptance.to_task(),
         deadline=suite.deadline.to_task(),
+        start=suite.start.to_task(),
     )
-    longest = max(len(case.waypoints) for case in suite.cases)
+    longest = max(case.longest for case in suite.walked)
     try:
         env = BatchedWaypointEnv(config, trials, seed, threads=threads, max_waypoints=longest, autoreset=False)
     except InputError as error:
@@ -86,23 +97,6 @@ def _env(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, threads: in
         control_period_ns=env.robot.control_period_ns,
     )
     return env
-
-
-def _summary(case: Case, walks: Walks) -> CaseResult:
-    trials, successes = len(walks.success), int(walks.success.sum())
-    return CaseResult(
-        name=case.name,
-        waypoints=case.waypoints,
-        trials=trials,
-        successes=successes,
-        rate=successes / trials,
-        wilson95=wilson_interval(successes, trials),
-        falls=int(walks.fell.sum()),
-        timeouts=int(walks.timed_out.sum()),
-        mean_time_s=float(walks.time_s[walks.success].mean()) if successes else None,
-        spl=walks.spl,
-        paper=case.paper,
-    )
 
 
 def _ignore(ended: int) -> None:

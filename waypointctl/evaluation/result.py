@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from waypointctl.errors import InputError, OutputError
-from waypointctl.evaluation.suite import AcceptanceSpec, DeadlineSpec
+from waypointctl.errors import InputError
+from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec, StartSpec
+from waypointctl.evaluation.paper import Training
+from waypointctl.evaluation.paths import RandomPaths
+from waypointctl.evaluation.wilson import wilson_interval
 
-EVALUATION: Final = "evaluation.json"  # its name in a policy's folder
+EVALUATION: Final = "evaluation.json"  # its name in a policy's folder: what the paper's suite found
 
 Point: TypeAlias = tuple[float, float]
 
@@ -20,19 +25,37 @@ class _Record(BaseModel):
 
 
 class CaseResult(_Record):
-    """How often and how well a policy walked one path."""
+    """How often and how well a policy walked one path, or paths drawn in one way.
+
+    What an evaluation of an earlier version did not measure is None.
+    """
 
     name: str
-    waypoints: tuple[Point, ...]  # [m]
+    waypoints: tuple[Point, ...]  # [m]; none where they were drawn
     trials: int
-    successes: int  # all waypoints reached in time
+    successes: int  # all waypoints reached in time, and the last one held where that was asked for
     rate: float
     wilson95: tuple[float, float]
     falls: int
     timeouts: int
-    mean_time_s: float | None  # of the successes; None if there are none
+    mean_time_s: float | None  # from the start to the last waypoint, of the successes; None if there are none
     spl: float  # success weighted by path length, mean over all trials
     paper: float | None  # the published rate, where there is one
+    orbiting: int | None = None  # of the time-outs, those that ended walking round their waypoint
+    stuck: int | None = None  # of the time-outs, those that ended walking nowhere; the others were just late
+    strayed: int | None = None  # reached the last waypoint, but did not stay there: neither fall nor time-out
+    legs: int | None = None  # legs that were set out on
+    legs_reached: int | None = None  # of those, the ones whose waypoint was reached
+    mean_leg_time_s: float | None = None  # of the legs that were reached, in all trials
+    mean_speed_mps: float | None = None  # of the successes: all metres walked to the last waypoint by all seconds
+    course: RandomPaths | None = None  # how the paths were drawn; None where they were given
+
+    @property
+    def late(self) -> int | None:
+        """Of the time-outs, those that were neither orbiting nor stuck."""
+        if self.orbiting is None or self.stuck is None:
+            return None
+        return self.timeouts - self.orbiting - self.stuck
 
 
 class Evaluation(_Record):
@@ -46,23 +69,48 @@ class Evaluation(_Record):
     deadline: DeadlineSpec
     policy_sha256: str
     versions: dict[str, str]
+    start: StartSpec = StartSpec()
+    hold: HoldSpec | None = None
+    suite_acceptance: AcceptanceSpec | None = None  # the suite's own, where another one was asked for
+    observation: str | None = None  # the policy's observation layout
+    training: Training | None = None  # what the policy was trained on, where its recipe says so
+
+    @property
+    def trials(self) -> int:
+        """Of all cases together."""
+        return sum(case.trials for case in self.cases)
+
+    @property
+    def successes(self) -> int:
+        """Of all cases together."""
+        return sum(case.successes for case in self.cases)
+
+    @property
+    def rate(self) -> float:
+        """Of all cases together."""
+        return self.successes / self.trials
+
+    @property
+    def wilson95(self) -> tuple[float, float]:
+        """The interval of `rate`."""
+        return wilson_interval(self.successes, self.trials)
+
+    @property
+    def conditions(self) -> str:
+        """The suite as people call it, with the acceptance where it is not the suite's own."""
+        return self.suite if self.suite_acceptance is None else f"{self.suite}, {self.acceptance}"
 
     def to_json(self) -> str:
         """Return the evaluation as indented JSON, the same text for the same evaluation."""
         return f"{self.model_dump_json(indent=2)}\n"
 
 
-def write_evaluation(evaluation: Evaluation, path: Path) -> None:
-    """Write the evaluation as JSON.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    try:
-        path.write_text(evaluation.to_json(), encoding="utf-8")
-    except OSError as error:
-        problem = f"the evaluation cannot be written: {error.strerror}"
-        raise OutputError(problem, where=str(path), mend="give a file in a folder that you can write to") from error
+def evaluations_json(evaluations: Sequence[Evaluation]) -> str:
+    """Return one evaluation as it is, several as {"evaluations": [...]}."""
+    if len(evaluations) == 1:
+        return evaluations[0].to_json()
+    records = [evaluation.model_dump(mode="json") for evaluation in evaluations]
+    return f"{json.dumps({'evaluations': records}, indent=2, ensure_ascii=False)}\n"
 
 
 def read_evaluation(path: Path) -> Evaluation:
@@ -71,7 +119,7 @@ def read_evaluation(path: Path) -> Evaluation:
     Raises:
         InputError: the file cannot be read or is not an evaluation.
     """
-    mend = "write it again with `waypointctl eval POLICY --out evaluation.json`"
+    mend = "write it again with `waypointctl eval POLICY --save`"
     try:
         return Evaluation.model_validate_json(path.read_bytes())
     except OSError as error:

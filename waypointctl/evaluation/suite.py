@@ -1,88 +1,79 @@
-"""What a policy is tested on: paths to walk, and when a waypoint counts as reached."""
+"""What a policy is tested on: paths to walk, and when a trial is a success."""
 
 from __future__ import annotations
 
 from collections import Counter
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Final, Literal, TypeAlias
+from typing import Annotated, Any, Final, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, Strict, model_validator
 
 from waypointctl.errors import SuiteError
-from waypointctl.mission.mission import Hold, Position, Timeout, Tolerance  # a suite's bounds are a mission's
+from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec, StartSpec
+from waypointctl.evaluation.paper import PaperPolicy, PaperTable
+from waypointctl.evaluation.paths import Case, RandomPaths
+from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.mission import Name
 from waypointctl.mission.yaml_source import read_model, read_source
-from waypointctl.task.acceptance import Acceptance
-from waypointctl.task.course import Deadline
 
-BUILT_IN: Final = ("paper",)
+BUILT_IN: Final = ("paper", "region", "anywhere", "station")
+MOST_TRIALS: Final = 100_000
 
-Number: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # strict: true is not 1.0
-Name: TypeAlias = Annotated[str, Field(min_length=1)]
+Walked: TypeAlias = Case | RandomPaths
 
 
-class _Record(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class AcceptanceSpec(_Record):
-    """The region around a waypoint: `size_m` is half the box's side, or the radius [m]."""
-
-    shape: Literal["box", "radius"] = "box"
-    size_m: Tolerance = 0.5
-
-    def to_task(self) -> Acceptance:
-        """Return it as the task takes it."""
-        return Acceptance(self.shape, self.size_m)
-
-
-class DeadlineSpec(_Record):
-    """The time limit: `first_s` for the first waypoint, and `further_s` more for each one reached [s]."""
-
-    first_s: Timeout = 10.0
-    further_s: Hold = 20.0
-
-    def to_task(self) -> Deadline:
-        """Return it as the task takes it."""
-        return Deadline(self.first_s, self.further_s)
-
-
-class Case(_Record):
-    """One path, from the origin through its waypoints."""
+class Suite(FileModel):
+    """A list of paths, given or drawn, each of them walked in many trials."""
 
     name: Name
-    waypoints: tuple[Position, ...]  # [m]
-    paper: Annotated[Number, Field(ge=0, le=1)] | None = None  # the published success rate
-
-    # Not Field(min_length=1): pydantic would also call a list too short whose items are wrong.
-    @field_validator("waypoints")
-    @classmethod
-    def _leads_somewhere(cls, waypoints: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        if not waypoints:
-            raise ValueError("a path needs at least one waypoint, [x, y] in m")
-        return waypoints
-
-
-class Suite(_Record):
-    """A list of paths that every trial walks in the same way."""
-
-    name: Name
+    description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
+    trials: Annotated[int, Strict(), Field(gt=0, le=MOST_TRIALS)] = Field(
+        100, description="of each case, unless told otherwise"
+    )
     acceptance: AcceptanceSpec = AcceptanceSpec()
     deadline: DeadlineSpec = DeadlineSpec()
-    cases: tuple[Case, ...]
+    start: StartSpec = StartSpec()
+    hold: HoldSpec | None = Field(None, description="to stand at the last waypoint; left out: reaching it is enough")
+    cases: Annotated[tuple[Case, ...], Field(min_length=1, max_length=1000)] = Field((), description="given paths")
+    courses: Annotated[tuple[RandomPaths, ...], Field(min_length=1, max_length=1000)] = Field(
+        (), description="random paths"
+    )
+    policies: tuple[PaperPolicy, ...] = Field((), description="of the paper that the suite is from")
+    tables: tuple[PaperTable, ...] = Field((), description="of the paper that the suite is from")
 
-    @field_validator("cases")
-    @classmethod
-    def _tests_something(cls, cases: tuple[Case, ...]) -> tuple[Case, ...]:
-        if not cases:
-            raise ValueError("a suite needs at least one case")
-        return cases
+    @property
+    def walked(self) -> tuple[Walked, ...]:
+        """The cases, given ones first."""
+        return (*self.cases, *self.courses)
+
+    def accepting(self, acceptance: AcceptanceSpec) -> Suite:
+        """Return the suite with another acceptance region."""
+        return self.model_copy(update={"acceptance": acceptance})
+
+    @model_validator(mode="after")
+    def _tests_something(self) -> Suite:
+        if not self.walked:
+            raise ValueError("a suite needs 'cases', 'courses' or both")
+        return self
 
     @model_validator(mode="after")
     def _names_are_unique(self) -> Suite:
-        counts = Counter(case.name for case in self.cases)
+        counts = Counter(case.name for case in self.walked)
         if twice := [name for name, count in counts.items() if count > 1]:
             raise ValueError(f"each case needs a name of its own; more than one is called {', '.join(twice)}")
+        return self
+
+    @model_validator(mode="after")
+    def _tables_name_what_there_is(self) -> Suite:
+        numbers, names = {policy.number for policy in self.policies}, {case.name for case in self.cases}
+        for table in self.tables:
+            if unknown := [str(number) for number in table.policies if number not in numbers]:
+                raise ValueError(
+                    f"tables: {table.title!r} names the policy {unknown[0]}, which 'policies' does not have"
+                )
+            if strange := [name for name in table.cases if name not in names]:
+                raise ValueError(f"tables: {table.title!r} names the case {strange[0]!r}, which 'cases' does not have")
         return self
 
 
@@ -101,3 +92,10 @@ def load_suite(name_or_file: str) -> Suite:
         mend = f"give a YAML file, or a suite that comes with waypointctl: {', '.join(BUILT_IN)}"
         raise SuiteError(error.problem, where=error.where, mend=mend) from error
     return read_model(source, name_or_file, Suite, SuiteError)
+
+
+def suite_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 7) of a suite, with every spelling that is read."""
+    from waypointctl.mission.file_schema import model_schema
+
+    return model_schema(Suite, "waypointctl suite")

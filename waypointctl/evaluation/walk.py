@@ -1,41 +1,61 @@
-"""Walking one path many times at once."""
+"""Walking many paths at once, each robot one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.evaluation.conditions import HoldSpec
+from waypointctl.evaluation.track import TRACED, Track, is_orbiting, is_stuck
 from waypointctl.policy.protocol import Policy
-from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.units import seconds
+from waypointctl.sim.stance import stance_action
+from waypointctl.task.batched import BatchedWaypointEnv, Step
+from waypointctl.units import ns, seconds
 
 FloatArray: TypeAlias = NDArray[np.float64]
+IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
 class Walks:
-    """How n trials of one path went, each an array (n,). A trial is a success, a fall or a timeout.
+    """How n trials went, each an array (n,). A trial ends in exactly one of success, fell, timed_out and strayed.
 
     Attributes:
-        success: all waypoints were reached.
-        fell: it ended in a fall.
+        success: all waypoints were reached, and the last one was held where that was asked for.
+        fell: it ended in a fall, also in one at the last waypoint.
         timed_out: it ended at the deadline.
-        time_s: from the start to the end of the trial [s].
-        walked_m: length of the torso's path over the ground [m].
+        strayed: the last waypoint was reached, but the robot did not stay there.
+        orbiting: of the time-outs, the robot was walking round its waypoint.
+        stuck: of the time-outs, the robot was walking nowhere.
+        time_s: from the start until the last waypoint was reached, or the trial ended before [s].
+        walked_m: length of the torso's path over the ground in that time [m].
         straight_m: length of the straight lines from the start through the waypoints [m].
+        legs: waypoints of the path.
+        legs_reached: how many of them were reached.
+        legs_time_s: from the start until the last of those [s].
+        paths: each the waypoints (m, 2) [m].
+        ways: each where the torso was, ten times a second, (k, 2) [m]; of the first TRACED trials.
     """
 
     success: BoolArray
     fell: BoolArray
     timed_out: BoolArray
+    strayed: BoolArray
+    orbiting: BoolArray
+    stuck: BoolArray
     time_s: FloatArray
     walked_m: FloatArray
     straight_m: FloatArray
+    legs: IntArray
+    legs_reached: IntArray
+    legs_time_s: FloatArray
+    paths: tuple[FloatArray, ...]
+    ways: tuple[FloatArray, ...]
 
     @property
     def spl(self) -> float:
@@ -43,45 +63,147 @@ class Walks:
         return float(np.mean(self.success * self.straight_m / np.maximum(self.straight_m, self.walked_m)))
 
 
-def walk(env: BatchedWaypointEnv, policy: Policy, waypoints: FloatArray, ended: Callable[[int], None]) -> Walks:
-    """Walk waypoints (m, 2) [m] with every robot of `env`, made with autoreset off, until each trial has ended.
+def walk(
+    env: BatchedWaypointEnv,
+    policy: Policy,
+    paths: Sequence[FloatArray],
+    ended: Callable[[int], None],
+    hold: HoldSpec | None = None,
+) -> Walks:
+    """Walk a path with each robot of `env`, made with autoreset off, until each trial has ended.
 
-    Robots whose trial has ended lie with their motors off while the others walk on.
+    A robot that is to hold its last waypoint is given to its own standing in the moment it is there, as the executive
+    on board does. Robots whose trial has ended lie with their motors off while the others walk on.
 
     Args:
-        env: as many robots as trials.
+        env: as many robots as paths.
         policy: what walks them; its actions are taken as they are.
-        waypoints: the path, without the start.
+        paths: each the waypoints (m, 2) [m], without the start.
         ended: called with the number of trials that have ended so far, whenever it grows.
+        hold: what is asked at the last waypoint; None: nothing.
     """
-    env.begin(range(env.num_robots), waypoints)
-    position = env.batch.qpos[:, :2].copy()
-    straight_m = _length(position, waypoints)
-    success, fell, timed_out = (np.zeros(env.num_robots, bool) for _ in range(3))
-    steps = np.zeros(env.num_robots, np.int64)
-    walked_m = np.zeros(env.num_robots)
-    walking = np.ones(env.num_robots, bool)
+    for robot, path in enumerate(paths):
+        env.begin([robot], path)
+    trials = _Trials(env, paths, hold)
     observation = env.observe()
-    while walking.any():
-        step = env.step(np.where(walking[:, np.newaxis], policy.act(observation), 0.0))
+    while trials.are_going:
+        step = env.step(trials.actions(policy, observation))
         observation = step.observation
-        before, position = position, env.batch.qpos[:, :2].copy()
-        walked_m += walking * np.linalg.norm(position - before, axis=1)
-        steps += walking
-
-        success |= walking & step.success
-        fell |= walking & step.terminated
-        timed_out |= walking & step.truncated & ~step.success
-        now_ended = walking & (step.terminated | step.truncated)
-        walking &= ~now_ended
-        if now_ended.any():
-            ended(int(env.num_robots - walking.sum()))
-    time_s = steps.astype(np.float64) * seconds(env.robot.control_period_ns)
-    return Walks(success, fell, timed_out, time_s, walked_m, straight_m)
+        if trials.take(step):
+            ended(trials.num_ended)
+    return trials.walks()
 
 
-def _length(start: FloatArray, waypoints: FloatArray) -> FloatArray:
-    """Return the length (n,) of the straight lines from start (n, 2) through waypoints (m, 2)."""
-    first = np.linalg.norm(waypoints[0] - start, axis=1)
-    rest = np.linalg.norm(np.diff(waypoints, axis=0), axis=1).sum()
-    return np.asarray(first + rest)
+class _Trials:
+    """The trials that are under way: who walks, who holds, and what has come of the others."""
+
+    def __init__(self, env: BatchedWaypointEnv, paths: Sequence[FloatArray], hold: HoldSpec | None) -> None:
+        n = env.num_robots
+        self._env, self._paths, self._hold = env, tuple(paths), hold
+        self._position: FloatArray = env.batch.qpos[:, :2].copy()
+        self._start = self._position
+        self._end = self._position.copy()
+        self._track = Track(self._position, env.robot.control_period_ns)
+        self._walking: BoolArray = np.ones(n, bool)
+        self._holding: BoolArray = np.zeros(n, bool)
+        self._success, self._fell, self._timed_out, self._strayed, self._orbiting, self._stuck = (
+            np.zeros(n, bool) for _ in range(6)
+        )
+        self._steps, self._legs_reached, self._legs_steps, self._held = (np.zeros(n, np.int64) for _ in range(4))
+        self._walked_m: FloatArray = np.zeros(n)
+
+    @property
+    def are_going(self) -> bool:
+        return bool((self._walking | self._holding).any())
+
+    @property
+    def num_ended(self) -> int:
+        return int((~(self._walking | self._holding)).sum())
+
+    def actions(self, policy: Policy, observation: FloatArray) -> FloatArray:
+        """Return what each robot does next (n, nu); a row does not depend on who else still walks."""
+        env, walking, holding = self._env, self._walking, self._holding
+        actions: FloatArray = np.zeros((env.num_robots, env.robot.num_joints))
+        if walking.any():
+            actions[walking] = policy.act(observation[walking])
+        if holding.any():
+            actions[holding] = stance_action(env.robot, env.batch.qpos[holding], env.batch.qvel[holding])
+        return actions
+
+    def take(self, step: Step) -> bool:
+        """Take what a control step came to; return whether a trial has ended in it."""
+        going = self._walking | self._holding
+        before, self._position = self._position, self._env.batch.qpos[:, :2].copy()
+        self._steps += self._walking
+        self._walked_m += self._walking * np.linalg.norm(self._position - before, axis=1)
+        self._track.add(self._position)
+
+        self._fell |= going & step.terminated
+        self._count_legs(self._walking & step.reached & ~step.terminated)
+        self._hold_on(self._holding & ~step.terminated)
+        self._time_out(self._walking & step.truncated & ~step.success)
+        self._arrive(self._walking & step.success)
+
+        done = going & (self._success | self._fell | self._timed_out | self._strayed)
+        self._walking &= ~done
+        self._holding &= ~done
+        self._end[done] = self._position[done]
+        return bool(done.any())
+
+    def walks(self) -> Walks:
+        period_s = seconds(self._env.robot.control_period_ns)
+        traced = range(min(TRACED, self._env.num_robots))
+        steps = self._steps + self._held
+        return Walks(
+            success=self._success,
+            fell=self._fell,
+            timed_out=self._timed_out,
+            strayed=self._strayed,
+            orbiting=self._orbiting,
+            stuck=self._stuck,
+            time_s=self._steps.astype(np.float64) * period_s,
+            walked_m=self._walked_m,
+            straight_m=np.array([_length(*ends) for ends in zip(self._start, self._paths, strict=True)]),
+            legs=np.array([len(path) for path in self._paths]),
+            legs_reached=self._legs_reached,
+            legs_time_s=self._legs_steps.astype(np.float64) * period_s,
+            paths=self._paths,
+            ways=tuple(self._track.way(i, int(steps[i]), self._end[i]) for i in traced),
+        )
+
+    def _count_legs(self, reached: BoolArray) -> None:
+        self._legs_reached += reached
+        self._legs_steps[reached] = self._steps[reached]
+
+    def _arrive(self, arrived: BoolArray) -> None:
+        if self._hold is None:
+            self._success |= arrived
+            return
+        self._walking &= ~arrived
+        self._holding |= arrived
+        self._strayed |= arrived & self._is_off(self._hold)
+
+    def _hold_on(self, holding: BoolArray) -> None:
+        if self._hold is None:
+            return
+        self._held += holding
+        self._strayed |= holding & self._is_off(self._hold)
+        period_ns = self._env.robot.control_period_ns
+        self._success |= holding & ~self._strayed & (self._held * period_ns >= ns(self._hold.time_s))
+
+    def _is_off(self, hold: HoldSpec) -> BoolArray:
+        distance_m = np.linalg.norm(self._position - self._env.progress.goals[:, 0], axis=1)
+        return np.asarray(distance_m > hold.within_m)
+
+    def _time_out(self, timed_out: BoolArray) -> None:
+        self._timed_out |= timed_out
+        robots = np.flatnonzero(timed_out)
+        if len(robots):
+            window = self._track.window(robots, self._position[robots])
+            self._orbiting[robots] = is_orbiting(window, self._env.progress.goals[robots, 0])
+            self._stuck[robots] = is_stuck(window) & ~self._orbiting[robots]
+
+
+def _length(start: FloatArray, path: FloatArray) -> float:
+    """Return the length of the straight lines from start (2,) through path (m, 2)."""
+    return float(np.linalg.norm(np.diff(path, axis=0, prepend=start[np.newaxis]), axis=1).sum())

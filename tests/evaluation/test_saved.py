@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from waypointctl.errors import InputError, OutputError
+from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec
+from waypointctl.evaluation.result import CaseResult, Evaluation, read_evaluation
+from waypointctl.evaluation.saved import write_evaluation, write_evaluations
+
+CASE = CaseResult(
+    name="a",
+    waypoints=((1.0, 2.0),),
+    trials=4,
+    successes=3,
+    rate=0.75,
+    wilson95=(0.3, 0.95),
+    falls=1,
+    timeouts=0,
+    mean_time_s=2.0,
+    spl=0.7,
+    paper=None,
+)
+FOUND = Evaluation(
+    policy="p",
+    suite="s",
+    seed=1,
+    cases=(CASE,),
+    acceptance=AcceptanceSpec(),
+    deadline=DeadlineSpec(),
+    policy_sha256="0" * 64,
+    versions={},
+)
+
+
+def test_an_evaluation_is_read_as_it_was_written(tmp_path: Path) -> None:
+    write_evaluation(FOUND, tmp_path / "evaluation.json")
+    assert read_evaluation(tmp_path / "evaluation.json") == FOUND
+    assert [path.name for path in tmp_path.iterdir()] == ["evaluation.json"]
+
+
+def test_one_of_an_earlier_version_is_read(tmp_path: Path) -> None:
+    old = json.loads(FOUND.to_json())
+    old = {name: old[name] for name in ("policy", "suite", "seed", "cases", "acceptance", "deadline")}
+    old["cases"] = [{name: old["cases"][0][name] for name in list(old["cases"][0])[:11]}]
+    (tmp_path / "old.json").write_text(json.dumps(old | {"policy_sha256": "0" * 64, "versions": {}}))
+    found = read_evaluation(tmp_path / "old.json")
+    assert found == FOUND
+    assert (found.cases[0].orbiting, found.cases[0].late, found.cases[0].legs) == (None, None, None)
+
+
+def test_several_are_a_list(tmp_path: Path) -> None:
+    write_evaluations([FOUND, FOUND], tmp_path / "both.json")
+    both = json.loads((tmp_path / "both.json").read_text())["evaluations"]
+    assert both == [json.loads(FOUND.to_json())] * 2
+
+
+def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match=r"e\.json: the evaluation cannot be written: No such file"):
+        write_evaluation(FOUND, tmp_path / "no" / "e.json")
+
+
+@pytest.mark.parametrize("text", ["{}", "[]", "not json"])
+def test_what_is_no_evaluation_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "e.json").write_text(text)
+    with pytest.raises(InputError, match=r"e\.json: not an evaluation: .*\n  write it again with"):
+        read_evaluation(tmp_path / "e.json")
