@@ -1,0 +1,61 @@
+"""Training with robots that differ: stopped and resumed it ends in the same weights, and not in those without."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from safetensors.numpy import load
+
+from tests.training.test_recipe_variation import BARE
+from tests.training.tiny import RECIPE, new_learner, tiny_recipe, trained, weights_of
+from waypointctl.training.checkpoint import ARRAYS, load_checkpoint
+
+ONE_BY_ONE = {
+    "latency": "variation: {latency: [0 ms, 40 ms]}\n",
+    "bodies": "variation: {mass_factor: [0.5, 2], friction_factor: [0.5, 1.5], gravity_mps2: [1.62, 9.81]}\n",
+    "sensors": "variation: {sensor_noise: {joint_angle: 1 deg, gyroscope_radps: 0.5}}\n",
+    "all": BARE,
+}
+KEPT = {
+    "latency": {"drawn", "streams", "commanded"},
+    "bodies": {"drawn", "streams"},
+    "sensors": {"sensors"},
+    "all": {"drawn", "streams", "commanded", "sensors"},
+}
+
+
+@pytest.mark.parametrize("option", ONE_BY_ONE)
+def test_stopped_and_resumed_it_ends_in_the_same_weights(tmp_path: Path, option: str) -> None:
+    recipe_file = tiny_recipe(tmp_path, RECIPE + ONE_BY_ONE[option])
+    for rollouts, resume in ((3, False), (2, True), (None, True)):
+        trained(recipe_file, tmp_path / "stopped", rollouts=rollouts, resume=resume)
+    trained(recipe_file, tmp_path / "whole")
+    trained(tiny_recipe(tmp_path), tmp_path / "plain")
+    assert weights_of(tmp_path / "stopped") == weights_of(tmp_path / "whole")
+    assert weights_of(tmp_path / "whole") != weights_of(tmp_path / "plain")
+
+
+@pytest.mark.parametrize("option", [None, *ONE_BY_ONE])
+def test_a_checkpoint_holds_what_varies_and_nothing_where_nothing_does(tmp_path: Path, option: str | None) -> None:
+    recipe_file = tiny_recipe(tmp_path, RECIPE + ONE_BY_ONE.get(option or "", ""))
+    checkpoint = trained(recipe_file, tmp_path / "run", rollouts=2).folder
+    arrays = load((checkpoint / ARRAYS).read_bytes())
+    kept = {name.removeprefix("varied.") for name in arrays if name.startswith("varied.")}
+    assert kept == KEPT.get(option or "", set())
+
+
+def test_a_learner_loaded_from_a_checkpoint_has_robots_that_go_and_see_alike(tmp_path: Path) -> None:
+    recipe_file = tiny_recipe(tmp_path, RECIPE + BARE)
+    checkpoint = trained(recipe_file, tmp_path / "run", rollouts=2).folder
+    learners = [new_learner(recipe_file) for _ in range(2)]
+    for learner in learners:
+        load_checkpoint(learner, recipe_file, checkpoint)
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        action = rng.uniform(-1, 1, (16, 8))
+        first, second = (learner.env.step(action) for learner in learners)
+        np.testing.assert_array_equal(first.observation, second.observation)
+        np.testing.assert_array_equal(first.terms, second.terms)
+    assert (learners[0].env.varied.state()["drawn"] > 0).all()
