@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import subprocess
 import sys
 from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,11 +14,14 @@ import onnx
 import pytest
 import torch
 from numpy.typing import NDArray
+from safetensors.numpy import load
 
+from waypointctl.policy.bundle import load_policy
 from waypointctl.policy.network import Network
 from waypointctl.training.onnx_export import Activation, Layer, mlp_to_onnx
 
 SIZES = (31, 16, 12, 8)
+BUNDLES = sorted(path.parent for path in (Path(__file__).parents[2] / "policies").glob("*/manifest.json"))
 
 
 def layers_of(seed: int) -> list[Layer]:
@@ -56,20 +61,58 @@ def test_it_computes_what_numpy_computes(activation: Activation, n: int) -> None
     np.testing.assert_allclose(network.run(x), numpy_oracle(x, layers_of(0), activation), atol=2e-5)
 
 
+PAPER = (29, 128, 128, 128, 128, 128, 128, 8)  # the paper's network
+FUNCTIONS: dict[str, Any] = {"elu": torch.nn.ELU, "tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
+
+
+@pytest.mark.parametrize("squash", [False, True])
+@pytest.mark.parametrize("sizes", [SIZES, PAPER, (31, 8)])
 @pytest.mark.parametrize("activation", ["elu", "tanh", "relu"])
-def test_it_computes_what_torch_computes(activation: Activation) -> None:
-    functions = {"elu": torch.nn.ELU, "tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
+def test_it_computes_what_torch_computes(activation: Activation, sizes: tuple[int, ...], squash: bool) -> None:
+    torch.manual_seed(2)
     modules: list[torch.nn.Module] = []
-    for into, out in pairwise(SIZES):
-        modules += [torch.nn.Linear(into, out), functions[activation]()]
-    model = torch.nn.Sequential(*modules[:-1])
+    for into, out in pairwise(sizes):
+        modules += [torch.nn.Linear(into, out), FUNCTIONS[activation]()]
+    model = torch.nn.Sequential(*modules[:-1], *([torch.nn.Tanh()] if squash else []))
+    with torch.no_grad():
+        for parameter in model.parameters():
+            parameter.mul_(2.0)  # as torch draws them, six layers make next to nothing of their input
     layers = [(m.weight.detach().numpy(), m.bias.detach().numpy()) for m in modules if isinstance(m, torch.nn.Linear)]
-    model_bytes = mlp_to_onnx(layers, activation, np.zeros(31), np.ones(31), clip=1e6, epsilon=1e-12)
-    network = Network(model_bytes, "model")
-    x = observations(20)
+    model_bytes = mlp_to_onnx(
+        layers, activation, np.zeros(sizes[0]), np.ones(sizes[0]), clip=1e6, epsilon=1e-12, squash=squash
+    )
+    x = np.random.default_rng(7).normal(scale=2.0, size=(50, sizes[0]))
     with torch.no_grad():
         expected = model(torch.tensor(x, dtype=torch.float32)).numpy()
-    np.testing.assert_allclose(network.run(x), expected, atol=1e-5)
+    assert np.ptp(expected, axis=0).min() > 0.1
+    np.testing.assert_allclose(Network(model_bytes, "model").run(x), expected, rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize("folder", BUNDLES, ids=lambda folder: folder.name)
+def test_the_shipped_networks_give_the_actions_of_their_weights_in_torch(folder: Path) -> None:
+    policy = load_policy(folder)
+    weights = load(policy.files["weights.safetensors"])
+    modules: list[torch.nn.Module] = []
+    hidden = [name for name in weights if re.fullmatch(r"mlp_extractor\.policy_net\.\d+\.weight", name)]
+    for name in sorted(hidden, key=lambda name: int(name.split(".")[2])):
+        modules += [linear(weights, name.removesuffix(".weight")), FUNCTIONS[policy.manifest.network.activation]()]
+    model = torch.nn.Sequential(*modules, linear(weights, "action_net"))
+    assert [m.out_features for m in modules[::2] if isinstance(m, torch.nn.Linear)] == [
+        *policy.manifest.network.hidden_sizes
+    ]
+    mean, variance = weights["normaliser.mean"], weights["normaliser.var"]
+    x = mean + 2.0 * np.sqrt(variance) * np.random.default_rng(8).normal(size=(200, mean.size))
+    normalised = np.clip((x - mean) / np.sqrt(variance + 1e-8), -10.0, 10.0)
+    with torch.no_grad():
+        expected = model(torch.tensor(normalised, dtype=torch.float32)).numpy()
+    np.testing.assert_allclose(policy.act(x), expected, rtol=1e-4, atol=1e-4)
+
+
+def linear(weights: dict[str, NDArray[np.float32]], name: str) -> torch.nn.Linear:
+    weight, bias = torch.tensor(weights[f"{name}.weight"]), torch.tensor(weights[f"{name}.bias"])
+    made = torch.nn.Linear(weight.shape[1], weight.shape[0])
+    made.load_state_dict({"weight": weight, "bias": bias})
+    return made
 
 
 def test_it_normalises_as_vecnormalize_does() -> None:
