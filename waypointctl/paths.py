@@ -84,6 +84,9 @@ def begins(path: Path, magic: bytes) -> bool:
 def refuse_unwritable_folder(folder: Path) -> None:
     """Refuse a folder that cannot be made or written, before there is anything to write.
 
+    It is tried, with an empty folder that is gone again at once: permissions alone do not tell of a read-only or full
+    disk, nor of /proc.
+
     Raises:
         OutputError: it, or what it would be made in, is no folder or is read-only, or its name cannot be.
     """
@@ -94,8 +97,25 @@ def refuse_unwritable_folder(folder: Path) -> None:
         raise OutputError(problem, where=str(folder), mend=_FOLDER_MEND) from error
     if not nearest.is_dir():
         problem = "this is a file" if nearest == folder else f"{str(nearest)!r} is a file"
-    elif not os.access(nearest, os.W_OK | os.X_OK):
-        problem = "no permission"
     else:
-        return
+        fault = _trial_fault(nearest / f".{folder.name}.{os.getpid()}.tmp")  # as what is written is staged under
+        if fault is None:
+            return
+        problem = fault
     raise OutputError(f"the folder cannot be written: {problem}", where=str(folder), mend=_FOLDER_MEND)
+
+
+def _trial_fault(path: Path) -> str | None:
+    """Return why a folder cannot be made at `path`, None if it could be."""
+    try:
+        path.mkdir()
+        path.rmdir()
+    except FileExistsError:
+        return None  # another process's trial
+    except PermissionError:
+        return "no permission"
+    except FileNotFoundError:
+        return "nothing can be made there"  # as in /proc
+    except OSError as error:
+        return str(error.strerror)
+    return None

@@ -31,7 +31,7 @@ def bundle_files(description: PolicyDescription, onnx: bytes, safetensors: bytes
 def write_bundle(folder: Path, description: PolicyDescription, onnx: bytes, safetensors: bytes) -> LoadedPolicy:
     """Write a bundle and return it, loaded.
 
-    The files are written beside `folder` and moved into place when they are complete. A folder that does not
+    The files are written into a hidden folder and moved into place when they are complete. A folder that does not
     exist appears whole. In one that does, files of other names stay, and the bundle's are replaced one by one,
     manifest.json last: a reader gets the old bundle, the new one, or a refusal because of the hashes.
 
@@ -52,7 +52,9 @@ def write_bundle(folder: Path, description: PolicyDescription, onnx: bytes, safe
 
 def copy_bundle(policy: LoadedPolicy, folder: Path) -> None:
     """Write a policy's files into `folder`, in the way and with the errors of `write_bundle`."""
-    staging = folder.parent / f".{folder.name}.{os.getpid()}.tmp"
+    # In a folder that is there, which can be another file system than the one around it, such as a container's volume.
+    beside = folder if folder.is_dir() else folder.parent
+    staging = beside / f".{folder.name}.{os.getpid()}.tmp"
     try:
         staging.mkdir(parents=True)
         _put(folder, staging, policy.files)

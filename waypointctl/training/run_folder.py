@@ -61,7 +61,7 @@ def places(name: str, runs: Path, out: Path | None, *, resume: bool) -> Places:
         if out.resolve().parent == runs.resolve():
             return Places(out, out)
     refuse_unwritable_folder(runs)
-    run = _newest_run(name, runs) if resume else _new_run(name, runs)
+    run = _newest_run(name, runs) if resume else new_run(name, runs)
     return Places(run, out or run)
 
 
@@ -110,7 +110,12 @@ def held(run: Path) -> Iterator[None]:
         yield
 
 
-def _new_run(name: str, runs: Path) -> Path:
+def new_run(name: str, runs: Path) -> Path:
+    """Make a folder in `runs` of the first name that is free, of NAME, NAME-2, NAME-3, ..., and return it.
+
+    Raises:
+        OutputError: it cannot be made.
+    """
     names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
     return next(path for path in (runs / name for name in names) if _made(path))
 

@@ -14,6 +14,7 @@ from safetensors.numpy import load
 from waypointctl.errors import RecipeError
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import WEIGHTS, StartRecord
+from waypointctl.task.observation import layout
 from waypointctl.training.export import weights
 from waypointctl.training.learner import Learner
 from waypointctl.training.recipe_file import RecipeFile
@@ -35,12 +36,13 @@ def load_origin(recipe_file: RecipeFile) -> Origin | None:
 
     Raises:
         PolicyError: there is no such policy, or it is damaged.
-        RecipeError: its weights are not of a kind that training can go on with.
+        RecipeError: it is of other sizes than the recipe, of another activation or for another robot.
     """
     if recipe_file.recipe.start_from is None:
         return None
     folder = recipe_file.path.parent / recipe_file.recipe.start_from
     policy = load_policy(folder)
+    _refuse_other_kind(policy, recipe_file)
     try:
         return Origin(policy, load(policy.files[WEIGHTS]))
     except SafetensorError as error:
@@ -58,9 +60,9 @@ def start_from(learner: Learner, origin: Origin, recipe_file: RecipeFile) -> Sta
         What there is to tell of it.
 
     Raises:
-        RecipeError: the policy is of other sizes, or of another activation or robot.
+        RecipeError: the policy's weights have other names or shapes.
     """
-    _refuse_other_kind(learner, origin, recipe_file)
+    _refuse_other_arrays(learner, origin, recipe_file)
     own = learner.ppo.policy.state_dict()
     learner.ppo.policy.load_state_dict({name: torch.from_numpy(np.array(origin.learnt[name])) for name in own})
     statistics, manifest = learner.statistics, origin.policy.manifest
@@ -81,18 +83,25 @@ def start_from(learner: Learner, origin: Origin, recipe_file: RecipeFile) -> Sta
     return StartedFrom(manifest.name, manifest.observation.layout, learner.env.layout.name, others)
 
 
-def _refuse_other_kind(learner: Learner, origin: Origin, recipe_file: RecipeFile) -> None:
-    manifest, recipe = origin.policy.manifest, learner.recipe
+def _refuse_other_kind(policy: LoadedPolicy, recipe_file: RecipeFile) -> None:
+    manifest, recipe = policy.manifest, recipe_file.recipe
     pairs = (
         ("robot", manifest.robot, recipe.robot),
-        ("observation size", manifest.observation.size, learner.env.layout.size),
+        ("observation size", manifest.observation.size, layout(recipe.observation).size),
         ("hidden layers", list(manifest.network.hidden_sizes), list(recipe.network.hidden)),
         ("activation", manifest.network.activation, recipe.network.activation),
     )
-    faults = [f"its {what} is {theirs}, the recipe's {own}" for what, theirs, own in pairs if theirs != own]
-    shapes = {name: array.shape for name, array in weights(learner).items()}
-    if not faults and {name: array.shape for name, array in origin.learnt.items()} != shapes:
-        faults = ["its weights have other names or shapes than this version of waypointctl trains"]
-    if faults:
-        problem = f"start_from: policy {manifest.name!r} cannot be begun with: {'; '.join(faults)}"
-        raise RecipeError(problem, where=str(recipe_file.path), mend=_MEND)
+    if faults := [f"its {what} is {theirs}, the recipe's {own}" for what, theirs, own in pairs if theirs != own]:
+        raise _refusal(manifest.name, "; ".join(faults), recipe_file)
+
+
+def _refuse_other_arrays(learner: Learner, origin: Origin, recipe_file: RecipeFile) -> None:
+    own, theirs = weights(learner), origin.learnt
+    if {name: array.shape for name, array in own.items()} != {name: array.shape for name, array in theirs.items()}:
+        fault = "its weights have other names or shapes than this version of waypointctl trains"
+        raise _refusal(origin.policy.manifest.name, fault, recipe_file)
+
+
+def _refusal(policy: str, fault: str, recipe_file: RecipeFile) -> RecipeError:
+    problem = f"start_from: policy {policy!r} cannot be started from: {fault}"
+    return RecipeError(problem, where=str(recipe_file.path), mend=_MEND)

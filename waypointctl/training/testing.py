@@ -54,18 +54,33 @@ def selection_suite(recipe_file: RecipeFile, run: Path, *, resume: bool) -> Suit
         SuiteError: there is no such suite, or it is not one.
         OutputError: the copy cannot be written.
     """
-    selection = recipe_file.recipe.selection
-    if selection is None:
+    if recipe_file.recipe.selection is None:
         return None
     if resume and (run / SUITE).exists():
         return load_suite(str(run / SUITE))
-    if not Path(selection.suite).suffix:
-        return load_suite(selection.suite)
-    own = recipe_file.path.parent / selection.suite
-    suite = load_suite(str(own))
-    run.mkdir(parents=True, exist_ok=True)
-    write_whole(run / SUITE, own.read_bytes())
+    own = _own_suite(recipe_file)
+    suite = load_suite(recipe_file.recipe.selection.suite if own is None else str(own))
+    if own is not None:
+        write_whole(run / SUITE, own.read_bytes())
     return suite
+
+
+def refuse_unknown_suite(recipe_file: RecipeFile) -> None:
+    """Refuse a recipe whose checkpoints are to be tested on a suite that there is not, before anything is written.
+
+    Raises:
+        SuiteError: there is no such suite, or it is not one.
+    """
+    if recipe_file.recipe.selection is not None:
+        own = _own_suite(recipe_file)
+        load_suite(recipe_file.recipe.selection.suite if own is None else str(own))
+
+
+def _own_suite(recipe_file: RecipeFile) -> Path | None:
+    """Return the file of a suite of one's own, None for one that comes with waypointctl: that has a bare name."""
+    assert recipe_file.recipe.selection is not None, "asked of recipes that select"
+    suite = Path(recipe_file.recipe.selection.suite)
+    return recipe_file.path.parent / suite if suite.suffix or len(suite.parts) > 1 else None
 
 
 class Tester:

@@ -10,8 +10,15 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Final, Protocol, Self
 
 from waypointctl.cli.console import console, is_live
-from waypointctl.cli.view.training_words import count, done, line, percent, span, sparkline
-from waypointctl.training.status import CheckpointSaved, TrainingStatus
+from waypointctl.cli.view.training_words import count, done, line, percent, span, sparkline, started, tested
+from waypointctl.training.status import (
+    CheckpointSaved,
+    CheckpointTested,
+    CheckpointTesting,
+    News,
+    StartedFrom,
+    TrainingStatus,
+)
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -29,7 +36,7 @@ _FRAME: Final = 6  # columns of the frame, with the gaps inside it
 class TrainingView(AbstractContextManager["TrainingView"], Protocol):
     """Shows people how a training and its evaluation go."""
 
-    def __call__(self, news: TrainingStatus | CheckpointSaved) -> None:
+    def __call__(self, news: News) -> None:
         """Take news of the training."""
 
     def evaluating(self, case: str, ended: int) -> None:
@@ -53,14 +60,16 @@ class PlainLines:
         self._unsaid: TrainingStatus | None = None
         self._readers = True
 
-    def __call__(self, news: TrainingStatus | CheckpointSaved) -> None:
+    def __call__(self, news: News) -> None:
         """Take news of the training."""
+        if isinstance(news, CheckpointTesting):
+            return
         if isinstance(news, TrainingStatus):
             self._unsaid = news
             if time.monotonic() < self._next_s:
                 return
         self._say_last()
-        if isinstance(news, CheckpointSaved):
+        if not isinstance(news, TrainingStatus):
             self._say(line(news, self._phases))
 
     def evaluating(self, case: str, ended: int) -> None:
@@ -106,19 +115,29 @@ class LivePanel:
         self._ascii_only = not people.encoding.lower().startswith("utf")
         self._status: TrainingStatus | None = None
         self._saved: CheckpointSaved | None = None
+        self._start = ""
+        self._tested = ""
+        self._testing = ""
         self._evaluation = ""
         self._history: list[tuple[float, float]] = []
         self._next_s = 0.0
         self._live = Live(console=people, auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
 
-    def __call__(self, news: TrainingStatus | CheckpointSaved) -> None:
+    def __call__(self, news: News) -> None:
         """Take news of the training."""
-        if isinstance(news, CheckpointSaved):
-            self._saved = news
-        else:
-            self._status = news
-            if news.success_rate is not None:
-                self._history.append((done(news), news.success_rate))
+        match news:
+            case StartedFrom():
+                self._start = started(news)
+            case CheckpointSaved():
+                self._saved = news
+            case CheckpointTesting():
+                self._testing = f"testing {news.case}, {news.ended} of {news.trials}"
+            case CheckpointTested():
+                self._tested, self._testing = tested(news), ""
+            case TrainingStatus():
+                self._status = news
+                if news.success_rate is not None:
+                    self._history.append((done(news), news.success_rate))
         self._draw_in_time()
 
     def evaluating(self, case: str, ended: int) -> None:
@@ -180,7 +199,8 @@ class LivePanel:
             ("success", sparkline(self._history, columns, ascii_only=self._ascii_only)),
             ("checkpoint", "none yet" if self._saved is None else str(self._saved.folder)),
         ]
-        return [*rows, ("evaluation", self._evaluation)] if self._evaluation else rows
+        more = (("selection", self._testing or self._tested), ("start", self._start), ("evaluation", self._evaluation))
+        return [*rows, *((label, value) for label, value in more if value)]
 
     def _episodes(self, status: TrainingStatus) -> str:
         rates = ((status.success_rate, "success"), (status.fall_rate, "fall"), (status.timeout_rate, "timeout"))

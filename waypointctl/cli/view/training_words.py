@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from waypointctl.training.status import CheckpointSaved, TrainingStatus
+from waypointctl.training.status import CheckpointSaved, CheckpointTested, StartedFrom, TrainingStatus
+
+if TYPE_CHECKING:
+    from waypointctl.training.selection import Selection
 
 _BLOCKS: Final = "▁▂▃▄▅▆▇█"
 _PLAIN_BLOCKS: Final = "_.-=+*#%"
@@ -36,10 +39,46 @@ def done(status: TrainingStatus) -> float:
     return min(status.steps / status.total_steps, 1.0)
 
 
-def line(news: TrainingStatus | CheckpointSaved, phases: int) -> str:
+def exact_percent(rate: float) -> str:
+    """Return a rate that is near enough to 100 % for its tenths to matter."""
+    return f"{rate:.1%}"
+
+
+def tested(news: CheckpointTested) -> str:
+    """Return how a checkpoint did, and the best of them so far."""
+    found = f"{exact_percent(news.success_rate)} of {news.trials} at {count(news.steps)}"
+    best = "the best" if news.best_steps == news.steps else f"best {exact_percent(news.best_success_rate)}"
+    where = "" if news.best_steps == news.steps else f" at {count(news.best_steps)}"
+    goal = "" if news.stop_at is None else f", stops at {news.stop_at:.4g}"
+    return f"{found}, {best}{where}{goal}"
+
+
+def started(news: StartedFrom) -> str:
+    """Return what a training begins with, and what of it means something else here."""
+    if not news.others:
+        return f"network, value function and normaliser of {news.policy}"
+    changes = ", ".join(f"{old} is now {new}" for old, new in news.others)
+    return f"weights of {news.policy}, which saw {news.layout}; in {news.own_layout} {changes}"
+
+
+def outcome(selection: Selection, total_steps: int) -> str:
+    """Return how a training with a selection ended: whether its target was met, and what was chosen."""
+    best, plan = selection.best, selection.recipe
+    score = f"{exact_percent(best.success_rate)} of {best.trials} trials in {plan.suite}, seed {plan.seed}"
+    if selection.met:
+        return f"target met after {best.steps} steps in {span(best.wall_time_s)}: {score}"
+    chosen = f"the checkpoint of {best.steps} of {selection.last_steps} steps was chosen: {score}"
+    return chosen if plan.stop_at is None else f"target of {plan.stop_at:.4g} not met in {total_steps} steps; {chosen}"
+
+
+def line(news: TrainingStatus | CheckpointSaved | CheckpointTested | StartedFrom, phases: int) -> str:
     """Return one line; `phases` is how many the recipe has."""
     if isinstance(news, CheckpointSaved):
         return f"checkpoint {news.folder}"
+    if isinstance(news, CheckpointTested):
+        return f"tested     success {tested(news)}"
+    if isinstance(news, StartedFrom):
+        return f"start      {started(news)}"
     parts = (
         f"{done(news):6.1%}",
         f"{count(news.steps)} of {count(news.total_steps)} steps",

@@ -1,0 +1,123 @@
+"""One recipe trained with several seeds: a folder with a run for each, gone on with as a whole.
+
+runs/ant-waypoint-seeds/   the group, named for its recipe: -2, -3, ... where the name is taken
+    group.json             what every run of it was asked to do
+    seed-0/ seed-1/ ...    the runs; each its own bundle's folder too
+    curves.csv curves.png  how they went, when all have ended
+    seeds.json             what they came to
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from waypointctl.errors import OutputError, RecipeError
+from waypointctl.evaluation.result import EVALUATION
+from waypointctl.paths import refuse_unwritable_folder
+from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.recipe_selection import SelectionRecipe
+from waypointctl.training.run_folder import RECIPE, new_run, newest_checkpoint
+from waypointctl.training.whole_file import write_whole
+
+GROUP: Final = "group.json"
+
+
+class GroupFile(BaseModel):
+    """group.json: what every run of the group does, but for its seed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    recipe_sha256: str
+    phase_steps: list[int]
+    selection: SelectionRecipe | None
+
+
+def group_place(name: str, runs: Path, out: Path | None, *, resume: bool) -> Path:
+    """Return the folder of a group of the recipe `name`; a new one is made.
+
+    Args:
+        name: of the recipe.
+        runs: the folder of all runs.
+        out: the group's folder, if it is not to be one in `runs`.
+        resume: go on with a group: with `out`, else with the one of that name that was worked on last.
+
+    Raises:
+        RecipeError: there is no group to go on with.
+        OutputError: a folder cannot be written.
+    """
+    if out is not None:
+        refuse_unwritable_folder(out)
+        return out
+    refuse_unwritable_folder(runs)
+    own = f"{name}-seeds"
+    if not resume:
+        return new_run(own, runs)
+    names = re.compile(rf"{re.escape(own)}(-[0-9]+)?")
+    found = [path.parent for path in runs.glob(f"*/{GROUP}") if names.fullmatch(path.parent.name)]
+    if not found:
+        mend = "Train without --resume, or name a group's folder with --out."
+        raise RecipeError(f"no group of seeds of {name!r} to go on with", where=str(runs), mend=mend)
+    return max(found, key=_last_worked_on)
+
+
+def _last_worked_on(group: Path) -> int:
+    newest = [newest_checkpoint(run) for run in group.glob("seed-*")]
+    return max(path.stat().st_mtime_ns for path in (group / GROUP, *newest) if path is not None)
+
+
+def run_of(group: Path, seed: int) -> Path:
+    """Return the folder of a seed's run."""
+    return group / f"seed-{seed}"
+
+
+def is_complete(run: Path) -> bool:
+    """Return whether a run has its bundle and its evaluation, which is written last."""
+    return (run / EVALUATION).is_file()
+
+
+def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int]) -> None:
+    """Write down what a group's runs are to do; none may have begun.
+
+    Raises:
+        OutputError: one has, or the folder cannot be written.
+    """
+    for run in (run_of(group, seed) for seed in seeds):
+        if newest_checkpoint(run) or is_complete(run):
+            problem = "has the checkpoints of an earlier training"
+            raise OutputError(problem, where=str(run), mend="Go on with --resume, or choose another folder.")
+    recipe = recipe_file.recipe
+    plan = GroupFile(
+        recipe_sha256=recipe_file.sha256,
+        phase_steps=[phase.steps for phase in recipe.phases],
+        selection=recipe.selection,
+    )
+    try:
+        group.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(group)) from error
+    write_whole(group / GROUP, f"{plan.model_dump_json(indent=2)}\n".encode())
+    write_whole(group / RECIPE, recipe_file.source)
+
+
+def group_begun_as(recipe_file: RecipeFile, group: Path) -> RecipeFile:
+    """Return the recipe with the steps and the selection that a group began with.
+
+    Raises:
+        RecipeError: the folder is no group, or one of another recipe.
+    """
+    try:
+        plan = GroupFile.model_validate_json((group / GROUP).read_bytes())
+    except (OSError, ValidationError) as error:
+        problem = f"no group of trainings to go on with: there is no {GROUP} that can be read"
+        raise RecipeError(problem, where=str(group), mend="Train without --resume.") from error
+    if plan.recipe_sha256 != recipe_file.sha256:
+        mend = f"Resume with {group / RECIPE}, the recipe as it was when the group began, or begin another."
+        raise RecipeError(f"the group was made by another recipe than {recipe_file.path}", where=str(group), mend=mend)
+    recipe = recipe_file.recipe.with_phase_steps(plan.phase_steps).model_copy(update={"selection": plan.selection})
+    return replace(recipe_file, recipe=recipe)
