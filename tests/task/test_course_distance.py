@@ -22,7 +22,8 @@ def gaps(course: Course, draws: int) -> FloatArray:
     """Return the distances between each waypoint and the one before, (draws, count); the first is from the start."""
     rng = np.random.default_rng(3)
     places = np.stack([np.vstack([START, course.draw(rng, START)]) for _ in range(draws)])
-    return np.hypot(*np.moveaxis(np.diff(places, axis=1), -1, 0))
+    legs: FloatArray = np.diff(places, axis=1)
+    return np.hypot(legs[..., 0], legs[..., 1])
 
 
 def apart(course: Course, distance_m: float) -> Course:

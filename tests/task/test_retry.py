@@ -211,10 +211,10 @@ def test_going_on_from_a_state_is_going_on() -> None:
     other.restore({name: array.copy() for name, array in ours.state().items()})
     for robot in range(ROBOTS):
         for _ in range(10):
-            chosen = [memory.choose(robot) for memory in (ours, other)]
-            assert (chosen[0] is None) == (chosen[1] is None)
-            if chosen[0] is not None:
-                np.testing.assert_array_equal(*chosen)
+            expected, chosen = ours.choose(robot), other.choose(robot)
+            assert (chosen is None) == (expected is None)
+            if chosen is not None and expected is not None:
+                np.testing.assert_array_equal(chosen, expected)
     with pytest.raises(KeyError):
         other.restore({})
 
