@@ -1,21 +1,29 @@
-"""A drawn course as files have it: recipes and suites."""
+"""Courses as files have them: recipes and suites."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal, Self, TypeAlias
+from typing import Annotated, ClassVar, Literal, Self, TypeAlias
 
 from pydantic import Field, Strict, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from waypointctl.mission.file_model import FileModel
-from waypointctl.mission.mission import Coordinate
+from waypointctl.mission.mission import Position
 from waypointctl.mission.quantity import Quantity
 from waypointctl.task.course import PERIMETERS, Course
 from waypointctl.units import bare_name
 
 Length: TypeAlias = Annotated[float, Quantity("m", gt=0, le=10_000)]
 Distance: TypeAlias = Annotated[float, Quantity("m", ge=0, le=10_000)]
+
+
+class Point(FileModel):
+    """A waypoint of a course that is given. A bare [x, y] is its position."""
+
+    list_stands_for: ClassVar[str | None] = "position_m"
+
+    position_m: Position = Field(description="x and y in the world frame")
 
 
 class CourseFields(FileModel):
@@ -27,7 +35,7 @@ class CourseFields(FileModel):
         "and bearing from the last, the first from the robot, so that there is no perimeter; none: another word for it",
     )
     count: Annotated[int, Strict(), Field(gt=0, le=65_536)] = Field(4, description="waypoints, the paper's M")
-    centre_m: tuple[Coordinate, Coordinate] = Field((10.0, 10.0), description="of the square, disc or ring")
+    centre_m: Position = Field((10.0, 10.0), description="of the square, disc or ring")
     side_m: Length = Field(5.0, description="of the square")
     radius_m: Length = Field(2.5, description="of the disc, and the outer one of the ring")
     inner_radius_m: Length | None = Field(None, description="of the ring, which needs it")

@@ -11,17 +11,9 @@ from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
 from waypointctl.task.cases import Cases
 from waypointctl.task.course import Course
-from waypointctl.task.course_file import CourseFields
+from waypointctl.task.course_file import CourseFields, Point
 from waypointctl.task.retry import Retry
 from waypointctl.training.recipe_fields import Duration, Factor, Few, Fraction, Length, Place
-
-
-class PointRecipe(FileModel):
-    """A waypoint of a case. A bare [x, y] is its position."""
-
-    list_stands_for: ClassVar[str | None] = "position_m"
-
-    position_m: tuple[Place, Place] = Field(description="x and y in the world frame")
 
 
 class CaseRecipe(FileModel):
@@ -29,7 +21,7 @@ class CaseRecipe(FileModel):
 
     list_stands_for: ClassVar[str | None] = "waypoints"
 
-    waypoints: Annotated[tuple[PointRecipe, ...], Field(min_length=1, max_length=1000)] = Field(
+    waypoints: Annotated[tuple[Point, ...], Field(min_length=1, max_length=1000)] = Field(
         description="in the order in which they are to be reached"
     )
     weight: Factor = Field(1.0, description="how often the course is drawn, relative to the others")
@@ -42,7 +34,9 @@ class CourseRecipe(CourseFields):
         None, description="courses to choose from, each a list of waypoints, in place of all that draws one"
     )
     retry_failed: Fraction = Field(
-        0.0, description="how probably an episode walks a course again that failed by a fall or the deadline"
+        0.0,
+        description="how probably an episode walks a course again that failed by a fall or the deadline; the success "
+        "that training shows counts these, too",
     )
     retry_memory: Annotated[int, Strict(), Field(gt=0, le=256)] = Field(
         8, description="failed courses that a robot remembers, its latest"
