@@ -19,6 +19,11 @@ acceptance: {size_m: 2}
 deadline: {first_s: 0.2}
 cases: [{name: near, waypoints: [[0.2, 0]]}, {name: far, waypoints: [[50, 0]]}]
 """
+LONG = """\
+name: long
+deadline: {first: 0.2 s}
+courses: [{name: long, perimeter: legs, count: 20, leg: [5 m, 6 m]}]
+"""
 
 
 @pytest.fixture
@@ -50,17 +55,42 @@ def test_it_lists_the_policies_in_policies(tmp_path: Path, make_policy: Make, ru
     assert "untrained" not in out
 
 
-def test_it_lists_another_folder_with_results(tmp_path: Path, make_policy: Make, run: Run) -> None:
+def test_it_lists_another_folder_with_the_results_in_every_suite(tmp_path: Path, make_policy: Make, run: Run) -> None:
     make_policy(tmp_path / "mine" / "still", gain=0.0)
+    make_policy(tmp_path / "mine" / "untested")
     (tmp_path / "easy.yaml").write_text(SUITE)
-    run("eval", "mine/still", "--suite", "easy.yaml", "--trials", "2", "--out", "mine/still/evaluation.json")
+    (tmp_path / "long.yaml").write_text(LONG)
+    for suite in (("easy.yaml",), ("long.yaml",), ("easy.yaml", "--acceptance", "radius:1")):
+        assert run("eval", "mine/still", "--suite", *suite, "--trials", "2", "--save")[0] == 0
     _, out, err = run("policies", "mine")
     assert err == ""
-    assert line_of(out, "mine/still") == "mine/still ant egocentric 0 easy: 0% to 100% in 2 cases"
+    assert " ".join(out.splitlines()[0].split()) == "folder robot layout steps easy easy, radius 1 m long"
+    cells = "0% to 100% in 2 cases 0% to 100% in 2 cases 0.0%, legs 0.00%"
+    assert line_of(out, "mine/still") == f"mine/still ant egocentric 0 {cells}"
+    assert line_of(out, "mine/untested") == "mine/untested ant egocentric 0 not evaluated"
+
+
+def test_results_of_another_policy_are_told_and_left_out(tmp_path: Path, make_policy: Make, run: Run) -> None:
+    make_policy(tmp_path / "mine" / "still", gain=0.0)
+    (tmp_path / "easy.yaml").write_text(SUITE)
+    run("eval", "mine/still", "--suite", "easy.yaml", "--trials", "1", "--save")
     make_policy(tmp_path / "mine" / "still", seed=1)
     _, out, err = run("policies", "mine")
     assert "not evaluated" in out
-    assert err == "warning: mine/still/evaluation.json: of another policy than the one beside it\n"
+    assert err == "warning: mine/still/evaluation-easy.json: of another policy than the one beside it\n"
+
+
+def test_the_built_in_suites_come_first(tmp_path: Path, make_policy: Make, run: Run) -> None:
+    make_policy(tmp_path / "mine" / "still", gain=0.0)
+    (tmp_path / "any.yaml").write_text(SUITE.replace("easy", "any"))
+    run("eval", "mine/still", "--suite", "any.yaml", "--trials", "1", "--save")
+    saved = json.loads((tmp_path / "mine" / "still" / "evaluation-any.json").read_text())
+    for suite, name in (("station", "-station"), ("region", "-region"), ("paper", "")):
+        text = json.dumps(saved | {"suite": suite})
+        (tmp_path / "mine" / "still" / f"evaluation{name}.json").write_text(text)
+    (entry,) = json.loads(run("policies", "mine", "--json")[1])["policies"]
+    assert [found["suite"] for found in entry["evaluations"]] == ["paper", "region", "station", "any"]
+    assert entry["evaluation"] == entry["evaluations"][0]
 
 
 def test_a_damaged_policy_and_a_damaged_evaluation_are_told_beside_the_sound_ones(
@@ -84,7 +114,7 @@ def test_the_list_as_json(tmp_path: Path, make_policy: Make, run: Run) -> None:
     (entry,) = json.loads(out)["policies"]
     assert (entry["folder"], entry["policy_sha256"]) == ("policies/first", policy.sha256)
     assert entry["manifest"] == json.loads(policy.files["manifest.json"])
-    assert (entry["evaluation"], entry["faults"]) == (None, [])
+    assert (entry["evaluation"], entry["evaluations"], entry["faults"]) == (None, [], [])
 
 
 def test_an_empty_folder_says_what_to_do(tmp_path: Path, run: Run) -> None:

@@ -13,6 +13,8 @@ from waypointctl.errors import PolicyError
 from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, StartSpec
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.paths import Case, RandomPaths
+from waypointctl.evaluation.result import read_evaluation
+from waypointctl.evaluation.saved import write_evaluation
 from waypointctl.evaluation.suite import Suite
 from waypointctl.evaluation.walk import Walks
 from waypointctl.policy.bundle import LoadedPolicy
@@ -191,3 +193,11 @@ def test_every_trial_is_counted_once(tmp_path: Path, make_policy: Make) -> None:
         assert case.successes + case.falls + case.timeouts == case.trials == 20
         assert case.course == DRAWN.courses[0]
         assert case.waypoints == ()
+
+
+def test_an_evaluation_of_random_paths_is_read_as_it_was_written(tmp_path: Path, make_policy: Make) -> None:
+    evaluation = evaluate(make_policy(tmp_path / "still", gain=0.0), DRAWN, 2, 0)
+    write_evaluation(evaluation, tmp_path / "evaluation.json")
+    read = read_evaluation(tmp_path / "evaluation.json")
+    assert read == evaluation
+    assert read.to_json() == evaluation.to_json()

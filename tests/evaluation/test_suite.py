@@ -4,6 +4,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import fastjsonschema
+import numpy as np
 import pytest
 from ruamel.yaml import YAML
 
@@ -61,11 +62,17 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
         ("name: x\n", ":1:1: a suite needs 'cases', 'courses' or both"),
         (
             "name: x\ncourses: [{name: a, leg: [3 m, 2 m], perimeter: legs}]\n",
-            ":2:11: courses[0]: leg_m [3.0, 2.0]: the",
+            "leg: [3.0, 2.0] is not in order; the shortest",
         ),
-        ("name: x\ncourses: [{name: a, perimeter: legs, side: 3 m}]\n", "courses[0]: side_m has no effect with 'perim"),
-        ("name: x\ncourses: [{name: a, leg_m: [1, 2]}]\n", "courses[0]: leg_m has no effect with 'perimeter: square'"),
-        ("name: x\ncourses: [{name: a, perimeter: disk}]\n", "courses[0].perimeter: 'disk' is not 'square' or 'legs'"),
+        (
+            "name: x\ncourses: [{name: a, perimeter: legs, side: 3 m}]\n",
+            "courses[0].side: means nothing with 'perimeter: legs'",
+        ),
+        ("name: x\ncourses: [{name: a, leg_m: [1, 2]}]\n", "courses[0].leg_m: means nothing with"),
+        (
+            "name: x\ncourses: [{name: a, perimeter: disk}]\n",
+            ":2:32: courses[0].perimeter: 'disk' is not 'square', 'disc'",
+        ),
         ("name: x\ncourses: [{name: a, side: 0 m}]\n", ":2:27: courses[0].side: 0 m is not > 0 m"),
         ("name: x\ncourses: [{name: a, count: 0}]\n", "courses[0].count: 0 is not > 0"),
         ("name: x\ncourses: [{name: a}]\ncases: [{name: a, waypoints: [[1, 2]]}]\n", "more than one is called a"),
@@ -179,3 +186,16 @@ def test_the_schema_takes_the_built_in_suites_and_no_other_perimeter() -> None:
         validate(YAML(typ="safe").load((suites / f"{name}.yaml").read_text(encoding="utf-8")))
     with pytest.raises(fastjsonschema.JsonSchemaException, match="perimeter"):
         validate({"name": "x", "courses": [{"name": "a", "perimeter": "moon"}]})
+
+
+def test_the_perimeters_of_recipes_are_those_of_suites(tmp_path: Path) -> None:
+    path = tmp_path / "ring.yaml"
+    path.write_text(
+        "name: x\ncourses:\n"
+        "  - {name: a, perimeter: ring, count: 500, centre: [3 m, 4 m], inner_radius: 1 m, radius: 2 m}\n"
+    )
+    drawn = load_suite(str(path)).courses[0].draw(0, "a", 0)
+    radii = np.hypot(*(drawn - [3.0, 4.0]).T)
+    assert drawn.shape == (500, 2)
+    assert 1.0 <= radii.min() < 1.05
+    assert 1.95 < radii.max() <= 2.0

@@ -1,4 +1,4 @@
-"""`waypointctl eval`: test a policy on a suite of paths."""
+"""`waypointctl eval`: test policies on a suite of paths."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from waypointctl.evaluation.evaluate import Progress
     from waypointctl.evaluation.result import Evaluation
@@ -18,56 +18,82 @@ if TYPE_CHECKING:
 
 
 def evaluate_policy(
-    policy: Annotated[Path, typer.Argument(metavar="POLICY", help="Its folder.", show_default=False)],
-    suite: Annotated[str, typer.Option(help="The paths: 'paper', or a YAML file.")] = "paper",
+    policies: Annotated[list[Path], typer.Argument(metavar="POLICY...", help="Their folders.", show_default=False)],
+    suite: Annotated[str, typer.Option(help="paper, region, anywhere, station, or a YAML file.")] = "paper",
     trials: Annotated[
         int | None,
-        typer.Option(min=1, max=100_000, help="How often each path is walked; as the suite says.", show_default=False),
+        typer.Option(min=1, max=100_000, help="How often each path is walked.  [default: the suite's]"),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the postures that the trials start in.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the postures that trials start in, and of random paths.")] = 0,
+    acceptance: Annotated[
+        str | None,
+        typer.Option(metavar="SHAPE:SIZE", help="In place of the suite's, such as radius:0.2 or box:0.5."),
+    ] = None,
     require: Annotated[
-        float | None,
-        typer.Option(min=0.0, max=1.0, help="Exit with 1 if the rate of any path is below this.", show_default=False),
+        float | None, typer.Option(min=0.0, max=1.0, help="Exit with 1 if the rate of any case is below this.")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Also write the JSON to this file.", show_default=False)] = None,
+    save: Annotated[
+        bool, typer.Option("--save", help="Write evaluation.json, or evaluation-SUITE.json, into each policy's folder.")
+    ] = False,
+    out: Annotated[Path | None, typer.Option(help="Write the JSON to this file.", show_default=False)] = None,
+    markdown: Annotated[Path | None, typer.Option(help="Write the tables to this file.", show_default=False)] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the paths to this PNG.", show_default=False)] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace files of another kind, too.")] = False,
     threads: Annotated[int, typer.Option(min=0, max=1024, help="For the physics; 0 is one a core.")] = 0,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the table goes to stderr.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
-    """Walk each path of a suite many times with deterministic actions and count successes, falls and timeouts."""
-    from waypointctl.cli.console import console
-    from waypointctl.cli.view.evaluation import evaluation_table
-    from waypointctl.evaluation.evaluate import evaluate
-    from waypointctl.evaluation.saved import write_evaluation
-    from waypointctl.evaluation.suite import load_suite
-    from waypointctl.paths import refuse_unwritable_file
-    from waypointctl.policy.bundle import load_policy
+    """Walk each path of a suite many times with deterministic actions and count successes, falls and time-outs.
 
-    chosen = load_suite(suite)
-    if out is not None:
-        refuse_unwritable_file(out, "the evaluation")
-    loaded = load_policy(policy)
-    with _progress(chosen, trials or chosen.trials) as progress:
-        evaluation = evaluate(loaded, chosen, trials, seed, threads, progress)
-    people = console(stderr=json)
-    people.print(evaluation_table(evaluation, people.width))
-    if out is not None:
-        write_evaluation(evaluation, out)
+    Several policies on the suite 'paper' give the paper's tables, with its figures beside those found.
+    """
+    from waypointctl.cli.evaluation_files import EvaluationFiles
+    from waypointctl.cli.evaluation_run import chosen_suite, evaluate_folders
+    from waypointctl.evaluation.result import evaluations_json
+
+    chosen = chosen_suite(suite, acceptance)
+    files = EvaluationFiles(tuple(policies), chosen, out=out, markdown=markdown, plot=plot, save=save, force=force)
+    files.refuse_unwritable()
+    with _progress(chosen.walked, trials or chosen.own.trials, len(policies)) as progress:
+        found = evaluate_folders(policies, chosen, trials, seed, threads, progress)
+    evaluations = [one.evaluation for one in found]
+    _print_tables(chosen.own, evaluations, to_stderr=json)
+    files.write(found)
     if json:
-        sys.stdout.write(evaluation.to_json())
-    _require(evaluation, require)
+        sys.stdout.write(evaluations_json(evaluations))
+    _require(evaluations, require)
 
 
-def _require(evaluation: Evaluation, rate: float | None) -> None:
+def _print_tables(suite: Suite, evaluations: Sequence[Evaluation], *, to_stderr: bool) -> None:
+    from waypointctl.cli.console import console
+    from waypointctl.cli.view.evaluation import grid_table
+    from waypointctl.evaluation.tables import tables
+
+    people = console(stderr=to_stderr)
+    for number, grid in enumerate(tables(suite, evaluations)):
+        if number:
+            people.print()
+        people.print(grid_table(grid, people.width))
+
+
+def _require(evaluations: Sequence[Evaluation], rate: float | None) -> None:
     if rate is None:
         return
-    below = [case.name for case in evaluation.cases if case.rate < rate]
+    from waypointctl.evaluation.results_grid import names_of
+
+    several = len(evaluations) > 1
+    below = [
+        f"{name} {case.name}" if several else case.name
+        for name, evaluation in zip(names_of(evaluations), evaluations, strict=True)
+        for case in evaluation.cases
+        if case.rate < rate
+    ]
     if below:
         typer.echo(f"below {rate:.0%}: {', '.join(below)}", err=True)
         raise typer.Exit(1)
 
 
 @contextmanager
-def _progress(suite: Suite, trials: int) -> Iterator[Progress | None]:
+def _progress(suite: Suite, trials: int, num_policies: int) -> Iterator[Progress | None]:
     """Show on a terminal which path is being walked and how many of its trials have ended."""
     from waypointctl.cli.console import console
 
@@ -78,5 +104,15 @@ def _progress(suite: Suite, trials: int) -> Iterator[Progress | None]:
     from rich.progress import Progress as Bars
 
     with Bars(console=people, transient=True) as bars:
-        tasks = {case.name: bars.add_task(case.name, total=trials) for case in suite.walked}
-        yield lambda case, ended: bars.update(tasks[case], completed=ended)
+        every = bars.add_task("all", total=num_policies * len(suite.walked) * trials)
+        one = bars.add_task("", total=trials)
+        done = 0
+
+        def show(case: str, ended: int) -> None:
+            nonlocal done
+            bars.update(one, description=case, completed=ended)
+            bars.update(every, completed=done + ended)
+            if ended == trials:
+                done += trials
+
+        yield show

@@ -10,10 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from waypointctl.evaluation.catalogue import Entry
-    from waypointctl.evaluation.result import Evaluation
 
 _DEFAULT = "list"
 
@@ -37,13 +34,16 @@ def list_policies(
 ) -> None:
     """List the policies in a folder with their robot, observation layout, training and results."""
     from waypointctl.cli.console import console
+    from waypointctl.cli.view.evaluation import grid_table
+    from waypointctl.cli.view.policies import policies_grid
     from waypointctl.evaluation.catalogue import catalogue
 
     entries = catalogue(folder)
     if json:
         _print_json(entries)
     elif entries:
-        console().print(_table(entries))
+        people = console()
+        people.print(grid_table(policies_grid(entries), people.width))
     else:
         typer.echo(f"no policies in {folder}; `waypointctl train RECIPE.yaml` makes one", err=True)
     for fault in (fault for entry in entries for fault in entry.faults):
@@ -61,33 +61,6 @@ def show_policy(
     sys.stdout.write(load_policy(policy).files[MANIFEST].decode())
 
 
-def _table(entries: list[Entry]) -> Table:
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("folder", "robot", "layout"):
-        table.add_column(heading, no_wrap=True)
-    table.add_column("steps", justify="right", no_wrap=True)
-    table.add_column("results")
-    for entry in entries:
-        table.add_row(*_row(entry))
-    return table
-
-
-def _row(entry: Entry) -> tuple[str, ...]:
-    if entry.policy is None:
-        return (str(entry.folder), "", "", "", "damaged")
-    manifest = entry.policy.manifest
-    results = _results(entry.evaluation) if entry.evaluation else "not evaluated"
-    return (str(entry.folder), manifest.robot, manifest.observation.layout, f"{manifest.training.steps:,}", results)
-
-
-def _results(evaluation: Evaluation) -> str:
-    rates = [case.rate for case in evaluation.cases]
-    return f"{evaluation.suite}: {min(rates):.0%} to {max(rates):.0%} in {len(rates)} cases"
-
-
 def _print_json(entries: list[Entry]) -> None:
     import json
 
@@ -96,9 +69,16 @@ def _print_json(entries: list[Entry]) -> None:
             "folder": str(entry.folder),
             "policy_sha256": entry.policy.sha256 if entry.policy else None,
             "manifest": entry.policy.manifest.model_dump(mode="json") if entry.policy else None,
-            "evaluation": entry.evaluation.model_dump(mode="json") if entry.evaluation else None,
+            "evaluation": _of_paper(entry),
+            "evaluations": [evaluation.model_dump(mode="json") for evaluation in entry.evaluations],
             "faults": entry.faults,
         }
         for entry in entries
     ]
     sys.stdout.write(f"{json.dumps({'policies': found}, indent=2)}\n")
+
+
+def _of_paper(entry: Entry) -> dict[str, Any] | None:
+    """Return the evaluation in evaluation.json, as the list had it before there were others."""
+    found = (one for one in entry.evaluations if one.suite == "paper" and one.suite_acceptance is None)
+    return next((evaluation.model_dump(mode="json") for evaluation in found), None)

@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from waypointctl.errors import InputError, PolicyError
 from waypointctl.evaluation.result import EVALUATION, Evaluation, read_evaluation
+from waypointctl.evaluation.saved import saved_name
+from waypointctl.evaluation.suite import BUILT_IN
 from waypointctl.paths import folder_fault
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import MANIFEST
 
+PATTERN: Final = "evaluation*.json"  # the files that evaluations are saved to
+
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A folder with a policy, what evaluation.json beside it says, and what is wrong with either."""
+    """A folder with a policy, what the evaluations beside it say, and what is wrong with any of them."""
 
     folder: Path
     policy: LoadedPolicy | None
-    evaluation: Evaluation | None
+    evaluations: tuple[Evaluation, ...]  # the paper's first, then the suites that come with waypointctl, then others
     faults: tuple[str, ...]
 
 
@@ -34,16 +39,24 @@ def catalogue(folder: Path) -> list[Entry]:
 
 
 def _entry(folder: Path) -> Entry:
-    policy, evaluation, faults = None, None, []
+    policy, evaluations, faults = None, [], []
     try:
         policy = load_policy(folder)
     except InputError as error:
         faults.append(f"{error.where}: {error.problem}")
-    try:
-        evaluation = read_evaluation(folder / EVALUATION) if (folder / EVALUATION).exists() else None
-    except InputError as error:
-        faults.append(f"{error.where}: {error.problem}")
-    if policy and evaluation and evaluation.policy_sha256 != policy.sha256:
-        faults.append(f"{folder / EVALUATION}: of another policy than the one beside it")
-        evaluation = None
-    return Entry(folder, policy, evaluation, tuple(faults))
+    for path in sorted(folder.glob(PATTERN), key=_rank):
+        try:
+            evaluation = read_evaluation(path)
+        except InputError as error:
+            faults.append(f"{error.where}: {error.problem}")
+            continue
+        if policy is None or evaluation.policy_sha256 == policy.sha256:
+            evaluations.append(evaluation)
+        else:
+            faults.append(f"{path}: of another policy than the one beside it")
+    return Entry(folder, policy, tuple(evaluations), tuple(faults))
+
+
+def _rank(path: Path) -> tuple[int, str]:
+    names = [EVALUATION, *(saved_name(suite) for suite in BUILT_IN)]
+    return (names.index(path.name) if path.name in names else len(names), path.stem)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 
+from waypointctl.errors import InputError
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.mission import DAY_S, Hold, Timeout, Tolerance  # a suite's bounds are a mission's
 from waypointctl.mission.quantity import Quantity
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.course import Deadline
 from waypointctl.task.start import Start
+from waypointctl.units import NUMBER_PATTERN
 
 
 class AcceptanceSpec(FileModel):
@@ -27,6 +30,22 @@ class AcceptanceSpec(FileModel):
     def to_task(self) -> Acceptance:
         """Return it as the task takes it."""
         return Acceptance(self.shape, self.size_m)
+
+
+def parse_acceptance(text: str) -> AcceptanceSpec:
+    """Read an acceptance region as a command line has it: "radius:0.2", "box:0.5" or "box:50cm"; a bare number is in m.
+
+    Raises:
+        InputError: it is none.
+    """
+    shape, _, size = text.partition(":")
+    spelling = "size_m" if re.fullmatch(NUMBER_PATTERN, size.strip()) else "size"
+    try:
+        value = float(size) if spelling == "size_m" else size
+        return AcceptanceSpec.model_validate({"shape": shape.strip(), spelling: value})
+    except ValidationError as error:
+        problem = f"{text!r} is not an acceptance region: a shape, box or radius, and a size up to 100 m"
+        raise InputError(problem, where="--acceptance", mend="such as radius:0.2 or box:50cm") from error
 
 
 class DeadlineSpec(FileModel):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, field_serializer
 
 from waypointctl.errors import InputError
 from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec, StartSpec
@@ -49,6 +49,10 @@ class CaseResult(_Record):
     mean_leg_time_s: float | None = None  # of the legs that were reached, in all trials
     mean_speed_mps: float | None = None  # of the successes: all metres walked to the last waypoint by all seconds
     course: RandomPaths | None = None  # how the paths were drawn; None where they were given
+
+    @field_serializer("course")
+    def _as_the_suite_has_it(self, course: RandomPaths | None) -> dict[str, object] | None:
+        return None if course is None else course.model_dump(mode="json", exclude_unset=True)
 
     @property
     def late(self) -> int | None:

@@ -7,12 +7,23 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from waypointctl.errors import OutputError
-from waypointctl.evaluation.result import Evaluation, evaluations_json
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
-PATTERN: Final = "evaluation*.json"
+from waypointctl.errors import OutputError, SuiteError
+from waypointctl.evaluation.conditions import AcceptanceSpec
+from waypointctl.evaluation.result import EVALUATION, Evaluation, evaluations_json
+from waypointctl.evaluation.suite import BUILT_IN, Suite, load_suite
+from waypointctl.mission.checks import file_name
+
 _PAPER: Final = "paper"
 _FILE_MEND: Final = "give a file in a folder that you can write to"
+
+
+class _Several(BaseModel):
+    evaluations: tuple[Evaluation, ...]
+
+
+_EITHER: Final[TypeAdapter[Evaluation | _Several]] = TypeAdapter(Evaluation | _Several)
 
 
 def write_evaluation(evaluation: Evaluation, path: Path) -> None:
@@ -50,3 +61,56 @@ def place(path: Path, content: bytes, what: str) -> None:
         part.unlink(missing_ok=True)
         problem = f"{what} cannot be written: {error.strerror}"
         raise OutputError(problem, where=str(path), mend=_FILE_MEND) from error
+
+
+def saved_name(suite: str, other_acceptance: AcceptanceSpec | None = None) -> str:
+    """Return the name of an evaluation's file in its policy's folder.
+
+    There is one for each suite, and one more for each acceptance region that is not the suite's own.
+    """
+    if other_acceptance is not None:
+        return f"evaluation-{suite}-{other_acceptance.shape}-{other_acceptance.size_m:g}m.json"
+    return EVALUATION if suite == _PAPER else f"evaluation-{suite}.json"
+
+
+def refuse_unsavable(suite: Suite) -> None:
+    """Refuse a suite whose results could not be told from another's by their file's name.
+
+    Raises:
+        SuiteError: its name cannot name a file, or is that of a suite that comes with waypointctl and is another.
+    """
+    try:
+        file_name(suite.name)
+    except ValueError as error:
+        raise SuiteError(f"--save names a file after the suite, and {error}", mend="rename the suite") from error
+    if suite.name in BUILT_IN and suite != load_suite(suite.name):
+        problem = f"a suite that comes with waypointctl is called {suite.name!r}, and is another"
+        raise SuiteError(problem, mend="rename yours, so that --save keeps the results of both")
+
+
+def refuse_other_files(path: Path) -> None:
+    """Refuse to replace what is there unless it is evaluations, or empty.
+
+    Raises:
+        OutputError: it is something else.
+    """
+    try:
+        if not path.is_file() or is_evaluations(path.read_bytes()):
+            return
+    except OSError as error:
+        problem = f"cannot be read, to see whether it is an evaluation: {error.strerror}"
+        raise OutputError(problem, where=str(path), mend="name another file") from error
+    raise OutputError(
+        "is there already and is not an evaluation", where=str(path), mend="--force replaces it; or name another file"
+    )
+
+
+def is_evaluations(text: bytes) -> bool:
+    """Return whether a file's text is what `write_evaluations` writes, or nothing."""
+    if not text.strip():
+        return True
+    try:
+        _EITHER.validate_json(text)
+    except ValidationError:
+        return False
+    return True

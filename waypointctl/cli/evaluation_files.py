@@ -1,0 +1,106 @@
+"""The files that `waypointctl eval` writes: refused before the work, written after it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from waypointctl.cli.evaluation_run import ChosenSuite, Evaluated
+from waypointctl.evaluation.panels import panels, refuse_too_many
+from waypointctl.evaluation.results_grid import title
+from waypointctl.evaluation.saved import (
+    place,
+    refuse_other_files,
+    refuse_unsavable,
+    saved_name,
+    write_evaluation,
+    write_evaluations,
+)
+from waypointctl.evaluation.tables import MARKDOWN_HEAD, tables, to_markdown
+from waypointctl.paths import refuse_other_content, refuse_unwritable_file
+
+_PNG: Final = b"\x89PNG\r\n\x1a\n"
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationFiles:
+    """Which files are asked for.
+
+    Attributes:
+        folders: of the policies.
+        suite: that they walk.
+        out: for the JSON.
+        markdown: for the tables.
+        plot: for the picture.
+        save: write each evaluation into its policy's folder.
+        force: replace files of another kind.
+    """
+
+    folders: tuple[Path, ...]
+    suite: ChosenSuite
+    out: Path | None = None
+    markdown: Path | None = None
+    plot: Path | None = None
+    save: bool = False
+    force: bool = False
+
+    def refuse_unwritable(self) -> None:
+        """Refuse what could not be written, or would take the place of something else.
+
+        Raises:
+            OutputError: a file cannot be written, or is there already and of another kind.
+            InputError: the suite's results cannot be saved, or the picture would have too many panels.
+        """
+        if self.save:
+            refuse_unsavable(self.suite.own)
+        for path in self._evaluations():
+            refuse_unwritable_file(path, "the evaluation")
+            if not self.force:
+                refuse_other_files(path)
+        if self.markdown is not None:
+            refuse_unwritable_file(self.markdown, "the table")
+            if not self.force:
+                refuse_other_content(self.markdown, MARKDOWN_HEAD.encode(), "a table of waypointctl's")
+        if self.plot is not None:
+            refuse_unwritable_file(self.plot, "the picture")
+            refuse_too_many(self.suite.own, len(self.folders))
+            if not self.force:
+                refuse_other_content(self.plot, _PNG, "a PNG")
+
+    def write(self, found: Sequence[Evaluated]) -> None:
+        """Write what was asked for.
+
+        Raises:
+            OutputError: a file cannot be written.
+        """
+        evaluations = [one.evaluation for one in found]
+        if self.out is not None:
+            write_evaluations(evaluations, self.out)
+        if self.save:
+            for one in found:
+                write_evaluation(one.evaluation, one.folder / self._saved_name)
+        if self.markdown is not None:
+            text = to_markdown(tables(self.suite.own, evaluations))
+            place(self.markdown, text.encode(), "the table")
+        if self.plot is not None:
+            place(self.plot, self.picture(found), "the picture")
+
+    def picture(self, found: Sequence[Evaluated]) -> bytes:
+        """Return the ways that were walked as PNG."""
+        from waypointctl.evaluation.picture import draw
+
+        evaluations = [one.evaluation for one in found]
+        drawn = panels(self.suite.own, evaluations, [one.walks for one in found])
+        return draw(drawn, self.suite.walked.acceptance, title(evaluations))
+
+    def _evaluations(self) -> list[Path]:
+        asked = [] if self.out is None else [self.out]
+        if self.save:
+            asked += [folder / self._saved_name for folder in self.folders]
+        return asked
+
+    @property
+    def _saved_name(self) -> str:
+        return saved_name(self.suite.own.name, self.suite.other_acceptance)

@@ -1,0 +1,56 @@
+"""Policies and what they achieve, as a table."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from waypointctl.evaluation.catalogue import Entry
+    from waypointctl.evaluation.grid import Grid
+    from waypointctl.evaluation.result import Evaluation
+
+
+def policies_grid(entries: Sequence[Entry]) -> Grid:
+    """Return a row for each policy, with a column for each suite that any of them has been evaluated in."""
+    from waypointctl.evaluation.grid import Column, Grid
+
+    suites = list(dict.fromkeys(evaluation.conditions for entry in entries for evaluation in entry.evaluations))
+    columns = (
+        Column("folder", is_text=True),
+        Column("robot", is_text=True, spare=3),
+        Column("layout", is_text=True, spare=2),
+        Column("steps", spare=1),
+        *(Column(suite, is_text=True) for suite in suites or ["results"]),
+    )
+    return Grid("", columns, tuple(_row(entry, suites) for entry in entries))
+
+
+def result_text(evaluation: Evaluation) -> str:
+    """Return what an evaluation came to, in a few words."""
+    if len(evaluation.cases) > 1:
+        rates = [case.rate for case in evaluation.cases]
+        spread = f"{min(rates):.0%}" if min(rates) == max(rates) else f"{min(rates):.0%} to {max(rates):.0%}"
+        return f"{spread} in {len(rates)} cases"
+    (case,) = evaluation.cases
+    legs = ""
+    if (
+        case.legs is not None and case.legs_reached is not None and case.legs > 4 * case.trials
+    ):  # of long paths the legs tell more
+        legs = f", legs {case.legs_reached / case.legs:.2%}"
+    return f"{case.rate:.1%}{legs}"
+
+
+def _row(entry: Entry, suites: Sequence[str]) -> tuple[str, ...]:
+    if entry.policy is None:
+        return (str(entry.folder), "", "", "", *_padded("damaged", suites))
+    manifest = entry.policy.manifest
+    found = {evaluation.conditions: result_text(evaluation) for evaluation in entry.evaluations}
+    results = [found.get(suite, "") for suite in suites] if found else _padded("not evaluated", suites)
+    steps = f"{manifest.training.steps:,}"
+    return (str(entry.folder), manifest.robot, manifest.observation.layout, steps, *results)
+
+
+def _padded(word: str, suites: Sequence[str]) -> list[str]:
+    return [word, *([""] * (len(suites) - 1))]

@@ -1,0 +1,65 @@
+"""A table as plain text cells, for whoever draws it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of a table.
+
+    Attributes:
+        heading: what stands above it.
+        is_text: text, which may be wrapped; a number may not.
+        spare: which columns to leave out first where there is no room, the highest first; 0 stays.
+    """
+
+    heading: str
+    is_text: bool = False
+    spare: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A table.
+
+    Attributes:
+        title: what it is.
+        columns: from left to right.
+        rows: each as many cells as there are columns.
+        notes: lines to stand below it.
+    """
+
+    title: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...] = ()
+
+    def without_empty_columns(self) -> Grid:
+        """Return the table without the columns that no row has anything in."""
+        full = [index for index in range(len(self.columns)) if any(row[index] for row in self.rows)]
+        return self.with_columns(full)
+
+    def with_columns(self, kept: Sequence[int]) -> Grid:
+        """Return the table with some of its columns, by index."""
+        rows = tuple(tuple(row[index] for index in kept) for row in self.rows)
+        return Grid(self.title, tuple(self.columns[index] for index in kept), rows, self.notes)
+
+    def to_markdown(self) -> str:
+        """Return the table as Markdown, its title in bold above it and its notes below."""
+        lines = [_row(column.heading for column in self.columns)]
+        lines.append(f"|{'|'.join('---' if column.is_text else '---:' for column in self.columns)}|")
+        lines += [_row(row) for row in self.rows]
+        return "\n".join([f"**{_escaped(self.title)}**", "", *lines, *(f"\n{_escaped(note)}" for note in self.notes)])
+
+
+def _row(cells: Iterable[str]) -> str:
+    return f"| {' | '.join(map(_escaped, cells))} |"
+
+
+def _escaped(text: str) -> str:
+    for mark in "\\|*_<`":
+        text = text.replace(mark, f"\\{mark}")
+    return text

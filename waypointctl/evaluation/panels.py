@@ -1,0 +1,114 @@
+"""What the picture of evaluations shows: which trials of which policy, panel by panel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.errors import InputError
+from waypointctl.evaluation.paper_tables import entrants
+from waypointctl.evaluation.result import Evaluation
+from waypointctl.evaluation.results_grid import names_of
+from waypointctl.evaluation.suite import Suite, Walked
+from waypointctl.evaluation.walk import Walks
+
+FloatArray: TypeAlias = NDArray[np.float64]
+End: TypeAlias = Literal["success", "fall", "time-out", "strayed"]
+
+MOST_PANELS: Final = 48
+_SHOWN: Final = 100  # trials of given paths in a panel, at least _LEAST of each
+_LEAST: Final = 10
+_WAYPOINTS: Final = 60  # of drawn paths in a panel: with more, nothing is told from anything
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One trial: its waypoints (m, 2) [m], the way (k, 2) [m] that the robot walked, and how it ended."""
+
+    path: FloatArray
+    way: FloatArray
+    end: End
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """A panel of the picture.
+
+    Attributes:
+        title: whose trials they are.
+        subtitle: how many there were and how many succeeded.
+        group: panels of one group are drawn to one scale.
+        given: the paths (m, 2) [m] that all trials walked; none where each had its own.
+        trials: those that are shown.
+    """
+
+    title: str
+    subtitle: str
+    group: str
+    given: tuple[FloatArray, ...]
+    trials: tuple[Trial, ...]
+
+
+def refuse_too_many(suite: Suite, num_policies: int) -> None:
+    """Refuse to draw so many policies in a suite, before they are evaluated.
+
+    Raises:
+        InputError: there would be more panels than a picture can hold.
+    """
+    count = len(suite.tables or suite.walked) * num_policies
+    if count > MOST_PANELS:
+        problem = f"--plot would have {count} panels, one for each case and policy; a picture holds {MOST_PANELS}"
+        raise InputError(problem, mend="evaluate fewer policies at a time, or a suite of fewer cases")
+
+
+def panels(suite: Suite, evaluations: Sequence[Evaluation], walks: Sequence[Mapping[str, Walks]]) -> list[Panel]:
+    """Return a panel for each table and policy where the suite has tables, else for each case and policy.
+
+    Args:
+        suite: what was walked.
+        evaluations: of each policy.
+        walks: of each policy, by case.
+    """
+    names = names_of(evaluations)
+    by_name = dict(zip(names, walks, strict=True))
+    if suite.tables:
+        return [
+            _panel(suite, name, table.title, [case for case in suite.cases if case.name in table.cases], by_name[name])
+            for table in suite.tables
+            for name, _ in entrants(suite, table, evaluations)
+        ]
+    return [_panel(suite, name, case.name, [case], by_name[name]) for case in suite.walked for name in names]
+
+
+def _panel(suite: Suite, policy: str, group: str, cases: Sequence[Walked], walks: Mapping[str, Walks]) -> Panel:
+    given = suite.cases and all(case in suite.cases for case in cases)
+    each = max(_LEAST, _SHOWN // len(cases)) if given else max(1, _WAYPOINTS // cases[0].longest)
+    trials = [trial for case in cases for trial in _sample(walks[case.name], each)]
+    successes = sum(int(walks[case.name].success.sum()) for case in cases)
+    total = sum(len(walks[case.name].success) for case in cases)
+    return Panel(
+        title=policy,
+        subtitle=f"{group}: {successes} of {total}",
+        group=group,
+        given=tuple(walks[case.name].paths[0] for case in cases) if given else (),
+        trials=tuple(trials),
+    )
+
+
+def _sample(walks: Walks, count: int) -> list[Trial]:
+    """Return the first trials, and the first of those that failed: falls are rare, and what one looks for."""
+    traced = np.arange(len(walks.ways))
+    failed = traced[~walks.success[: len(traced)]]
+    return [
+        Trial(walks.paths[i], walks.ways[i], _end(walks, int(i)))
+        for i in np.union1d(traced[:count], failed[:count]).astype(int)
+    ]
+
+
+def _end(walks: Walks, trial: int) -> End:
+    ends: dict[End, NDArray[np.bool_]] = {"success": walks.success, "fall": walks.fell, "time-out": walks.timed_out}
+    return next((end for end, flags in ends.items() if flags[trial]), "strayed")
