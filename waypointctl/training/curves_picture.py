@@ -18,6 +18,7 @@ WIDTH: Final = 1600  # pixels
 HEIGHT: Final = 720
 
 _DPI: Final = 100
+_FEW: Final = 10  # seeds that are named
 _INK: Final = "#22303c"
 _COLORS: Final = {"success": "#1b7f5c", "fall": "#c0392b"}
 _TITLES: Final = {"success": "Courses walked to the end", "fall": "Episodes that end in a fall"}
@@ -43,7 +44,8 @@ def draw_curves(found: Curves, title: str) -> bytes:
         for one, quantity in zip(axes, _TITLES, strict=True):
             _draw(one, found, quantity)
         figure.text(0.055, 0.945, title, fontsize=17, fontweight="bold", va="center")
-        note = f"actions drawn at random, as training does; each point over the last {WINDOW} rollouts"
+        seeds = f"seeds {', '.join(map(str, found.seeds))}; " if 1 < len(found.seeds) <= _FEW else ""
+        note = f"{seeds}actions drawn at random, as training does; each point over the last {WINDOW} rollouts"
         figure.text(0.055, 0.9, note, va="center")
         image = io.BytesIO()
         figure.savefig(image, format="png", dpi=_DPI, metadata={"Software": None})
@@ -70,7 +72,7 @@ def _draw(axes: Axes, found: Curves, quantity: str) -> None:
     axes.xaxis.set_major_formatter(EngFormatter(sep=" "))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.grid(alpha=0.2)
-    axes.legend(loc="center right", frameon=False)
+    axes.legend(loc="best", frameon=False)
 
 
 def _once(label: str, seed: int, found: Curves) -> str:

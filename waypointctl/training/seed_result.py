@@ -29,6 +29,8 @@ class SeedResult:
         fall_rate: of these.
         timeout_rate: of these.
         spl: success weighted by path length, mean over the cases.
+        selection_rate: success rate in the test that the policy was selected by, None if it is the last checkpoint.
+        target_met: whether that reached the rate at which training was to end, None if there is none.
     """
 
     seed: int
@@ -42,6 +44,8 @@ class SeedResult:
     fall_rate: float
     timeout_rate: float
     spl: float
+    selection_rate: float | None
+    target_met: bool | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,11 +73,14 @@ def seed_result(run: Path, seed: int) -> SeedResult:
     record = policy.manifest.training
     trials = sum(case.trials for case in cases)
     rows = read_progress(run)
+    chosen = record.selection
+    rate = chosen.successes / chosen.trials if chosen else None
+    target = chosen.stop_at if chosen else None
     return SeedResult(
         seed=seed,
         run=str(run),
         policy_sha256=policy.sha256,
-        steps=record.selection.last_step if record.selection else record.steps,
+        steps=chosen.last_step if chosen else record.steps,
         policy_steps=record.steps,
         wall_time_s=rows[-1].wall_time_s if rows else record.wall_time_s,
         trials=trials,
@@ -81,10 +88,13 @@ def seed_result(run: Path, seed: int) -> SeedResult:
         fall_rate=sum(case.falls for case in cases) / trials,
         timeout_rate=sum(case.timeouts for case in cases) / trials,
         spl=fmean(case.spl for case in cases),
+        selection_rate=rate,
+        target_met=None if rate is None or target is None else rate >= target,
     )
 
 
 def spreads(results: Sequence[SeedResult]) -> dict[str, Spread]:
     """Return the spread over the seeds of each quantity that is compared."""
-    names = ("success_rate", "fall_rate", "timeout_rate", "spl", "steps", "wall_time_s")
-    return {name: Spread.of([getattr(result, name) for result in results]) for name in names}
+    names = ("success_rate", "fall_rate", "timeout_rate", "spl", "selection_rate", "steps", "wall_time_s")
+    values = {name: [getattr(result, name) for result in results] for name in names}
+    return {name: Spread.of(found) for name, found in values.items() if None not in found}

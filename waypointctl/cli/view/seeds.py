@@ -19,29 +19,31 @@ _COLUMNS: dict[str, tuple[str, Callable[[float], str]]] = {
     "fall_rate": ("falls", exact_percent),
     "timeout_rate": ("late", exact_percent),
     "spl": ("SPL", "{:.3f}".format),
+    "selection_rate": ("selection", exact_percent),
     "steps": ("steps", count),
     "wall_time_s": ("time", span),
 }
 
 
 def seeds_table(name: str, compared: SeedsResult) -> Table:
-    """Return a row for each seed, and mean, standard deviation, lowest and highest over them; 60 columns wide."""
+    """Return a row for each seed, and mean, standard deviation, lowest and highest over them; 70 columns wide."""
     from rich import box
     from rich.table import Table
 
-    title = f"{name} on the paper's paths, a row for each seed of training"
+    title = f"{name} on the paper's paths, by seed of the training"
+    columns = {quantity: column for quantity, column in _COLUMNS.items() if quantity in compared.spread}
     table = Table(
         title=title, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False, padding=(0, 1, 0, 0), show_edge=False
     )
     table.add_column("seed", no_wrap=True)
-    for heading, _ in _COLUMNS.values():
+    for heading, _ in columns.values():
         table.add_column(heading, justify="right", no_wrap=True)
     last = len(compared.results) - 1
     for number, result in enumerate(compared.results):
-        cells = [text(getattr(result, quantity)) for quantity, (_, text) in _COLUMNS.items()]
+        cells = [text(getattr(result, quantity)) for quantity, (_, text) in columns.items()]
         table.add_row(str(result.seed), *cells, end_section=number == last)
     for part in ("mean", "std", "lowest", "highest"):
-        table.add_row(part, *(_cell(compared.spread[quantity], part, text) for quantity, (_, text) in _COLUMNS.items()))
+        table.add_row(part, *(_cell(compared.spread[quantity], part, text) for quantity, (_, text) in columns.items()))
     return table
 
 

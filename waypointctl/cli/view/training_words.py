@@ -67,7 +67,7 @@ def outcome(selection: Selection, total_steps: int) -> str:
     score = f"{exact_percent(best.success_rate)} of {best.trials} trials in {plan.suite}, seed {plan.seed}"
     if selection.met:
         return f"target met after {best.steps} steps in {span(best.wall_time_s)}: {score}"
-    chosen = f"the checkpoint of {best.steps} of {selection.last_steps} steps was chosen: {score}"
+    chosen = f"the checkpoint at step {best.steps} of {selection.last_steps} was chosen: {score}"
     return chosen if plan.stop_at is None else f"target of {plan.stop_at:.4g} not met in {total_steps} steps; {chosen}"
 
 
