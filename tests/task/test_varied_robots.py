@@ -102,7 +102,8 @@ class Alone:
             self.queue.append(np.clip(action, -1.0, 1.0))
             self.world.data.ctrl[:] = self.queue.pop(0)
             mujoco.mj_step(self.world.model, self.world.data)
-        return self.world.data.ctrl.copy()
+        held: FloatArray = self.world.data.ctrl.copy()
+        return held
 
 
 def paid(config: TaskConfig, alone: Alone, before: FloatArray, goal: FloatArray, held: FloatArray) -> FloatArray:
@@ -111,7 +112,8 @@ def paid(config: TaskConfig, alone: Alone, before: FloatArray, goal: FloatArray,
     at_limit = JointLimits.of_range(robot.joint_low, robot.joint_high).count(body.joints)
     fell = fallen(body, robot.fall_height_m, robot.fall_up)
     approach = progress_speed(before, body.position, goal, 0.02)
-    return reward_terms(config.reward, body, approach, held[np.newaxis], at_limit, fell)[0]
+    terms: FloatArray = reward_terms(config.reward, body, approach, held[np.newaxis], at_limit, fell)[0]
+    return terms
 
 
 @pytest.mark.parametrize("variation", ALONE.values(), ids=ALONE)

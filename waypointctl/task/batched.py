@@ -64,7 +64,8 @@ class BatchedWaypointEnv:
     """N robots, each on a course of its own, stepped on all cores.
 
     Robot i draws its starts from stream(seed, "start", i) and its courses from stream(seed, "course", i), whatever
-    the other robots do; where failed courses are walked again, it remembers its own.
+    the other robots do; where failed courses are walked again, it remembers its own. Noisy sensors alone draw for all
+    robots together.
     """
 
     def __init__(
