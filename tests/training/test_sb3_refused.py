@@ -75,8 +75,8 @@ def test_pickles_in_a_model_are_not_loaded(model: Path, tmp_path: Path) -> None:
     bad = rewritten(model, tmp_path / "bad.zip", lr_schedule={":type:": "x", ":serialized:": serialised})
     build_network(read_archive(bad), 31, 8)
     assert not victim.exists()
-    with pytest.raises(OSError, match="exists"):
-        (victim.mkdir(), pickle.loads(pickled))  # it does work
+    pickle.loads(pickled)
+    assert victim.exists(), "the pickle is a working one"
 
 
 @pytest.mark.parametrize("whole", [True, False])
