@@ -17,6 +17,11 @@ def table(evaluation: Path) -> str:
     return "\n".join([HEAD, *(_row(case) for case in read_evaluation(evaluation).cases)])
 
 
+def block() -> str:
+    """Return the README's table."""
+    return table(ROOT / "policies" / "ant-waypoint" / "evaluation.json")
+
+
 def _row(case: CaseResult) -> str:
     path = " → ".join(f"({x:g}, {y:g})" for x, y in case.waypoints)
     low, high = case.wilson95
@@ -27,4 +32,4 @@ def _row(case: CaseResult) -> str:
 
 
 if __name__ == "__main__":
-    print(table(ROOT / "policies" / "ant-waypoint" / "evaluation.json"))
+    print(block())

@@ -43,9 +43,10 @@ def test_the_readmes_mission_and_suite_are_read() -> None:
         parse_mission(suite.encode(), "README.md")
 
 
-def test_the_readmes_table_is_the_policys_evaluation() -> None:
-    table = runpy.run_path(str(ROOT / "docs" / "readme_table.py"))["table"]
-    assert table(ROOT / "policies" / "ant-waypoint" / "evaluation.json") in README
+def test_the_readmes_tables_are_the_policies_evaluations() -> None:
+    made_by = r"<!-- python (docs/(?:paper_tables|readme_table)\.py) -->\n(.*?)\n<!-- end -->"
+    ((script, tables),) = re.findall(made_by, README, re.DOTALL)
+    assert tables == runpy.run_path(str(ROOT / script))["block"]()
 
 
 @pytest.mark.parametrize("document", ["README.md", "ARCHITECTURE.md", "DECISIONS.md", "CHANGELOG.md"])

@@ -12,8 +12,9 @@ import pytest
 
 from tests.training.tiny import RECIPE
 from waypointctl.cli.main import main
+from waypointctl.evaluation.conditions import DeadlineSpec
 from waypointctl.evaluation.result import read_evaluation
-from waypointctl.evaluation.suite import DeadlineSpec, Suite, load_suite
+from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.policy.bundle import load_policy
 from waypointctl.training import train
 

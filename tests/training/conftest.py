@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from waypointctl.evaluation.suite import DeadlineSpec, Suite, load_suite
+from waypointctl.evaluation.conditions import DeadlineSpec
+from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.training import train
 
 

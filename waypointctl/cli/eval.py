@@ -47,14 +47,15 @@ def evaluate_policy(
     Several policies on the suite 'paper' give the paper's tables, with its figures beside those found.
     """
     from waypointctl.cli.evaluation_files import EvaluationFiles
-    from waypointctl.cli.evaluation_run import chosen_suite, evaluate_folders
+    from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders
     from waypointctl.evaluation.result import evaluations_json
 
     chosen = chosen_suite(suite, acceptance)
+    loaded = load_folders(policies)
     files = EvaluationFiles(tuple(policies), chosen, out=out, markdown=markdown, plot=plot, save=save, force=force)
     files.refuse_unwritable()
     with _progress(chosen.walked, trials or chosen.own.trials, len(policies)) as progress:
-        found = evaluate_folders(policies, chosen, trials, seed, threads, progress)
+        found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress)
     evaluations = [one.evaluation for one in found]
     _print_tables(chosen.own, evaluations, to_stderr=json)
     files.write(found)

@@ -11,7 +11,7 @@ from waypointctl.evaluation.evaluate import Progress, evaluate
 from waypointctl.evaluation.result import Evaluation
 from waypointctl.evaluation.suite import Suite, Walked, load_suite
 from waypointctl.evaluation.walk import Walks
-from waypointctl.policy.bundle import load_policy
+from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.training.trained_on import trained_on
 
 
@@ -48,18 +48,27 @@ def chosen_suite(name_or_file: str, acceptance: str | None) -> ChosenSuite:
     return ChosenSuite(own, own if acceptance is None else own.accepting(parse_acceptance(acceptance)))
 
 
-def evaluate_folders(
-    folders: Sequence[Path],
+def load_folders(folders: Sequence[Path]) -> list[tuple[Path, LoadedPolicy]]:
+    """Load the policy in each folder.
+
+    Raises:
+        PolicyError: one is missing or damaged.
+    """
+    return [(folder, load_policy(folder)) for folder in folders]
+
+
+def evaluate_loaded(
+    loaded: Sequence[tuple[Path, LoadedPolicy]],
     suite: ChosenSuite,
     trials: int | None,
     seed: int,
     threads: int = 0,
     progress: Progress | None = None,
 ) -> list[Evaluated]:
-    """Evaluate the policy in each folder; all are loaded before the first is walked.
+    """Evaluate policies one after the other.
 
     Args:
-        folders: the bundles; what a policy was trained on is read from the recipe in its folder.
+        loaded: each with its folder; what it was trained on is read from the recipe there.
         suite: the paths.
         trials: of each case; None: as many as the suite says.
         seed: of the starts and of random paths.
@@ -67,12 +76,11 @@ def evaluate_folders(
         progress: told of every policy's trials.
 
     Raises:
-        PolicyError: a policy is missing, damaged, or made for something else.
+        PolicyError: a policy was made for something else.
     """
-    policies = [load_policy(folder) for folder in folders]
     own = None if suite.other_acceptance is None else suite.own.acceptance
     found = []
-    for folder, policy in zip(folders, policies, strict=True):
+    for folder, policy in loaded:
         walks = _Walks()
         evaluation = evaluate(policy, suite.walked, trials, seed, threads, progress, watch=walks.keep)
         told = {"suite_acceptance": own, "training": trained_on(folder, policy.manifest)}

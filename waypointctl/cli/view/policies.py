@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from waypointctl.evaluation.catalogue import Entry
     from waypointctl.evaluation.grid import Grid
-    from waypointctl.evaluation.result import Evaluation
+    from waypointctl.evaluation.result import CaseResult, Evaluation
+
+_LONG: Final = 4  # waypoints; of longer paths the legs are told, too
 
 
 def policies_grid(entries: Sequence[Entry]) -> Grid:
@@ -34,12 +36,14 @@ def result_text(evaluation: Evaluation) -> str:
         spread = f"{min(rates):.0%}" if min(rates) == max(rates) else f"{min(rates):.0%} to {max(rates):.0%}"
         return f"{spread} in {len(rates)} cases"
     (case,) = evaluation.cases
-    legs = ""
-    if (
-        case.legs is not None and case.legs_reached is not None and case.legs > 4 * case.trials
-    ):  # of long paths the legs tell more
-        legs = f", legs {case.legs_reached / case.legs:.2%}"
-    return f"{case.rate:.1%}{legs}"
+    return f"{case.rate:.1%}{_legs_text(case)}"
+
+
+def _legs_text(case: CaseResult) -> str:
+    """Return the rate of legs on long random paths, where it tells more than that of whole paths."""
+    if case.course is None or case.course.count <= _LONG or case.legs is None or case.legs_reached is None:
+        return ""
+    return f", legs {case.legs_reached / case.legs:.2%}"
 
 
 def _row(entry: Entry, suites: Sequence[str]) -> tuple[str, ...]:

@@ -1,0 +1,125 @@
+"""What `waypointctl eval` writes, and what it refuses to replace."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.cli.flying import Program
+from waypointctl.evaluation.conditions import DeadlineSpec
+from waypointctl.evaluation.suite import load_suite
+from waypointctl.policy.bundle import LoadedPolicy
+
+Make = Callable[..., LoadedPolicy]
+
+SUITE = """\
+name: easy
+trials: 3
+acceptance: {shape: box, size: 2 m}
+deadline: {first: 0.2 s, further: 0 s}
+cases: [{name: near, waypoints: [[0.2, 0]]}, {name: far, waypoints: [[50, 0]]}]
+"""
+EASY = ("--suite", "easy.yaml")
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture
+def place(yard: Path, make_policy: Make) -> Path:
+    """A folder to work in, with the policies `still` and `wild` and a suite."""
+    make_policy(yard / "wild", gain=3.0, name="wild")
+    (yard / "easy.yaml").write_text(SUITE)
+    return yard
+
+
+def test_several_policies_are_one_table_and_one_list(place: Path, program: Program) -> None:
+    code, out, err = program("eval", "still", "wild", *EASY, "--json", "--out", "both.json")
+    found = json.loads(out)["evaluations"]
+    assert (code, [one["policy"] for one in found]) == (0, ["tiny", "wild"])
+    assert [case["trials"] for case in found[0]["cases"]] == [3, 3]
+    assert (place / "both.json").read_text() == out
+    rows = [" ".join(line.split()) for line in err.splitlines()]
+    assert any(row.startswith("wild near") for row in rows)
+    assert any(row.startswith("tiny far (50, 0) 0/3") for row in rows)
+    alone = json.loads(program("eval", "wild", *EASY, "--json")[1])
+    assert alone == found[1]
+
+
+def test_several_policies_on_the_papers_paths_are_its_tables(
+    place: Path, program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hurried = load_suite("paper").model_copy(update={"deadline": DeadlineSpec(first_s=0.1)})
+    monkeypatch.setattr("waypointctl.cli.evaluation_run.load_suite", lambda name: hurried)
+    code, out, _ = program("eval", "still", "wild", "--trials", "1", "--markdown", "tables.md", "--plot", "paths.png")
+    assert code == 0
+    assert [line[:7] for line in out.splitlines() if line.startswith("Table")] == ["Table 1", "Table 2", "Table 3"]
+    assert "| 5 |  | waypoints | state + goal | 90% | not evaluated |" in (place / "tables.md").read_text()
+    assert (place / "paths.png").read_bytes().startswith(PNG)
+
+
+def test_save_writes_beside_each_policy_by_suite_and_acceptance(place: Path, program: Program) -> None:
+    for acceptance in ((), ("--acceptance", "radius:20cm"), ("--acceptance", "box:2")):  # the last is the suite's own
+        assert program("eval", "still", "wild", *EASY, *acceptance, "--save")[0] == 0
+    for name in ("still", "wild"):
+        files = sorted(path.name for path in (place / name).glob("*evaluation*"))
+        assert files == ["evaluation-easy-radius-0.2m.json", "evaluation-easy.json"]
+    narrow = json.loads((place / "still" / files[0]).read_text())
+    assert narrow["acceptance"] == {"shape": "radius", "size_m": 0.2}
+    assert narrow["suite_acceptance"] == {"shape": "box", "size_m": 2.0}
+    assert json.loads((place / "still" / files[1]).read_text())["suite_acceptance"] is None
+
+
+def test_a_suite_that_borrows_a_name_is_not_saved(place: Path, program: Program) -> None:
+    (place / "easy.yaml").write_text(SUITE.replace("easy", "paper"))
+    code, _, err = program("eval", "still", *EASY, "--save")
+    assert code == 2
+    assert err.startswith("error: a suite that comes with waypointctl is called 'paper', and is another\n")
+    (place / "easy.yaml").write_text(SUITE.replace("easy", "../easy"))
+    code, _, err = program("eval", "still", *EASY, "--save")
+    assert code == 2
+    assert "names a file after the suite, and '../easy' is not a name of letters" in err
+    assert not list((place / "still").glob("evaluation*"))
+
+
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [("--out", "a.json"), ("--markdown", "a.md"), ("--plot", "a.png"), ("--save", "still/evaluation-easy.json")],
+)
+def test_what_is_of_another_kind_is_replaced_only_by_force(
+    place: Path, program: Program, option: str, name: str
+) -> None:
+    asked = ("eval", "still", *EASY, *([option] if option == "--save" else [option, name]))
+    (place / name).write_text("{}")
+    code, out, err = program(*asked)
+    assert (code, out) == (2, "")
+    assert err.startswith(f"error: {name}: is there already and is not ")
+    assert (place / name).read_text() == "{}"
+    assert program(*asked, "--force")[0] == 0
+    first = (place / name).read_bytes()
+    assert program(*asked)[0] == 0
+    assert (place / name).read_bytes() == first
+
+
+@pytest.mark.parametrize(
+    "acceptance", ["cube:1", "radius", "radius:", "radius:-1", "box:1 h", "box:nan", ":", "box:1e3"]
+)
+def test_what_is_no_acceptance_is_refused(place: Path, program: Program, acceptance: str) -> None:
+    code, _, err = program("eval", "still", *EASY, "--acceptance", acceptance)
+    assert code == 2
+    assert err == (
+        f"error: --acceptance: {acceptance!r} is not an acceptance region: a shape, box or radius, and a size up to "
+        "100 m\n  such as radius:0.2 or box:50cm\n"
+    )
+
+
+def test_one_policy_that_is_missing_stops_all(place: Path, program: Program) -> None:
+    code, _, err = program("eval", "still", "nobody", *EASY, "--save")
+    assert (code, "nobody: no such folder" in err) == (2, True)
+    assert not list((place / "still").glob("evaluation*"))
+
+
+def test_a_required_rate_names_the_policy(place: Path, program: Program) -> None:
+    code, _, err = program("eval", "still", "wild", *EASY, "--require", "0.5")
+    assert (code, err) == (1, "below 50%: tiny far, wild far\n")

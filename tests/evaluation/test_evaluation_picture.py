@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.evaluation.found import paper_evaluation
+from waypointctl.errors import InputError
+from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec
+from waypointctl.evaluation.evaluate import evaluate
+from waypointctl.evaluation.panels import Panel, Trial, panels, refuse_too_many
+from waypointctl.evaluation.paths import Case, RandomPaths
+from waypointctl.evaluation.picture import draw
+from waypointctl.evaluation.suite import Suite, load_suite
+from waypointctl.evaluation.walk import Walks
+from waypointctl.policy.bundle import LoadedPolicy
+
+FloatArray = NDArray[np.float64]
+
+WAY = np.array([[0.0, 0.0], [2.0, 1.0], [4.0, 4.0]])
+BLUE, ORANGE, PURPLE, GREEN = (0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0x8E, 0x44, 0xAD), (0x00, 0x9E, 0x73)
+
+
+def panel(*ends: str, group: str = "g", given: bool = True) -> Panel:
+    trials = tuple(Trial(WAY[1:], WAY, end) for end in ends)  # type: ignore[arg-type] # the ends that there are
+    return Panel("walker $1", "g: 1 of 2", group, (WAY[1:],) if given else (), trials)
+
+
+def pixels(png: bytes) -> FloatArray:
+    return np.asarray(matplotlib.image.imread(io.BytesIO(png), format="png"))[..., :3] * 255
+
+
+def has(picture: FloatArray, color: tuple[int, int, int]) -> bool:
+    return bool((np.abs(picture - color).max(axis=2) < 20).any())
+
+
+def test_the_same_panels_are_the_same_bytes() -> None:
+    drawn = [draw([panel("success", "fall")], AcceptanceSpec(), "title") for _ in range(2)]
+    assert drawn[0] == drawn[1]
+
+
+@pytest.mark.parametrize(("end", "color"), [("success", BLUE), ("fall", ORANGE), ("time-out", PURPLE)])
+def test_each_end_has_its_colour(end: str, color: tuple[int, int, int]) -> None:
+    picture = pixels(draw([panel(end)], AcceptanceSpec(), "title"))
+    assert [c for c in (BLUE, ORANGE, PURPLE) if has(picture, c)] == [color]
+    assert has(picture, GREEN)
+
+
+def test_regions_are_of_the_acceptances_size() -> None:
+    def greenish(size_m: float) -> int:
+        picture = pixels(draw([panel("success")], AcceptanceSpec(shape="radius", size_m=size_m), "t"))
+        return int((picture[..., 1] > picture[..., 0] + 30).sum())
+
+    key = greenish(1e-6)  # what the key has of it
+    assert (greenish(1.0) - key) / (greenish(0.5) - key) == pytest.approx(4.0, rel=0.2)
+
+
+def test_whole_groups_fill_the_rows() -> None:
+    groups = ["a"] * 5 + ["b"] * 2 + ["c"] * 2
+    height, width, _ = pixels(draw([panel("success", group=g) for g in groups], AcceptanceSpec(), "t")).shape
+    assert width / height == pytest.approx(5 / 2, rel=0.25)
+
+
+def test_a_robot_that_walks_away_does_not_shrink_the_rest() -> None:
+    near = panel("success")
+    far = Panel("x", "g", "g", near.given, (*near.trials, Trial(WAY[1:], WAY * 1000, "time-out")))
+    blue = [int((np.abs(pixels(draw([p], AcceptanceSpec(), "t")) - BLUE).max(axis=2) < 20).sum()) for p in (near, far)]
+    assert blue[1] > blue[0] / 3
+
+
+SUITE = Suite(
+    name="s",
+    acceptance=AcceptanceSpec(size_m=2.0),
+    deadline=DeadlineSpec(first_s=0.2),
+    cases=(Case(name="near", waypoints=((0.2, 0.0),)), Case(name="far", waypoints=((9.0, 0.0),))),
+    courses=(RandomPaths(name="drawn", perimeter="legs", count=30, leg_m=(5.0, 6.0)),),
+)
+
+
+def test_panels_are_a_sample_of_each_case_and_what_failed(
+    tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
+) -> None:
+    walks: dict[str, Walks] = {}
+    found = evaluate(
+        make_policy(tmp_path / "still", gain=0.0), SUITE, 5, watch=lambda case, new: walks.update({case.name: new})
+    )
+    near, far, drawn = panels(SUITE, [found], [walks])
+    assert (near.subtitle, far.subtitle, drawn.subtitle) == ("near: 5 of 5", "far: 0 of 5", "drawn: 0 of 5")
+    assert ({t.end for t in near.trials}, {t.end for t in far.trials}) == ({"success"}, {"time-out"})
+    assert (len(near.trials), len(drawn.trials)) == (5, 2)
+    assert (near.given[0].tolist(), drawn.given) == ([[0.2, 0.0]], ())
+
+
+def test_the_papers_suite_has_a_panel_for_each_table_and_policy(
+    tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
+) -> None:
+    paper = load_suite("paper")
+    walks: dict[str, Walks] = {}
+    quick = paper.model_copy(update={"deadline": DeadlineSpec(first_s=0.02)})
+    evaluate(make_policy(tmp_path / "s", gain=0.0), quick, 2, watch=lambda case, new: walks.update({case.name: new}))
+    found = [paper_evaluation("1", "single point", "state", 0), paper_evaluation("x", None, "egocentric", 9)]
+    drawn = panels(paper, found, [walks, walks])
+    assert [(p.title, p.group) for p in drawn] == [
+        *(("1", "Table 1"), ("x", "Table 1"), ("x", "Table 2"), ("x", "Table 3"))
+    ]
+    assert [len(p.given) for p in drawn] == [1, 1, 7, 3]
+
+
+def test_more_panels_than_a_picture_holds_are_refused() -> None:
+    refuse_too_many(SUITE, 16)
+    with pytest.raises(InputError, match=r"--plot would have 51 panels, .*; a picture holds 48"):
+        refuse_too_many(SUITE, 17)
