@@ -15,6 +15,7 @@ import torch
 from bench import sb3_peer, time_to_target
 from bench.attempt import Attempt, Look, Stopwatch
 from bench.sb3_peer import ZOO, PeerEnv
+from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.suite import load_suite
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.recipe_file import load_recipe
@@ -105,7 +106,6 @@ def test_both_sides_train_and_are_tested_alike(
     for name, value in {"n_steps": 16, "batch_size": 16, "n_epochs": 1}.items():
         monkeypatch.setitem(ZOO, name, value)
     tested: list[tuple[str, int | None, int]] = []
-    evaluate = sb3_peer.evaluate
 
     def noted(policy: Any, suite: Any, trials: int | None, seed: int) -> Any:
         tested.append((suite.name, trials, seed))

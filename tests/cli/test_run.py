@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.flying import Program, start
+from tests.cli.flying import EASY, Program, start
 from waypointctl.log.messages import Event, EventKind
 from waypointctl.log.reader import open_log
 
@@ -228,3 +228,14 @@ def test_a_terminal_that_cannot_show_a_name_does_not_end_the_flight(yard: Path) 
     assert flight.returncode == 0
     assert b"success: 2 of 2 waypoints reached" in out
     assert b"robot     ?? reached" in err
+
+
+def test_a_policy_that_is_not_there_is_told_with_its_place_in_the_mission(yard: Path, program: Program) -> None:
+    (yard / "nobody.yaml").write_text(EASY.replace("policy: still", "policy: ./nobody"))
+    line = EASY[: EASY.index("policy:")].count("\n") + 1
+    code, out, err = program("run", "nobody.yaml", "--json")
+    assert (code, out) == (2, "")
+    assert err.startswith(f"error: nobody.yaml:{line}:9: policy: nobody: no such folder\n  A policy is a folder with")
+    assert program("run", "nobody.yaml", "--policy", "still")[0] == 0
+    code, _, err = program("run", "easy.yaml", "--policy", "nobody")
+    assert (code, err.splitlines()[0]) == (2, "error: nobody: no such folder")

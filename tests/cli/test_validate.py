@@ -43,7 +43,7 @@ def test_a_policy_that_is_not_there_is_a_warning(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.exit_code == 0
     assert result.stdout == f"OK {path}: dog, 1 waypoint, 5.0 m, link without delay, autonomy mission\n"
-    assert result.stderr == f"warning: {path}: there is no policy folder {tmp_path / 'nowhere'}\n"
+    assert result.stderr == f"warning: {path}:2:9: policy: there is no folder {tmp_path / 'nowhere'}\n"
 
 
 def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:

@@ -180,3 +180,11 @@ def test_any_bytes_are_read_or_refused(source: bytes) -> None:
     for text in (source, codecs.BOM_UTF8 + source):
         with contextlib.suppress(YamlFault):
             read_tree(text)
+
+
+@pytest.mark.parametrize("source", [b"a:\n\t- 1\n", b"a:\n  b: 1\n\tc: 2\n"])
+def test_a_tab_that_indents_is_named(source: bytes) -> None:
+    with pytest.raises(YamlFault, match="is indented with a tab: YAML wants spaces") as caught:
+        read_tree(source)
+    assert caught.value.mark is not None
+    assert source.decode().splitlines()[caught.value.mark.line - 1][caught.value.mark.column - 1] == "\t"

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import shutil
 import subprocess
 import sys
@@ -126,3 +127,11 @@ def test_every_shipped_mission_succeeds_and_is_replayed_exactly(tmp_path: Path, 
     assert recording.result.outcome == "success", recording.result.reason
     found = verify(recording.path)
     assert found.verdict is Verdict.EXACT, found.reason
+
+
+def test_what_there_was_one_of_is_said_as_one(flown: Flown) -> None:
+    said = " ".join(verify(flown.path).checks)
+    counts = {kind: sum(isinstance(m, kind) for m in flown.messages) for kind in (Command, Checkpoint)}
+    for kind, count in counts.items():
+        assert re.search(rf"\b{count} {kind.__name__.lower()}{'' if count == 1 else 's'}\b", said)
+    assert not re.search(r"\b1 \w+s\b", said)

@@ -50,6 +50,8 @@ def run(
 
     mission_file = _mission(mission, seed)
     plan = planned_waypoints(mission_file.mission)
+    if policy is None:
+        _refuse_missing_policy(mission_file)
     loaded = load_policy(policy or mission_file.policy_path)
     # Only a flight can be asked to end: before it, where a file may keep one waiting, a signal ends the program.
     with interruption() as interrupted, claimed(mission_file.mission.name, out, force=force) as path:
@@ -73,6 +75,17 @@ def _mission(path: Path, seed: int | None) -> MissionFile:
 
     given = load_mission(path)
     return given if seed is None else replace(given, mission=given.mission.model_copy(update={"seed": seed}))
+
+
+def _refuse_missing_policy(mission_file: MissionFile) -> None:
+    """Refuse a mission whose policy is not there, with the place where it is named."""
+    from waypointctl.errors import MissionError
+    from waypointctl.paths import folder_fault
+
+    if fault := folder_fault(mission_file.policy_path):
+        problem = f"policy: {mission_file.policy_path}: {fault}"
+        mend = "A policy is a folder with manifest.json, named relative to the mission's file; --policy flies another."
+        raise MissionError(problem, where=mission_file.policy_place, mend=mend)
 
 
 def _json(mission_file: MissionFile, recording: Recording) -> str:

@@ -74,7 +74,9 @@ def _show(result: _Checked) -> None:
         f"{mission.path_length_m():.1f} m, {_link_text(mission.link)}, autonomy {mission.autonomy}"
     )
     if folder_fault(result.file.policy_path):
-        typer.echo(f"warning: {result.path}: there is no policy folder {result.file.policy_path}", err=True)
+        typer.echo(
+            f"warning: {result.file.policy_place}: policy: there is no folder {result.file.policy_path}", err=True
+        )
 
 
 def _link_text(link: Link) -> str:

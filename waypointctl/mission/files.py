@@ -10,6 +10,7 @@ from typing import Any
 from waypointctl.errors import MissionError
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.yaml_source import read_model, read_source
+from waypointctl.mission.yaml_tree import read_tree
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,12 @@ class MissionFile:
     def policy_path(self) -> Path:
         """The policy bundle's folder, which a mission names relative to its own file."""
         return self.path.parent / self.mission.policy
+
+    @property
+    def policy_place(self) -> str:
+        """Where the file names its policy: "file:line:column"."""
+        mark = read_tree(self.source).values.get(("policy",))
+        return f"{self.path}:{mark.line}:{mark.column}" if mark else str(self.path)
 
 
 def load_mission(path: Path) -> MissionFile:

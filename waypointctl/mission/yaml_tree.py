@@ -224,6 +224,8 @@ def _decode(source: bytes) -> str:
 
 def _syntax_fault(error: MarkedYAMLError) -> YamlFault:
     mark = error.problem_mark or error.context_mark
+    if error.problem and "'\\t'" in error.problem:
+        return YamlFault("is indented with a tab: YAML wants spaces", None if mark is None else _mark(mark))
     found = ", ".join(part for part in (error.context, error.problem) if part)
     return YamlFault(f"is not YAML: {_first_line(found)}", None if mark is None else _mark(mark))
 

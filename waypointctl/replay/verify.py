@@ -201,12 +201,16 @@ def _checks(witness: Witness, audited: AuditedPolicy, elsewhere: list[str], reco
         else f"{records} records of the file, viewers' topics, metadata and attachments among them, byte for byte"
     )
     return (
-        f"{counts['/state']} states, simulated from the first one and the logged actions alone",
-        f"{counts['/observation']} observations and {counts['/action']} actions, {actions}",
-        f"{counts['/reward']} rewards, every term and sum",
-        f"{counts['/event']} events",
-        f"{counts['/command']} commands, {counts['/ack']} acknowledgements and {counts['/telemetry']} telemetry "
-        "frames, with each time of delivery",
-        f"{counts['/checkpoint']} checkpoints, with the link's random streams",
+        f"{_several(counts['/state'], 'state')}, simulated from the first one and the logged actions alone",
+        f"{_several(counts['/observation'], 'observation')} and {_several(counts['/action'], 'action')}, {actions}",
+        f"{_several(counts['/reward'], 'reward')}, every term and sum",
+        _several(counts["/event"], "event"),
+        f"{_several(counts['/command'], 'command')}, {_several(counts['/ack'], 'acknowledgement')} and "
+        f"{_several(counts['/telemetry'], 'telemetry frame')}, with each time of delivery",
+        f"{_several(counts['/checkpoint'], 'checkpoint')}, with the link's random streams",
         whole,
     )
+
+
+def _several(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
