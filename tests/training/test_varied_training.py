@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import random
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +16,7 @@ from safetensors.numpy import load
 from tests.training.test_recipe_variation import BARE
 from tests.training.tiny import RECIPE, new_learner, tiny_recipe, trained, weights_of
 from waypointctl.training.checkpoint import ARRAYS, load_checkpoint
+from waypointctl.training.run_folder import newest_checkpoint
 
 ONE_BY_ONE = {
     "latency": "variation: {latency: [0 ms, 40 ms]}\n",
@@ -59,3 +65,24 @@ def test_a_learner_loaded_from_a_checkpoint_has_robots_that_go_and_see_alike(tmp
         np.testing.assert_array_equal(first.observation, second.observation)
         np.testing.assert_array_equal(first.terms, second.terms)
     assert (learners[0].env.varied.state()["drawn"] > 0).all()
+
+
+PATIENCE_S = 300.0  # only a machine with much else to do needs more than a few
+
+
+def test_killed_and_resumed_it_ends_in_the_same_weights(tmp_path: Path) -> None:
+    text = RECIPE.replace("steps: 640", "steps: 3200").replace("steps: 384", "steps: 1920")
+    recipe_file = tiny_recipe(tmp_path, text + BARE)
+    run = tmp_path / "runs" / "killed"
+    command = [sys.executable, "-m", "waypointctl", "train", str(recipe_file.path), "--runs", str(run.parent)]
+    with subprocess.Popen([*command, "--threads", "1", "--out", str(run)], stderr=subprocess.DEVNULL) as process:
+        deadline_s = time.monotonic() + PATIENCE_S
+        while newest_checkpoint(run) is None and time.monotonic() < deadline_s:
+            time.sleep(0.01)
+        time.sleep(random.uniform(0.0, 0.3))
+        process.kill()
+    assert process.returncode == -signal.SIGKILL
+    assert newest_checkpoint(run) is not None
+    trained(recipe_file, run, resume=True)
+    trained(recipe_file, tmp_path / "whole")
+    assert weights_of(run) == weights_of(tmp_path / "whole")
