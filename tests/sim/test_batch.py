@@ -43,3 +43,22 @@ def test_a_robot_that_is_placed_leaves_the_others_alone() -> None:
     batch.place(np.array([1]), qpos[np.newaxis], qvel[np.newaxis])
     np.testing.assert_array_equal(batch.integration[[0, 2]], before[[0, 2]])
     assert not np.array_equal(batch.integration[1], before[1])
+
+
+def test_a_step_moves_only_the_robots_that_are_named() -> None:
+    rng = np.random.default_rng(1)
+    batch = RobotBatch(load_robot("ant"), 4)
+    worlds = [BareWorld() for _ in range(4)]
+    for i, world in enumerate(worlds):
+        qpos, qvel = random_start(rng)
+        batch.place(np.array([i]), qpos[np.newaxis], qvel[np.newaxis])
+        world.place(qpos, qvel)
+    for stepped in ([True, False, True, True], [False, False, True, False], None):
+        batch.stepped = None if stepped is None else np.array(stepped)
+        applied = rng.uniform(-1.0, 1.0, (4, 8))
+        batch.step(applied)
+        for i, world in enumerate(worlds):
+            if stepped is None or stepped[i]:
+                world.step(applied[i])
+            np.testing.assert_array_equal(batch.qpos[i], world.data.qpos)
+            np.testing.assert_array_equal(batch.qvel[i], world.data.qvel)

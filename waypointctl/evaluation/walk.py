@@ -73,7 +73,7 @@ def walk(
     """Walk a path with each robot of `env`, made with autoreset off, until each trial has ended.
 
     A robot that is to hold its last waypoint is given to its own standing in the moment it is there, as the executive
-    on board does. Robots whose trial has ended lie with their motors off while the others walk on.
+    on board does. Robots whose trial has ended stay as they are while the others walk on.
 
     Args:
         env: as many robots as paths.
@@ -86,11 +86,13 @@ def walk(
         env.begin([robot], path)
     trials = _Trials(env, paths, hold)
     observation = env.observe()
-    while trials.are_going:
+    while trials.going.any():
         step = env.step(trials.actions(policy, observation))
         observation = step.observation
         if trials.take(step):
+            env.batch.stepped = trials.going  # whose trial has ended costs no more time
             ended(trials.num_ended)
+    env.batch.stepped = None
     return trials.walks()
 
 
@@ -113,12 +115,12 @@ class _Trials:
         self._walked_m: FloatArray = np.zeros(n)
 
     @property
-    def are_going(self) -> bool:
-        return bool((self._walking | self._holding).any())
+    def going(self) -> BoolArray:
+        return self._walking | self._holding
 
     @property
     def num_ended(self) -> int:
-        return int((~(self._walking | self._holding)).sum())
+        return int((~self.going).sum())
 
     def actions(self, policy: Policy, observation: FloatArray) -> FloatArray:
         """Return what each robot does next (n, nu); a row does not depend on who else still walks."""
@@ -132,7 +134,7 @@ class _Trials:
 
     def take(self, step: Step) -> bool:
         """Take what a control step came to; return whether a trial has ended in it."""
-        going = self._walking | self._holding
+        going = self.going
         before, self._position = self._position, self._env.batch.qpos[:, :2].copy()
         self._steps += self._walking
         self._walked_m += self._walking * np.linalg.norm(self._position - before, axis=1)

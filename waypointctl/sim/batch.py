@@ -27,6 +27,7 @@ class RobotBatch:
         self.qpos: FloatArray = self._batch.bind("qpos")  # (n, nq)
         self.qvel: FloatArray = self._batch.bind("qvel")  # (n, nv)
         self._ctrl: FloatArray = self._batch.bind("ctrl")
+        self.stepped: NDArray[np.bool_] | None = None  # (n,) the robots that a step moves; None: all of them
         self._new = self.integration[0].copy()
 
     def place(self, ids: Ids, qpos: FloatArray, qvel: FloatArray) -> None:
@@ -38,12 +39,12 @@ class RobotBatch:
     def step(self, applied: FloatArray) -> None:
         """Hold the motors at applied (n, nu), in [-1, 1], for one control period."""
         self._ctrl[:] = applied
-        self._batch.step(nstep=self.robot.substeps)
+        self._batch.step(self.stepped, nstep=self.robot.substeps)
 
     def step_physics(self, applied: FloatArray) -> None:
         """Hold the motors at applied (n, nu), in [-1, 1], for one physics step."""
         self._ctrl[:] = applied
-        self._batch.step(nstep=1)
+        self._batch.step(self.stepped, nstep=1)
 
     def scale_mass(self, ids: Ids, factor: FloatArray) -> None:
         """Give the robots `ids` (k,) `factor` (k,) times the model's masses and inertias, in all their bodies.
