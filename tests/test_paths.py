@@ -65,5 +65,19 @@ def test_anything_else_is_not_replaced(tmp_path: Path) -> None:
 
 def test_a_folder_that_cannot_be_looked_up_is_refused(tmp_path: Path) -> None:
     refuse_unwritable_folder(tmp_path / "a" / "b")
+    assert not list(tmp_path.iterdir())
     with pytest.raises(OutputError, match="the folder cannot be made: File name too long"):
         refuse_unwritable_folder(tmp_path / TOO_LONG)
+
+
+@pytest.mark.parametrize("place", ["/proc/x", "/proc"])
+def test_a_folder_that_permissions_allow_and_the_system_does_not_is_refused(place: str) -> None:
+    with pytest.raises(
+        OutputError, match=rf"{place}: the folder cannot be written: (nothing can be made|no permission)"
+    ):
+        refuse_unwritable_folder(Path(place))
+
+
+def test_a_name_that_leaves_no_room_for_the_staging_folders_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="File name too long"):
+        refuse_unwritable_folder(tmp_path / ("x" * 250))

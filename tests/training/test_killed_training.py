@@ -26,8 +26,8 @@ from waypointctl.training.run_folder import newest_checkpoint
 from waypointctl.training.selection import SELECTION, SelectionFile
 
 # A checkpoint after every rollout, so that most of the time is spent on writing them, and many tests of them.
-RELENTLESS = RECIPE.replace("checkpoint_steps: 256", "checkpoint_steps: 128").replace("steps: 640", "steps: 2560")
-SELECTING = "selection: {suite: near.yaml, trials: 2, seed: 50, every: 500}\n"
+RELENTLESS = RECIPE.replace("checkpoint_steps: 256", "checkpoint_steps: 128")
+SELECTING = "selection: {suite: near.yaml, trials: 2, seed: 50, every: 300}\n"
 PATIENCE_S = 300.0  # only a machine with much else to do needs more than a few
 
 
@@ -66,32 +66,30 @@ def half_written(run: Path) -> bool:
 
 
 def kill_when(context: ForkServerContext, recipe_file: RecipeFile, run: Path, moment: Callable[[], bool]) -> bool:
-    """Train until a moment and kill; return whether it was still at it."""
+    """Train until a moment and kill there; return whether the training was still at it.
+
+    The process is stopped before the moment is looked for once more, so that it cannot have passed.
+    """
     process = context.Process(target=train_in_a_process, args=(str(recipe_file.path), str(run)))
     process.start()
     assert process.pid is not None
     deadline_s = time.monotonic() + PATIENCE_S
-    while not moment() and process.is_alive() and time.monotonic() < deadline_s:
+    while process.is_alive() and time.monotonic() < deadline_s:
+        if moment():
+            os.kill(process.pid, signal.SIGSTOP)
+            if moment():
+                break
+            os.kill(process.pid, signal.SIGCONT)
         time.sleep(0.0005)
-    os.kill(process.pid, signal.SIGKILL)
+    process.kill()
     process.join()
     return process.exitcode == -signal.SIGKILL
 
 
-def within_a_checkpoint(run: Path, new_at_least: int) -> Callable[[], bool]:
-    """Return a moment at which a checkpoint is being written, after some new ones."""
+def within_a_checkpoint(run: Path) -> Callable[[], bool]:
+    """Return a moment at which a checkpoint is being written, after a new one."""
     before = newest_checkpoint(run)
-
-    def moment() -> bool:
-        newest = newest_checkpoint(run)
-        return (
-            newest != before
-            and newest is not None
-            and half_written(run)
-            and len(list(newest.parent.glob("step-*"))) >= new_at_least
-        )
-
-    return moment
+    return lambda: newest_checkpoint(run) != before and half_written(run)
 
 
 def after_some_time(time_s: float, run: Path) -> Callable[[], bool]:
@@ -110,14 +108,14 @@ def test_killed_at_random_moments_and_within_checkpoints_it_ends_the_same(
     context: ForkServerContext, undisturbed: Undisturbed, tmp_path: Path
 ) -> None:
     run, recipe_file = tmp_path / "run", undisturbed.recipe_file
-    kills, torn = 0, 0
-    for turn in range(6):
-        spread_s = undisturbed.took_s / 8
-        moment = within_a_checkpoint(run, turn) if turn % 2 else after_some_time(random.uniform(0.0, spread_s), run)
-        kills += kill_when(context, recipe_file, run, moment)
-        torn += half_written(run)
-    assert kills >= 2
-    assert torn >= 1  # killed in the middle of a checkpoint
+    for turn in range(4):
+        is_torn = turn % 2 == 1
+        random_s = random.uniform(0.0, undisturbed.took_s / 8)
+        moment = within_a_checkpoint(run) if is_torn else after_some_time(random_s, run)
+        assert kill_when(context, recipe_file, run, moment) or not is_torn
+        assert half_written(run) or not is_torn
+    for checkpoint in (run / "checkpoints").glob("step-*"):  # whole, or not there
+        load_checkpoint(Learner(recipe_file.recipe, 1), recipe_file, checkpoint)
     trained(recipe_file, run, resume=True)
     whole = undisturbed.run
     assert weights_of(run) == weights_of(whole)
@@ -133,15 +131,6 @@ def chosen(run: Path) -> tuple[int, list[tuple[int, int]]]:
 
 def rows(run: Path) -> list[tuple[int, int, int, float]]:
     return [(row.steps, row.episodes, row.successes, row.mean_reward) for row in read_progress(run)]
-
-
-def test_a_checkpoint_is_whole_or_not_there(
-    context: ForkServerContext, undisturbed: Undisturbed, tmp_path: Path
-) -> None:
-    run = tmp_path / "run"
-    kill_when(context, undisturbed.recipe_file, run, within_a_checkpoint(run, 2))
-    for folder in (run / "checkpoints").glob("step-*"):
-        load_checkpoint(Learner(undisturbed.recipe_file.recipe, 1), undisturbed.recipe_file, folder)
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.training.tiny import after, tiny_recipe
-from waypointctl.training.status import CheckpointSaved, TrainingStatus
+from waypointctl.training.status import News, TrainingStatus
 from waypointctl.training.train import train
 
 EASY = """\
@@ -23,7 +23,7 @@ phases:
 def test_the_reward_which_is_the_speed_of_approach_rises(tmp_path: Path) -> None:
     rewards: list[float] = []
 
-    def watch(news: TrainingStatus | CheckpointSaved) -> None:
+    def watch(news: News) -> None:
         if isinstance(news, TrainingStatus):
             rewards.append(news.mean_reward)
 

@@ -12,7 +12,7 @@ from tests.training.tiny import RECIPE, tiny_recipe
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_source import read_model
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.status import CheckpointSaved, TrainingStatus
+from waypointctl.training.status import CheckpointSaved, News, TrainingStatus
 from waypointctl.training.train import train
 
 TINY = read_model(RECIPE.encode(), "tiny", Recipe, RecipeError)
@@ -56,7 +56,7 @@ def test_a_phase_is_paid_by_its_own_weights() -> None:
 
 
 def test_what_is_told_follows_the_recipe(tmp_path: Path) -> None:
-    news: list[TrainingStatus | CheckpointSaved] = []
+    news: list[News] = []
     recipe_file = tiny_recipe(tmp_path)
     train(recipe_file, tmp_path / "run", run=tmp_path / "run", threads=1, watch=news.append)
     statuses = [told for told in news if isinstance(told, TrainingStatus)]
