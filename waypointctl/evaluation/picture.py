@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import textwrap
 import warnings
 from collections import Counter
 from collections.abc import Sequence
@@ -28,6 +29,7 @@ _MOST_COLUMNS: Final = 6
 _PANEL_IN: Final = 2.9
 _SINGLE_IN: Final = 7.0
 _MARGIN_IN: Final = 0.75  # below, for the key
+_LETTER_IN: Final = 0.11  # of the heading
 _DPI: Final = 110
 _PAD_M: Final = 1.5
 _REGION: Final = "#009E73"
@@ -77,7 +79,8 @@ def draw(panels: Sequence[Panel], acceptance: AcceptanceSpec, title: str) -> byt
         for index, panel in enumerate(panels):
             axes = figure.add_subplot(grid[index // columns, index % columns])
             _draw_panel(axes, panel, acceptance, _limits([p for p in panels if p.group == panel.group]))
-        figure.text(0.55 / width_in, 1 - 0.22 / height_in, title, fontsize=11, fontweight="bold", va="center")
+        heading = textwrap.fill(title, int(width_in / _LETTER_IN))
+        figure.text(0.55 / width_in, 1 - 0.1 / height_in, heading, fontsize=11, fontweight="bold", va="top")
         _draw_key(figure, {trial.end for panel in panels for trial in panel.trials}, acceptance)
         image = io.BytesIO()
         figure.savefig(image, format="png", dpi=_DPI, metadata={"Software": None})
@@ -114,7 +117,7 @@ def _draw_panel(axes: Axes, panel: Panel, acceptance: AcceptanceSpec, limits: tu
     places = {tuple(point) for path in regions for point in path.tolist()}
     for place in sorted(places):
         axes.add_patch(_region(place, acceptance, filled=bool(panel.given)))
-    many = len(panel.trials) > 30
+    many = bool(panel.given) and len(panel.trials) > 30
     for trial in panel.trials:
         color, mark = _LOOKS[trial.end]
         failed = trial.end != "success"
@@ -132,7 +135,9 @@ def _draw_panel(axes: Axes, panel: Panel, acceptance: AcceptanceSpec, limits: tu
     axes.grid(color=_FAINT, linewidth=0.35)
     axes.set_axisbelow(True)
     axes.set_title(panel.title, fontsize=9.5, fontweight="bold", pad=15)
-    axes.text(0.0, 1.02, panel.subtitle, transform=axes.transAxes, fontsize=8.5, va="bottom")
+    axes.annotate(
+        panel.subtitle, (0.0, 1.0), xycoords="axes fraction", xytext=(0, 4), textcoords="offset points", fontsize=8.5
+    )
 
 
 def _region(place: tuple[float, float], acceptance: AcceptanceSpec, *, filled: bool) -> Patch:
@@ -142,7 +147,9 @@ def _region(place: tuple[float, float], acceptance: AcceptanceSpec, *, filled: b
         region = Rectangle((x - reach, y - reach), 2 * reach, 2 * reach)
     else:
         region = Circle((x, y), reach)
-    region.set(facecolor=f"{_REGION}44" if filled else "none", edgecolor=_REGION, linewidth=0.9, zorder=2)
+    region.set(
+        facecolor=f"{_REGION}44" if filled else "none", edgecolor=_REGION, linewidth=0.9 if filled else 0.6, zorder=2
+    )
     return region
 
 
