@@ -8,8 +8,8 @@ import pytest
 from rich.console import Console
 
 from waypointctl.cli.view.evaluation import evaluation_table
-from waypointctl.evaluation.result import CaseResult, Evaluation
 from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec
+from waypointctl.evaluation.result import CaseResult, Evaluation
 
 NUMBERS = ("100/100", "100.0%", "96.3-100.0", "97%", "112.35", "0.987")
 
