@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.context import ForkServerContext
 from pathlib import Path
@@ -26,7 +25,7 @@ from waypointctl.training.run_folder import newest_checkpoint
 from waypointctl.training.selection import SELECTION, SelectionFile
 
 # A checkpoint after every rollout, so that most of the time is spent on writing them, and many tests of them.
-RELENTLESS = RECIPE.replace("checkpoint_steps: 256", "checkpoint_steps: 128")
+RELENTLESS = RECIPE.replace("checkpoint_steps: 256", "checkpoint_steps: 128").replace("steps: 640", "steps: 1280")
 SELECTING = "selection: {suite: near.yaml, trials: 2, seed: 50, every: 300}\n"
 PATIENCE_S = 300.0  # only a machine with much else to do needs more than a few
 
@@ -43,7 +42,7 @@ def context() -> ForkServerContext:
 class Undisturbed:
     recipe_file: RecipeFile
     run: Path
-    took_s: float
+    cpu_s: float  # of processor time that it took
 
 
 @pytest.fixture(scope="module")
@@ -51,72 +50,66 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Undisturbed:
     folder = tmp_path_factory.mktemp("undisturbed")
     (folder / "near.yaml").write_text(NEAR)
     recipe_file = tiny_recipe(folder, RELENTLESS + SELECTING)
-    begun_s = time.monotonic()
+    begun_s = time.process_time()
     trained(recipe_file, folder / "run")
-    return Undisturbed(recipe_file, folder / "run", time.monotonic() - begun_s)
+    return Undisturbed(recipe_file, folder / "run", time.process_time() - begun_s)
 
 
-def train_in_a_process(path: str, run: str) -> None:
-    """Begin the training, or go on with it where there is a checkpoint; its last evaluation is not part of this."""
-    trained(load_recipe(Path(path)), Path(run), rollouts=10_000, resume=newest_checkpoint(Path(run)) is not None)
+def train_until_killed(path: str, run: str, cpu_s: float | None, at_write: int | None) -> None:
+    """Begin the training, or go on with it where there is a checkpoint.
+
+    Args:
+        path: of the recipe.
+        run: the run's folder.
+        cpu_s: of processor time after which the system ends this process, wherever it is.
+        at_write: which of the checkpoints' files written from here on is left half written by a kill.
+    """
+    if cpu_s is not None:
+        signal.setitimer(signal.ITIMER_PROF, cpu_s)  # without a handler SIGPROF ends the process, as SIGKILL does
+    if at_write is not None:
+        kill_within_file(at_write)
+    trained(load_recipe(Path(path)), Path(run), resume=newest_checkpoint(Path(run)) is not None)
+
+
+def kill_within_file(number: int) -> None:
+    write, written = Path.write_bytes, [0]
+
+    def write_and_die(path: Path, content: bytes) -> int:
+        written[0] += "checkpoints" in path.parts
+        if written[0] == number and "checkpoints" in path.parts:
+            write(path, content[: len(content) // 2])
+            os.kill(os.getpid(), signal.SIGKILL)
+        return write(path, content)
+
+    Path.write_bytes = write_and_die  # type: ignore[assignment, method-assign]
 
 
 def half_written(run: Path) -> bool:
     return any((run / "checkpoints").glob(".*.tmp"))
 
 
-def kill_when(context: ForkServerContext, recipe_file: RecipeFile, run: Path, moment: Callable[[], bool]) -> bool:
-    """Train until a moment and kill there; return whether the training was still at it.
-
-    The process is stopped before the moment is looked for once more, so that it cannot have passed.
-    """
-    process = context.Process(target=train_in_a_process, args=(str(recipe_file.path), str(run)))
+def killed(
+    context: ForkServerContext, file: RecipeFile, run: Path, *, cpu_s: float | None = None, at_write: int | None = None
+) -> int | None:
+    """Train in a process of its own that is killed; return its exit code."""
+    process = context.Process(target=train_until_killed, args=(str(file.path), str(run), cpu_s, at_write))
     process.start()
-    assert process.pid is not None
-    deadline_s = time.monotonic() + PATIENCE_S
-    while process.is_alive() and time.monotonic() < deadline_s:
-        if moment():
-            os.kill(process.pid, signal.SIGSTOP)
-            if moment():
-                break
-            os.kill(process.pid, signal.SIGCONT)
-        time.sleep(0.0005)
-    process.kill()
-    process.join()
-    return process.exitcode == -signal.SIGKILL
-
-
-def within_a_checkpoint(run: Path) -> Callable[[], bool]:
-    """Return a moment at which a checkpoint is being written, after a new one."""
-    before = newest_checkpoint(run)
-    return lambda: newest_checkpoint(run) != before and half_written(run)
-
-
-def after_some_time(time_s: float, run: Path) -> Callable[[], bool]:
-    """Return a moment that long after the run's next checkpoint."""
-    before, seen_s = newest_checkpoint(run), [float("inf")]
-
-    def moment() -> bool:
-        if newest_checkpoint(run) != before:
-            seen_s[0] = min(seen_s[0], time.monotonic())
-        return time.monotonic() > seen_s[0] + time_s
-
-    return moment
+    process.join(PATIENCE_S)
+    return process.exitcode
 
 
 def test_killed_at_random_moments_and_within_checkpoints_it_ends_the_same(
     context: ForkServerContext, undisturbed: Undisturbed, tmp_path: Path
 ) -> None:
     run, recipe_file = tmp_path / "run", undisturbed.recipe_file
-    for turn in range(4):
-        is_torn = turn % 2 == 1
-        random_s = random.uniform(0.0, undisturbed.took_s / 8)
-        moment = within_a_checkpoint(run) if is_torn else after_some_time(random_s, run)
-        assert kill_when(context, recipe_file, run, moment) or not is_torn
-        assert half_written(run) or not is_torn
+    for _ in range(2):
+        assert killed(context, recipe_file, run, at_write=random.randint(1, 9)) == -signal.SIGKILL
+        assert half_written(run)
+        cpu_s = random.uniform(0.01, undisturbed.cpu_s / 4)
+        assert killed(context, recipe_file, run, cpu_s=cpu_s) in (-signal.SIGPROF, 0)
     for checkpoint in (run / "checkpoints").glob("step-*"):  # whole, or not there
         load_checkpoint(Learner(recipe_file.recipe, 1), recipe_file, checkpoint)
-    trained(recipe_file, run, resume=True)
+    trained(recipe_file, run, resume=newest_checkpoint(run) is not None)
     whole = undisturbed.run
     assert weights_of(run) == weights_of(whole)
     assert chosen(run) == chosen(whole)
@@ -149,12 +142,10 @@ def test_two_fresh_processes_end_in_the_same_weights_and_a_killed_third_one_too(
         assert (first.wait(), second.wait()) == (0, 0)
     assert weights_of(tmp_path / "first") == weights_of(tmp_path / "second")
     with begin("third") as third:
-        moment, deadline_s = (
-            after_some_time(random.uniform(0.0, 0.3), tmp_path / "third"),
-            time.monotonic() + PATIENCE_S,
-        )
-        while not moment() and time.monotonic() < deadline_s:
+        deadline_s = time.monotonic() + PATIENCE_S
+        while newest_checkpoint(tmp_path / "third") is None and time.monotonic() < deadline_s:
             time.sleep(0.001)
+        time.sleep(random.uniform(0.0, 0.3))
         third.kill()
     with begin("third", "--resume") as third:
         assert third.wait() == 0
