@@ -8,7 +8,7 @@ import pytest
 from waypointctl.errors import InputError, OutputError
 from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec
 from waypointctl.evaluation.result import CaseResult, Evaluation, read_evaluation
-from waypointctl.evaluation.saved import write_evaluation, write_evaluations
+from waypointctl.evaluation.saved import remove_outdated, write_evaluation, write_evaluations
 
 CASE = CaseResult(
     name="a",
@@ -67,3 +67,13 @@ def test_what_is_no_evaluation_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "e.json").write_text(text)
     with pytest.raises(InputError, match=r"e\.json: not an evaluation: .*\n  write it again with"):
         read_evaluation(tmp_path / "e.json")
+
+
+def test_another_policys_evaluations_are_removed(tmp_path: Path) -> None:
+    other = FOUND.model_copy(update={"policy_sha256": "1" * 64})
+    write_evaluation(FOUND, tmp_path / "evaluation.json")
+    write_evaluation(FOUND, tmp_path / "evaluation-region.json")
+    write_evaluation(other, tmp_path / "evaluation-station.json")
+    (tmp_path / "evaluation-notes.json").write_text("{}")
+    remove_outdated(tmp_path, FOUND.policy_sha256)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["evaluation-notes.json", "evaluation-region.json"]

@@ -95,6 +95,12 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
             "tables: [{title: T, policies: [1], cases: [a]}]\n",
             "tables: 'T' names the case 'a', which 'cases' does not have",
         ),
+        (
+            "name: x\ncases: [{name: a, waypoints: [[1, 2]]}]\n"
+            "policies: [{number: 1, training: waypoints, observation: s}, "
+            "{number: 2, training: waypoints, observation: t}]\ntables: [{title: T, policies: [1], cases: [a]}]\n",
+            "tables: the policy 2 stands in none of them",
+        ),
         ("name: x\ncases: []\n", ":2:8: cases: has 0 entries; at least 1 are needed"),
         ("name: x\ncases: [{name: a, waypoints: []}]\n", "cases[0].waypoints: has 0 entries; at least 1 are"),
         ("name: x\ncases: [{name: a, waypoints: [[1, .nan]]}]\n", ":2:35: cases[0].waypoints[0][1]: nan is not"),

@@ -97,6 +97,16 @@ def test_a_group_that_has_begun_is_not_begun_again(recipe_file: RecipeFile, tmp_
     begin_group(recipe_file, tmp_path, [0, 2])
 
 
+@pytest.mark.parametrize("taken", [GROUP, "manifest.json", "checkpoints/step-0000000128/training.json"])
+def test_a_group_takes_no_other_trainings_folder(recipe_file: RecipeFile, tmp_path: Path, taken: str) -> None:
+    folder = tmp_path / "taken"
+    (folder / taken).parent.mkdir(parents=True)
+    (folder / taken).touch()
+    with pytest.raises(OutputError, match="has an earlier training or policy, whose recipe would be replaced"):
+        begin_group(recipe_file, folder, [0])
+    assert not (folder / "train.yaml").exists()
+
+
 def test_where_a_group_is(tmp_path: Path) -> None:
     runs = tmp_path / "runs"
     taken = [group_place("ant", runs, None, resume=False) for _ in range(2)]

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 from waypointctl.errors import InputError, PolicyError
 from waypointctl.evaluation.result import EVALUATION, Evaluation, read_evaluation
-from waypointctl.evaluation.saved import saved_name
+from waypointctl.evaluation.saved import PATTERN, saved_name
 from waypointctl.evaluation.suite import BUILT_IN
 from waypointctl.paths import folder_fault
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import MANIFEST
-
-PATTERN: Final = "evaluation*.json"  # the files that evaluations are saved to
 
 
 @dataclass(frozen=True, slots=True)

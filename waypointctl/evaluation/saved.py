@@ -9,11 +9,13 @@ from typing import Final
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from waypointctl.errors import OutputError, SuiteError
+from waypointctl.errors import InputError, OutputError, SuiteError
 from waypointctl.evaluation.conditions import AcceptanceSpec
-from waypointctl.evaluation.result import EVALUATION, Evaluation, evaluations_json
+from waypointctl.evaluation.result import EVALUATION, Evaluation, evaluations_json, read_evaluation
 from waypointctl.evaluation.suite import BUILT_IN, Suite, load_suite
 from waypointctl.mission.checks import file_name
+
+PATTERN: Final = "evaluation*.json"  # the files that evaluations are saved to beside a policy
 
 _PAPER: Final = "paper"
 _FILE_MEND: Final = "give a file in a folder that you can write to"
@@ -71,6 +73,29 @@ def saved_name(suite: str, other_acceptance: AcceptanceSpec | None = None) -> st
     if other_acceptance is not None:
         return f"evaluation-{suite}-{other_acceptance.shape}-{other_acceptance.size_m:g}m.json"
     return EVALUATION if suite == _PAPER else f"evaluation-{suite}.json"
+
+
+def remove_outdated(folder: Path, policy_sha256: str) -> None:
+    """Remove what an earlier policy's evaluations left in a folder that another is about to go into.
+
+    evaluation.json goes in any case; those in other suites stay if they are of the very same policy.
+
+    Raises:
+        OutputError: one cannot be removed.
+    """
+    for path in folder.glob(PATTERN):
+        try:
+            if path.name == EVALUATION or _is_of_another(path, policy_sha256):
+                path.unlink(missing_ok=True)
+        except OSError as error:
+            raise OutputError(f"cannot be replaced: {error.strerror}", where=str(path)) from error
+
+
+def _is_of_another(path: Path, policy_sha256: str) -> bool:
+    try:
+        return read_evaluation(path).policy_sha256 != policy_sha256
+    except InputError:
+        return False  # not what --save wrote
 
 
 def refuse_unsavable(suite: Suite) -> None:

@@ -74,6 +74,9 @@ class Suite(FileModel):
                 )
             if strange := [name for name in table.cases if name not in names]:
                 raise ValueError(f"tables: {table.title!r} names the case {strange[0]!r}, which 'cases' does not have")
+        shown = {number for table in self.tables for number in table.policies}
+        if self.tables and (missing := sorted(numbers - shown)):
+            raise ValueError(f"tables: the policy {missing[0]} stands in none of them, so its results would not either")
         return self
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from safetensors.numpy import save
 
 from waypointctl.errors import OutputError, PolicyError
-from waypointctl.evaluation.result import EVALUATION
+from waypointctl.evaluation.saved import remove_outdated
 from waypointctl.paths import refuse_unwritable_folder
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import (
@@ -69,7 +69,7 @@ def import_sb3(
         robot: that it is for.
         observation: the name of the layout that it sees.
         vecnormalize: the file that VecNormalize.save() wrote; without it observations are taken as they are.
-        force: replace a policy that is in `out` already, and remove its evaluation.
+        force: replace a policy that is in `out` already, and remove its evaluations.
 
     Raises:
         PolicyError: the model or the normaliser is not what can be imported, or does not fit the layout or the robot.
@@ -158,8 +158,5 @@ def _refuse_replacing(out: Path, force: bool) -> None:
 
 
 def _write(policy: LoadedPolicy, out: Path) -> None:
-    try:
-        (out / EVALUATION).unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot be replaced: {error.strerror}", where=str(out / EVALUATION)) from error
+    remove_outdated(out, policy.sha256)
     copy_bundle(policy, out)

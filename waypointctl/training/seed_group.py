@@ -20,6 +20,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.evaluation.result import EVALUATION
 from waypointctl.paths import refuse_unwritable_folder
+from waypointctl.policy.manifest import MANIFEST
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.recipe_selection import SelectionRecipe
 from waypointctl.training.run_folder import RECIPE, new_run, newest_checkpoint
@@ -82,11 +83,14 @@ def is_complete(run: Path) -> bool:
 
 
 def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int]) -> None:
-    """Write down what a group's runs are to do; none may have begun.
+    """Write down what a group's runs are to do; none may have begun, nor may the folder be another training's.
 
     Raises:
-        OutputError: one has, or the folder cannot be written.
+        OutputError: one has, the folder is of another training or a policy, or it cannot be written.
     """
+    if any((group / name).exists() for name in (GROUP, MANIFEST)) or newest_checkpoint(group):
+        problem = "has an earlier training or policy, whose recipe would be replaced"
+        raise OutputError(problem, where=str(group), mend="Go on with --resume, or choose another folder.")
     for run in (run_of(group, seed) for seed in seeds):
         if newest_checkpoint(run) or is_complete(run):
             problem = "has the checkpoints of an earlier training"

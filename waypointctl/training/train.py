@@ -10,6 +10,7 @@ from pathlib import Path
 from waypointctl.errors import OutputError
 from waypointctl.evaluation.evaluate import Progress
 from waypointctl.evaluation.result import EVALUATION, Evaluation
+from waypointctl.evaluation.saved import remove_outdated
 from waypointctl.evaluation.suite import load_suite
 from waypointctl.paths import refuse_unwritable_folder
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
@@ -179,11 +180,8 @@ def _evaluate(
 
 
 def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluation, out: Path) -> None:
-    """Put the bundle into `out`; the evaluation of an earlier one is never beside it."""
-    try:
-        (out / EVALUATION).unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot be replaced: {error.strerror}", where=str(out / EVALUATION)) from error
+    """Put the bundle into `out`; evaluations of an earlier one are never beside it."""
+    remove_outdated(out, policy.sha256)
     copy_bundle(policy, out)
     _place_recipe(recipe_file, out)
     write_whole(out / EVALUATION, evaluation.to_json().encode())
