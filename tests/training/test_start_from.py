@@ -12,8 +12,11 @@ from safetensors.numpy import load
 from tests.training.tiny import RECIPE, ROLLOUT, new_learner, tiny_recipe, trained, weights_of
 from waypointctl.errors import PolicyError, RecipeError
 from waypointctl.policy.bundle import load_policy
+from waypointctl.policy.manifest import SelectionRecord
+from waypointctl.policy.write import copy_bundle
 from waypointctl.training.export import weights
 from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.selection import with_record
 from waypointctl.training.start_from import load_origin, start_from
 from waypointctl.training.status import News, StartedFrom
 from waypointctl.training.train import train
@@ -123,6 +126,24 @@ def test_another_kind_of_policy_is_refused_before_anything_is_written(
     with pytest.raises(RecipeError, match=rf"recipe\.yaml: start_from: policy 'source' .*: {problem}\n  Give"):
         trained(recipe_file, tmp_path / "run")
     assert not (tmp_path / "run" / "train.yaml").exists()
+
+
+@pytest.mark.parametrize(("seed", "refused"), [(5, True), (6, False)])
+def test_a_source_that_was_chosen_with_the_seed_of_the_evaluation_is_refused(
+    shelf: Shelf, seed: int, refused: bool
+) -> None:
+    source = load_policy(shelf.source)
+    record = SelectionRecord(
+        suite="region", seed=seed, trials=2, successes=1, candidates=1, last_step=1024, stop_at=None
+    )
+    copy_bundle(with_record(source, record), shelf.source)
+    recipe_file = tiny_recipe(shelf.recipe_file.path.parent, GOAL.replace("{trials: 1}", "{trials: 1, seed: 5}"))
+    if refused:
+        message = r"start_from: .*chosen in 'region' with seed 5, .* evaluation\.seed\n  Give evaluation another seed"
+        with pytest.raises(RecipeError, match=message):
+            load_origin(recipe_file)
+    else:
+        assert load_origin(recipe_file) is not None
 
 
 def test_a_source_that_is_not_there_or_damaged_is_refused(shelf: Shelf, tmp_path: Path) -> None:

@@ -48,12 +48,14 @@ def evaluate_policy(
     """
     from waypointctl.cli.evaluation_files import EvaluationFiles
     from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders
+    from waypointctl.cli.selection_trials import refuse_selection_trials
     from waypointctl.evaluation.result import evaluations_json
 
     chosen = chosen_suite(suite, acceptance)
     loaded = load_folders(policies)
     files = EvaluationFiles(tuple(policies), chosen, out=out, markdown=markdown, plot=plot, save=save, force=force)
     files.refuse_unwritable()
+    refuse_selection_trials(loaded, chosen, seed, save=save)
     with _progress(chosen.walked, trials or chosen.own.trials, len(policies)) as progress:
         found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress)
     evaluations = [one.evaluation for one in found]

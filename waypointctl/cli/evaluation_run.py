@@ -26,8 +26,15 @@ class Evaluated:
 
 @dataclass(frozen=True, slots=True)
 class ChosenSuite:
-    """A suite as it is, and as it is to be walked: with another acceptance region, maybe."""
+    """A suite as it is, and as it is to be walked: with another acceptance region, maybe.
 
+    Attributes:
+        asked: the name or the file that it was asked for by.
+        own: as it is.
+        walked: as it is to be walked.
+    """
+
+    asked: str
     own: Suite
     walked: Suite
 
@@ -45,7 +52,8 @@ def chosen_suite(name_or_file: str, acceptance: str | None) -> ChosenSuite:
         InputError: the acceptance is none.
     """
     own = load_suite(name_or_file)
-    return ChosenSuite(own, own if acceptance is None else own.accepting(parse_acceptance(acceptance)))
+    walked = own if acceptance is None else own.accepting(parse_acceptance(acceptance))
+    return ChosenSuite(name_or_file, own, walked)
 
 
 def load_folders(folders: Sequence[Path]) -> list[tuple[Path, LoadedPolicy]]:

@@ -36,13 +36,15 @@ def load_origin(recipe_file: RecipeFile) -> Origin | None:
 
     Raises:
         PolicyError: there is no such policy, or it is damaged.
-        RecipeError: it is of other sizes than the recipe, of another activation or for another robot.
+        RecipeError: it is of other sizes than the recipe, of another activation or for another robot; or it was chosen
+            with the seed that the recipe's evaluation has.
     """
     if recipe_file.recipe.start_from is None:
         return None
     folder = recipe_file.path.parent / recipe_file.recipe.start_from
     policy = load_policy(folder)
     _refuse_other_kind(policy, recipe_file)
+    _refuse_chosen_by_what_is_reported(policy, recipe_file)
     try:
         return Origin(policy, load(policy.files[WEIGHTS]))
     except SafetensorError as error:
@@ -95,6 +97,15 @@ def _refuse_other_kind(policy: LoadedPolicy, recipe_file: RecipeFile) -> None:
         raise _refusal(manifest.name, "; ".join(faults), recipe_file)
 
 
+def _refuse_chosen_by_what_is_reported(policy: LoadedPolicy, recipe_file: RecipeFile) -> None:
+    """Refuse what a recipe refuses of its own selection: that one's choice of weights is in these, too."""
+    chosen, seed = policy.manifest.training.selection, recipe_file.recipe.evaluation.seed
+    if chosen is not None and chosen.seed == seed:
+        fault = f"it was chosen in {chosen.suite!r} with seed {seed}, which is the recipe's evaluation.seed"
+        mend = "Give evaluation another seed: what a policy is chosen by must not be what is reported of it."
+        raise _refusal(policy.manifest.name, fault, recipe_file, mend)
+
+
 def _refuse_other_arrays(learner: Learner, origin: Origin, recipe_file: RecipeFile) -> None:
     own, theirs = weights(learner), origin.learnt
     if {name: array.shape for name, array in own.items()} != {name: array.shape for name, array in theirs.items()}:
@@ -102,6 +113,6 @@ def _refuse_other_arrays(learner: Learner, origin: Origin, recipe_file: RecipeFi
         raise _refusal(origin.policy.manifest.name, fault, recipe_file)
 
 
-def _refusal(policy: str, fault: str, recipe_file: RecipeFile) -> RecipeError:
+def _refusal(policy: str, fault: str, recipe_file: RecipeFile, mend: str = _MEND) -> RecipeError:
     problem = f"start_from: policy {policy!r} cannot be started from: {fault}"
-    return RecipeError(problem, where=str(recipe_file.path), mend=_MEND)
+    return RecipeError(problem, where=str(recipe_file.path), mend=mend)
