@@ -24,6 +24,14 @@ def train_policy(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the recipe's newest run, or with the run that --out names.")
     ] = False,
+    extend: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="RUN",
+            help="Go on from this run, whose recipe is the beginning of this one, to what this one makes from nothing.",
+            show_default=False,
+        ),
+    ] = None,
     steps: Annotated[
         int | None,
         typer.Option(min=1, max=10**12, help="Shorten or stretch all phases to this many.", show_default=False),
@@ -57,6 +65,8 @@ def train_policy(
     from waypointctl.cli.view.training import watch_training
     from waypointctl.training.run_folder import places
 
+    if extend is not None:
+        _refuse_with_extend({"--resume": resume, "--steps": steps, "--seeds": seeds, "--stop-at": stop_at})
     if seeds is not None:
         from waypointctl.cli.train_seeds import train_with_seeds
 
@@ -64,6 +74,11 @@ def train_policy(
 
     with interruption() as interrupted:
         recipe_file = load_to_train(recipe, stop_at, resume=resume)
+        if extend is not None:
+            from waypointctl.training.extension import extend as take_over
+            from waypointctl.training.extension import shared_checkpoints
+
+            shared_checkpoints(as_asked(recipe_file, recipe_file, None, seed, None), extend)  # before a run is made
         place = places(recipe_file.recipe.name, runs, out, resume=resume)
         if resume:
             from waypointctl.training.checkpoint import begun_as
@@ -71,6 +86,8 @@ def train_policy(
             recipe_file = as_asked(begun_as(recipe_file, place.run), recipe_file, steps, seed, stop_at)
         else:
             recipe_file = as_asked(recipe_file, recipe_file, steps, seed, stop_at)
+        if extend is not None:
+            take_over(recipe_file, extend, place.run, threads)
 
         from waypointctl.training.train import train
 
@@ -80,7 +97,7 @@ def train_policy(
                 place.out,
                 run=place.run,
                 threads=threads,
-                resume=resume,
+                resume=resume or extend is not None,
                 watch=view,
                 evaluating=view.evaluating,
                 interrupted=interrupted,
@@ -89,6 +106,12 @@ def train_policy(
     if json:
         sys.stdout.write(_json(trained, recipe_file, place.run))
     raise typer.Exit(0 if trained.evaluation else 130)
+
+
+def _refuse_with_extend(options: dict[str, object]) -> None:
+    for name, value in options.items():
+        if value:
+            raise typer.BadParameter(f"cannot be combined with --extend: {name} is for other runs", param_hint=name)
 
 
 def load_to_train(recipe: Path, stop_at: float | None, *, resume: bool) -> RecipeFile:

@@ -65,10 +65,16 @@ def places(name: str, runs: Path, out: Path | None, *, resume: bool) -> Places:
     return Places(run, out or run)
 
 
+def checkpoints(run: Path) -> list[tuple[int, Path]]:
+    """Return the control step and the folder of each of a run's checkpoints, oldest first."""
+    folders = (run / FOLDER).glob("step-*")
+    return sorted((int(path.name[5:]), path) for path in folders if path.name[5:].isdecimal())
+
+
 def newest_checkpoint(run: Path) -> Path | None:
     """Return the folder of a run's newest checkpoint, None if there is none."""
-    steps = {int(path.name[5:]): path for path in (run / FOLDER).glob("step-*") if path.name[5:].isdecimal()}
-    return steps[max(steps)] if steps else None
+    found = checkpoints(run)
+    return found[-1][1] if found else None
 
 
 def checkpoint_at(run: Path, steps: int) -> Path:

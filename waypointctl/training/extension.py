@@ -1,0 +1,99 @@
+"""Going on from another run by a longer recipe, to what that recipe makes from nothing.
+
+What a run trained by is kept in its folder, so that the part that two recipes have in common can be told: the same
+but for phases at the end. All checkpoints within it are taken over; the last one of a complete run is not among them,
+because the learning rate of its last update was the shorter recipe's.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Final
+
+from waypointctl.errors import OutputError, RecipeError
+from waypointctl.training.checkpoint import begun_as, load_checkpoint, save_checkpoint
+from waypointctl.training.learner import Learner
+from waypointctl.training.progress_file import PROGRESS
+from waypointctl.training.recipe import Recipe
+from waypointctl.training.recipe_file import RecipeFile, load_recipe
+from waypointctl.training.run_folder import RECIPE, checkpoints
+from waypointctl.training.selection import SELECTION
+from waypointctl.training.testing import SUITE
+
+# What two recipes may differ in without training otherwise.
+_FREE: Final = ("name", "description", "phases", "checkpoint_steps", "evaluation")
+
+
+def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -> int:
+    """Give a new run the checkpoints that its recipe shares with another run; return the steps it goes on from.
+
+    Resumed, with as many threads as `source` had, the run ends in the very weights that it would have ended in,
+    trained from nothing.
+
+    Args:
+        recipe_file: the longer recipe.
+        source: the run to go on from; it stays as it is.
+        run: the new run's folder, without checkpoints.
+        threads: of physics and of torch; 0 is one a core.
+
+    Raises:
+        RecipeError: `source` is no run, or its recipe is not this one's beginning, or it has no checkpoint in the part
+            that they share.
+        OutputError: `run` cannot be written.
+    """
+    began, taken = shared_checkpoints(recipe_file, source)
+    try:
+        run.mkdir(parents=True, exist_ok=True)
+        for name in (PROGRESS, SELECTION, SUITE):  # resuming leaves out what is later than the last checkpoint
+            if (source / name).exists():
+                shutil.copyfile(source / name, run / name)
+        (run / RECIPE).write_bytes(recipe_file.source)
+    except OSError as error:
+        raise OutputError(f"cannot be written: {error.strerror}", where=str(run)) from error
+    return max(_take(folder, began, recipe_file, run, threads) for folder in taken)
+
+
+def shared_checkpoints(recipe_file: RecipeFile, source: Path) -> tuple[RecipeFile, list[Path]]:
+    """Return the recipe as the run `source` began, and its checkpoints that a longer recipe shares.
+
+    Raises:
+        RecipeError: as `extend`.
+    """
+    began = begun_as(load_recipe(source / RECIPE), source)
+    shared = shared_steps(began.recipe, recipe_file.recipe, source)
+    taken = [folder for steps, folder in checkpoints(source) if steps < shared]
+    if not taken:
+        problem = f"has no checkpoint before step {shared}, up to which the two recipes are the same"
+        raise RecipeError(problem, where=str(source), mend="Train without --extend.")
+    return began, taken
+
+
+def shared_steps(old: Recipe, new: Recipe, source: Path) -> int:
+    """Return up to which control step two recipes train in the same way.
+
+    Raises:
+        RecipeError: from the first step on they do not.
+    """
+    before, after = ({name: value for name, value in recipe if name not in _FREE} for recipe in (old, new))
+    different = [name for name in before if before[name] != after[name]]
+    steps = 0
+    for one, other in zip(old.phases, new.phases, strict=False):
+        if one != other:
+            break
+        steps += one.steps
+    if not different and steps == 0:
+        different = ["phases[0]"]
+    if different:
+        problem = f"was trained by a recipe with another {', '.join(different)}"
+        mend = f"Only {', '.join(_FREE[:2])}, {', '.join(_FREE[3:])} and phases at the end may differ."
+        raise RecipeError(problem, where=str(source), mend=mend)
+    return steps
+
+
+def _take(folder: Path, began: RecipeFile, recipe_file: RecipeFile, run: Path, threads: int) -> int:
+    """Write a checkpoint as the longer recipe makes it; return its steps."""
+    learner = Learner(recipe_file.recipe, threads)
+    wall_time_s = load_checkpoint(learner, began, folder)
+    save_checkpoint(learner, recipe_file, run, wall_time_s)
+    return learner.steps
