@@ -1,12 +1,19 @@
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
 import pytest
 
 from waypointctl.errors import OutputError
-from waypointctl.paths import folder_fault, refuse_other_content, refuse_unwritable_file, refuse_unwritable_folder
+from waypointctl.paths import (
+    folder_fault,
+    refuse_other_content,
+    refuse_unwritable_file,
+    refuse_unwritable_folder,
+    write_whole,
+)
 
 TOO_LONG = "x" * 5000
 
@@ -61,6 +68,30 @@ def test_anything_else_is_not_replaced(tmp_path: Path) -> None:
     for name, problem in (("log.mcap", "is not a PNG"), ("pipe", "not a regular"), ("link", "not a regular")):
         with pytest.raises(OutputError, match=problem):
             refuse_other_content(tmp_path / name, b"\x89PNG", "a PNG")
+
+
+def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_whole(tmp_path / "a", b"first", "the letter")
+    with (tmp_path / "a").open("rb") as reading:
+        write_whole(tmp_path / "a", b"second", "the letter")
+        assert (reading.read(), (tmp_path / "a").read_bytes()) == (b"first", b"second")
+
+    def full(self: Path, target: Path) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "replace", full)
+    with pytest.raises(OutputError, match=r"a: the letter cannot be written: No space left on device\n  give a file"):
+        write_whole(tmp_path / "a", b"third", "the letter")
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("a", b"second")]
+
+
+def test_a_file_whose_name_cannot_be_is_refused_and_a_device_is_written_to(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="the letter cannot be written: File name too long"):
+        write_whole(tmp_path / TOO_LONG, b"text", "the letter")
+    with pytest.raises(OutputError, match="the letter cannot be written: No such file"):
+        write_whole(tmp_path / "none" / "a", b"text", "the letter")
+    write_whole(Path(os.devnull), b"text", "the letter")
+    assert Path(os.devnull).is_char_device()
 
 
 def test_a_folder_that_cannot_be_looked_up_is_refused(tmp_path: Path) -> None:

@@ -1,9 +1,10 @@
-"""What a path that somebody gave is, said without a traceback: a name can be too long to be looked up at all."""
+"""What a path that somebody gave is, and writing there, without a traceback: a name can be too long to be looked up."""
 
 from __future__ import annotations
 
 import os
 import stat
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
@@ -47,6 +48,33 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
     except OSError as error:
         fault = str(error.strerror)
     raise OutputError(f"{what} cannot be written: {fault}", where=str(path), mend=_FILE_MEND)
+
+
+def write_whole(path: Path, content: bytes, what: str) -> None:
+    """Write a file under another name beside it and move it into place: what stands at `path` is never half of it.
+
+    What is no regular file, such as /dev/stdout, is written as it is.
+
+    Args:
+        path: of the file; what is there is replaced.
+        content: all of it.
+        what: it is, for the message: "the picture".
+
+    Raises:
+        OutputError: it cannot be written; what was there before still is.
+    """
+    part = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        if path.exists() and not path.is_file():
+            path.write_bytes(content)
+            return
+        part.write_bytes(content)
+        part.replace(path)
+    except OSError as error:
+        with suppress(OSError):  # the name can be too long even to be removed
+            part.unlink(missing_ok=True)
+        problem = f"{what} cannot be written: {error.strerror}"
+        raise OutputError(problem, where=str(path), mend=_FILE_MEND) from error
 
 
 def refuse_other_content(path: Path, magic: bytes, kind: str) -> None:

@@ -103,6 +103,24 @@ def test_what_is_of_another_kind_is_replaced_only_by_force(
 
 
 @pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--out y --markdown ./y --plot z", "y: --out and --markdown would both write this file\n  give --markdown"),
+        ("--markdown y --plot y --force", "y: --markdown and --plot would both write this file\n  give --plot"),
+        ("--save --out link/evaluation-easy.json", "link/evaluation-easy.json: --save and --out would both write"),
+    ],
+)
+def test_a_file_that_two_options_would_write_is_refused(
+    place: Path, program: Program, options: str, message: str
+) -> None:
+    (place / "link").symlink_to("still")
+    code, out, err = program("eval", "still", "wild", *EASY, *options.split())
+    assert (code, out) == (2, "")
+    assert err.startswith(f"error: {message}")
+    assert not [*place.glob("y"), *place.glob("still/evaluation*")]
+
+
+@pytest.mark.parametrize(
     "acceptance", ["cube:1", "radius", "radius:", "radius:-1", "box:1 h", "box:nan", ":", "box:1e3"]
 )
 def test_what_is_no_acceptance_is_refused(place: Path, program: Program, acceptance: str) -> None:

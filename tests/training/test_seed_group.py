@@ -11,6 +11,7 @@ from tests.training.tiny import RECIPE, ROLLOUT, after, tiny_recipe, trained, we
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.evaluation.result import read_evaluation
 from waypointctl.policy.bundle import load_policy
+from waypointctl.training.progress_file import PROGRESS
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.seed_group import GROUP, begin_group, group_begun_as, group_place, is_complete, run_of
 from waypointctl.training.seed_result import Spread
@@ -64,6 +65,10 @@ def test_seeds_stopped_in_the_middle_are_gone_on_with_and_finished_ones_left_alo
     assert json.loads((group / RESULTS).read_text()) == json.loads(json.dumps(compared.to_dict()))
     assert (group / PICTURE).read_bytes().startswith(b"\x89PNG")
     assert len((group / CURVES).read_text().splitlines()) == 1 + 256 // ROLLOUT
+    for seeds in ([3, 5], [5]):  # a curve of one is missing, or all are
+        (run_of(group, 5) / PROGRESS).unlink(missing_ok=True)
+        with pytest.raises(RecipeError, match=r"seed-5/progress\.csv: has no rows, .*\n  Put the file back, or remove"):
+            compare(recipe_file, seeds, group)
 
 
 def test_a_spread_is_that_of_a_sample() -> None:

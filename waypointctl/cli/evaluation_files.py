@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from waypointctl.cli.evaluation_run import ChosenSuite, Evaluated
+from waypointctl.errors import OutputError
 from waypointctl.evaluation.panels import panels, refuse_too_many
 from waypointctl.evaluation.results_grid import title
 from waypointctl.evaluation.saved import (
-    place,
     refuse_other_files,
     refuse_unsavable,
     saved_name,
@@ -19,7 +20,7 @@ from waypointctl.evaluation.saved import (
     write_evaluations,
 )
 from waypointctl.evaluation.tables import MARKDOWN_HEAD, tables, to_markdown
-from waypointctl.paths import refuse_other_content, refuse_unwritable_file
+from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
 
 _PNG: Final = b"\x89PNG\r\n\x1a\n"
 
@@ -50,7 +51,7 @@ class EvaluationFiles:
         """Refuse what could not be written, or would take the place of something else.
 
         Raises:
-            OutputError: a file cannot be written, or is there already and of another kind.
+            OutputError: a file cannot be written, or is there already and of another kind, or two would be one.
             InputError: the suite's results cannot be saved, or the picture would have too many panels.
         """
         if self.save:
@@ -68,6 +69,18 @@ class EvaluationFiles:
             refuse_too_many(self.suite.own, len(self.folders))
             if not self.force:
                 refuse_other_content(self.plot, _PNG, "a PNG")
+        self._refuse_one_for_two()
+
+    def _refuse_one_for_two(self) -> None:
+        asked = {"--out": self.out, "--markdown": self.markdown, "--plot": self.plot}
+        taken = {os.path.realpath(path): "--save" for path in self._saved()}
+        for option, path in asked.items():
+            if path is None:
+                continue
+            other = taken.setdefault(os.path.realpath(path), option)
+            if other != option:
+                problem = f"{other} and {option} would both write this file"
+                raise OutputError(problem, where=str(path), mend=f"give {option} another file")
 
     def write(self, found: Sequence[Evaluated]) -> None:
         """Write what was asked for.
@@ -83,9 +96,9 @@ class EvaluationFiles:
                 write_evaluation(one.evaluation, one.folder / self._saved_name)
         if self.markdown is not None:
             text = to_markdown(tables(self.suite.own, evaluations))
-            place(self.markdown, text.encode(), "the table")
+            write_whole(self.markdown, text.encode(), "the table")
         if self.plot is not None:
-            place(self.plot, self.picture(found), "the picture")
+            write_whole(self.plot, self.picture(found), "the picture")
 
     def picture(self, found: Sequence[Evaluated]) -> bytes:
         """Return the ways that were walked as PNG."""
@@ -96,10 +109,10 @@ class EvaluationFiles:
         return draw(drawn, self.suite.walked.acceptance, title(evaluations))
 
     def _evaluations(self) -> list[Path]:
-        asked = [] if self.out is None else [self.out]
-        if self.save:
-            asked += [folder / self._saved_name for folder in self.folders]
-        return asked
+        return [*([] if self.out is None else [self.out]), *self._saved()]
+
+    def _saved(self) -> list[Path]:
+        return [folder / self._saved_name for folder in self.folders] if self.save else []
 
     @property
     def _saved_name(self) -> str:

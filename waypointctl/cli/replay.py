@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from waypointctl.cli.options import not_negative, positive
-from waypointctl.errors import OutputError
 
 if TYPE_CHECKING:
     from waypointctl.cli.view.playback import Playback
@@ -98,13 +97,11 @@ def _prove(log: Log, *, stderr: bool) -> Verification:
 
 
 def _draw(story: Story, log: Log, verification: Verification, png: Path) -> None:
+    from waypointctl.paths import write_whole
     from waypointctl.replay.logged import mission_name
     from waypointctl.replay.picture.page import draw
 
     proof = f"replay {verification.verdict}, {verification.steps} control steps"
     picture = draw(story, mission_name(log), proof, is_exact=verification.verdict == "exact")
-    try:
-        png.write_bytes(picture)
-    except OSError as error:
-        raise OutputError(f"cannot be written: {error.strerror}", where=str(png)) from error
+    write_whole(png, picture, "the picture")
     typer.echo(f"drawn into {png}", err=True)

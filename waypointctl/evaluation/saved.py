@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -14,11 +13,11 @@ from waypointctl.evaluation.conditions import AcceptanceSpec
 from waypointctl.evaluation.result import EVALUATION, Evaluation, evaluations_json, read_evaluation
 from waypointctl.evaluation.suite import BUILT_IN, Suite, load_suite
 from waypointctl.mission.checks import file_name
+from waypointctl.paths import write_whole
 
 PATTERN: Final = "evaluation*.json"  # the files that evaluations are saved to beside a policy
 
 _PAPER: Final = "paper"
-_FILE_MEND: Final = "give a file in a folder that you can write to"
 
 
 class _Several(BaseModel):
@@ -43,26 +42,7 @@ def write_evaluations(evaluations: Sequence[Evaluation], path: Path) -> None:
     Raises:
         OutputError: the file cannot be written.
     """
-    place(path, evaluations_json(evaluations).encode(), "the evaluation")
-
-
-def place(path: Path, content: bytes, what: str) -> None:
-    """Write a file so that it appears whole; `what` it is goes into the message: "the picture".
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    part = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        if path.exists() and not path.is_file():  # such as /dev/stdout
-            path.write_bytes(content)
-            return
-        part.write_bytes(content)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        problem = f"{what} cannot be written: {error.strerror}"
-        raise OutputError(problem, where=str(path), mend=_FILE_MEND) from error
+    write_whole(path, evaluations_json(evaluations).encode(), "the evaluation")
 
 
 def saved_name(suite: str, other_acceptance: AcceptanceSpec | None = None) -> str:

@@ -10,9 +10,13 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from waypointctl.errors import InputError, OutputError
-from waypointctl.training.whole_file import write_whole
+from waypointctl.paths import write_whole
 
 PROGRESS: Final = "progress.csv"
+
+_MEND: Final = (
+    "Put the file back as it was; or, of a training that is to go on, remove it: it is begun again from there."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +65,7 @@ class ProgressFile:
         """
         self._path = run / PROGRESS
         self.rows = [row for row in read_progress(run) if row.steps <= steps] if steps else []
-        write_whole(self._path, _text([list(_KINDS), *map(astuple, self.rows)]).encode())
+        write_whole(self._path, _text([list(_KINDS), *map(astuple, self.rows)]).encode(), "the progress")
         self._file = self._path.open("a", encoding="utf-8", newline="")
 
     def add(self, row: ProgressRow) -> None:
@@ -106,7 +110,7 @@ def read_progress(run: Path) -> list[ProgressRow]:
         return [_row(cells) for cells in csv.DictReader(StringIO(whole), strict=True)]
     except (KeyError, TypeError, ValueError, csv.Error) as error:
         problem = f"is not the progress of a training: {error}"
-        raise InputError(problem, where=str(path), mend="Remove the file: it is begun again.") from error
+        raise InputError(problem, where=str(path), mend=_MEND) from error
 
 
 def _row(cells: dict[str, str]) -> ProgressRow:

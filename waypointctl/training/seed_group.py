@@ -19,12 +19,11 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.evaluation.result import EVALUATION
-from waypointctl.paths import refuse_unwritable_folder
+from waypointctl.paths import refuse_unwritable_folder, write_whole
 from waypointctl.policy.manifest import MANIFEST
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.recipe_selection import SelectionRecipe
 from waypointctl.training.run_folder import RECIPE, new_run, newest_checkpoint
-from waypointctl.training.whole_file import write_whole
 
 GROUP: Final = "group.json"
 
@@ -105,8 +104,8 @@ def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int]) -> N
         group.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(group)) from error
-    write_whole(group / GROUP, f"{plan.model_dump_json(indent=2)}\n".encode())
-    write_whole(group / RECIPE, recipe_file.source)
+    write_whole(group / GROUP, f"{plan.model_dump_json(indent=2)}\n".encode(), "the plan")
+    write_whole(group / RECIPE, recipe_file.source, "the recipe")
 
 
 def group_begun_as(recipe_file: RecipeFile, group: Path) -> RecipeFile:

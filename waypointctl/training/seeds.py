@@ -8,14 +8,15 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
+from waypointctl.errors import RecipeError
+from waypointctl.paths import write_whole
 from waypointctl.training.curves import curves, curves_csv
 from waypointctl.training.curves_picture import draw_curves
-from waypointctl.training.progress_file import read_progress
+from waypointctl.training.progress_file import PROGRESS, ProgressRow, read_progress
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.run_folder import newest_checkpoint
 from waypointctl.training.seed_group import is_complete, run_of
 from waypointctl.training.seed_result import SeedResult, Spread, seed_result, spreads
-from waypointctl.training.whole_file import write_whole
 
 CURVES: Final = "curves.csv"
 PICTURE: Final = "curves.png"
@@ -76,14 +77,23 @@ def compare(recipe_file: RecipeFile, seeds: Sequence[int], group: Path) -> Seeds
 
     Raises:
         PolicyError, InputError: something of a run is missing or damaged.
+        RecipeError: a run's progress is gone.
         OutputError: the files cannot be written.
     """
     results = tuple(seed_result(run_of(group, seed), seed) for seed in seeds)
-    found = curves({seed: read_progress(run_of(group, seed)) for seed in seeds})
+    found = curves({seed: _rows(run_of(group, seed)) for seed in seeds})
     name = recipe_file.recipe.name
     title = f"{name}, seed {seeds[0]}" if len(seeds) == 1 else f"{name}, {len(seeds)} seeds"
-    write_whole(group / CURVES, curves_csv(found).encode())
-    write_whole(group / PICTURE, draw_curves(found, title))
+    write_whole(group / CURVES, curves_csv(found).encode(), "the curves")
+    write_whole(group / PICTURE, draw_curves(found, title), "the picture")
     compared = SeedsResult(results, spreads(results))
-    write_whole(group / RESULTS, f"{json.dumps(compared.to_dict(), indent=2)}\n".encode())
+    write_whole(group / RESULTS, f"{json.dumps(compared.to_dict(), indent=2)}\n".encode(), "the results")
     return compared
+
+
+def _rows(run: Path) -> list[ProgressRow]:
+    if rows := read_progress(run):
+        return rows
+    problem = "has no rows, and the training is complete: its learning curve is lost"
+    mend = "Put the file back, or remove the run's folder: with --resume that seed is trained again."
+    raise RecipeError(problem, where=str(run / PROGRESS), mend=mend)

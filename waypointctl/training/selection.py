@@ -12,11 +12,11 @@ from typing import Final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import RecipeError
+from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import NETWORK, WEIGHTS, SelectionRecord
 from waypointctl.policy.write import bundle_files
 from waypointctl.training.recipe_selection import SelectionRecipe
-from waypointctl.training.whole_file import write_whole
 
 SELECTION: Final = "selection.json"
 
@@ -112,7 +112,7 @@ class Selection:
             chosen_steps=self.best.steps,
             candidates=self.candidates,
         )
-        write_whole(self._path, f"{written.model_dump_json(indent=2)}\n".encode())
+        write_whole(self._path, f"{written.model_dump_json(indent=2)}\n".encode(), "the record of the checkpoints")
 
     def record(self) -> SelectionRecord:
         """Return what the manifest of the chosen policy says of it."""

@@ -10,11 +10,11 @@ from typing import Final
 from waypointctl.evaluation.evaluate import Progress, evaluate
 from waypointctl.evaluation.result import Evaluation
 from waypointctl.evaluation.suite import Suite, load_suite
+from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.selection import Candidate, Selection
 from waypointctl.training.status import CheckpointSaved, CheckpointTested, CheckpointTesting, Watch
-from waypointctl.training.whole_file import write_whole
 
 SUITE: Final = "selection-suite.yaml"  # the copy of a suite of one's own that a run keeps
 
@@ -61,7 +61,7 @@ def selection_suite(recipe_file: RecipeFile, run: Path, *, resume: bool) -> Suit
     own = _own_suite(recipe_file)
     suite = load_suite(recipe_file.recipe.selection.suite if own is None else str(own))
     if own is not None:
-        write_whole(run / SUITE, own.read_bytes())
+        write_whole(run / SUITE, own.read_bytes(), "the suite")
     return suite
 
 

@@ -12,7 +12,7 @@ from waypointctl.evaluation.evaluate import Progress
 from waypointctl.evaluation.result import EVALUATION, Evaluation
 from waypointctl.evaluation.saved import remove_outdated
 from waypointctl.evaluation.suite import load_suite
-from waypointctl.paths import refuse_unwritable_folder
+from waypointctl.paths import refuse_unwritable_folder, write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.write import copy_bundle
 from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
@@ -27,7 +27,6 @@ from waypointctl.training.start_from import load_origin, start_from
 from waypointctl.training.status import CheckpointSaved, Watch
 from waypointctl.training.testing import Tester, evaluate_unless, selection_suite
 from waypointctl.training.watcher import Watcher
-from waypointctl.training.whole_file import write_whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,10 +183,10 @@ def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluatio
     remove_outdated(out, policy.sha256)
     copy_bundle(policy, out)
     _place_recipe(recipe_file, out)
-    write_whole(out / EVALUATION, evaluation.to_json().encode())
+    write_whole(out / EVALUATION, evaluation.to_json().encode(), "the evaluation")
 
 
 def _place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
     path = folder / RECIPE
     if not (path.exists() and path.samefile(recipe_file.path)):
-        write_whole(path, recipe_file.source)
+        write_whole(path, recipe_file.source, "the recipe")
