@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,33 +11,25 @@ from pydantic import Field, Strict
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.mission import Name, Position
 from waypointctl.seeding import stream
-from waypointctl.task.course_file import CourseFields
+from waypointctl.task.course_file import CourseFields, Point
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Rate: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1)]
-
-
-class Place(FileModel):
-    """A waypoint. A bare [x, y] is its position."""
-
-    list_stands_for: ClassVar[str | None] = "position_m"
-
-    position_m: Position = Field(description="x and y in the world frame; the robot starts at the origin")
 
 
 class Case(FileModel):
     """One path, from the origin through its waypoints, that every trial walks."""
 
     name: Name
-    waypoints: Annotated[tuple[Place, ...], Field(min_length=1, max_length=1000)] = Field(
-        description="in the order in which they are to be reached"
+    waypoints: Annotated[tuple[Point, ...], Field(min_length=1, max_length=1000)] = Field(
+        description="in the order in which they are to be reached; the robot starts at the origin"
     )
     paper: Rate | None = Field(None, description="the published success rate")
 
     @property
     def path(self) -> tuple[Position, ...]:
         """The waypoints (x, y) [m]."""
-        return tuple(place.position_m for place in self.waypoints)
+        return tuple(point.position_m for point in self.waypoints)
 
     @property
     def longest(self) -> int:

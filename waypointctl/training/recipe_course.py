@@ -11,9 +11,9 @@ from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
 from waypointctl.task.cases import Cases
 from waypointctl.task.course import Course
-from waypointctl.task.course_file import CourseFields, Point
+from waypointctl.task.course_file import CourseFields, Length, Point
 from waypointctl.task.retry import Retry
-from waypointctl.training.recipe_fields import Duration, Factor, Few, Fraction, Length, Place
+from waypointctl.training.recipe_fields import Duration, Factor, Few, Fraction, Place
 
 
 class CaseRecipe(FileModel):

@@ -15,6 +15,5 @@ Rate: TypeAlias = Annotated[float, Strict(), Field(gt=0, le=1)]
 # Bounds that no sound training comes near, and below which float32 does not overflow at the first step.
 Cost: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1e6, allow_inf_nan=False)]
 Factor: TypeAlias = Annotated[float, Strict(), Field(gt=0, le=1000, allow_inf_nan=False)]
-Length: TypeAlias = Annotated[float, Quantity("m", gt=0, le=10_000)]
 Place: TypeAlias = Annotated[float, Quantity("m", ge=-10_000, le=10_000)]
 Duration: TypeAlias = Annotated[float, Quantity("s", gt=0, le=86_400)]

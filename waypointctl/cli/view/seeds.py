@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _COLUMNS: dict[str, tuple[str, Callable[[float], str]]] = {
     "success_rate": ("success", exact_percent),
     "fall_rate": ("falls", exact_percent),
-    "timeout_rate": ("late", exact_percent),
+    "timeout_rate": ("time-outs", exact_percent),
     "spl": ("SPL", "{:.3f}".format),
     "selection_rate": ("selection", exact_percent),
     "steps": ("steps", count),
@@ -26,7 +26,7 @@ _COLUMNS: dict[str, tuple[str, Callable[[float], str]]] = {
 
 
 def seeds_table(name: str, compared: SeedsResult) -> Table:
-    """Return a row for each seed, and mean, standard deviation, lowest and highest over them; 70 columns wide."""
+    """Return a row for each seed, and mean, standard deviation, lowest and highest over them; 75 columns wide."""
     from rich import box
     from rich.table import Table
 
