@@ -24,17 +24,19 @@ from typing import Any, Final
 
 from bench.attempt import Attempt, Look, Stopwatch
 from bench.sb3_peer import PROCESSES, train_peer
+from waypointctl.errors import RecipeError, WaypointctlError
 from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
+from waypointctl.training.recipe_selection import SelectionRecipe
 from waypointctl.training.status import CheckpointSaved, CheckpointTested, News
 from waypointctl.training.train import train
 
 RECIPE: Final = Path("policies/ant-waypoint/train.yaml")
 
 
-def train_ours(recipe_file: RecipeFile, threads: int, tell: Callable[[Look], None]) -> Attempt:
-    """Train as `waypointctl train` does, until the target is met or the recipe ends."""
+def train_ours(recipe_file: RecipeFile, target: float, threads: int, tell: Callable[[Look], None]) -> Attempt:
+    """Train as `waypointctl train` does, until the recipe's `stop_at`, the target, is met or the recipe ends."""
     stopwatch, looks, saved_s = Stopwatch(), list[Look](), 0.0
 
     def watch(news: News) -> None:
@@ -48,18 +50,13 @@ def train_ours(recipe_file: RecipeFile, threads: int, tell: Callable[[Look], Non
 
     with TemporaryDirectory() as folder:
         train(recipe_file, Path(folder, "out"), run=Path(folder, "run"), threads=threads, watch=watch)
-    selection = recipe_file.recipe.selection
-    assert selection is not None
-    assert selection.stop_at is not None
-    return Attempt(tuple(looks), selection.stop_at)
+    return Attempt(tuple(looks), target)
 
 
-def summary(ours: Attempt, peer: Attempt, recipe: Recipe, suite: Suite) -> dict[str, Any]:
+def summary(ours: Attempt, peer: Attempt, recipe: str, selection: SelectionRecipe, suite: Suite) -> dict[str, Any]:
     """Return what was found; times_faster is None where ours itself missed the target."""
-    selection = recipe.selection
-    assert selection is not None
     return {
-        "recipe": recipe.name,
+        "recipe": recipe,
         "suite": suite.name,
         "trials": selection.trials,
         "seed": selection.seed,
@@ -110,14 +107,31 @@ def _verdict(found: dict[str, Any]) -> str:
 
 
 def as_asked(recipe_file: RecipeFile, options: argparse.Namespace) -> RecipeFile:
-    """Return the recipe that is tested on the suite every so many steps and ends at the target."""
+    """Return the recipe that is tested on the suite every so many steps and ends at the target.
+
+    Raises:
+        RecipeError: it starts from another policy, or its evaluation has the seed that is selected by.
+    """
     recipe = recipe_file.recipe if options.steps is None else recipe_file.recipe.scaled_to(options.steps)
-    recipe = recipe.stopping_at(options.target)
-    assert recipe.selection is not None
-    update = {"suite": options.suite, "trials": options.trials, "every": options.every}
-    selection = recipe.selection.model_copy(update=update)
+    if recipe.start_from is not None:
+        problem = f"start_from: {recipe.start_from!r} was trained in time that would not be counted"
+        mend = "Give a recipe that begins with nothing, as the peer does."
+        raise RecipeError(problem, where=str(recipe_file.path), mend=mend)
+    try:
+        recipe.stopping_at(options.target)
+    except ValueError as error:
+        mend = "Give the recipe's evaluation another seed."
+        raise RecipeError(str(error), where=str(recipe_file.path), mend=mend) from error
     evaluation = recipe.evaluation.model_copy(update={"trials": 1})  # of the paper's cases, which do not count here
-    return replace(recipe_file, recipe=recipe.model_copy(update={"selection": selection, "evaluation": evaluation}))
+    update = {"selection": selection_of(recipe, options), "evaluation": evaluation}
+    return replace(recipe_file, recipe=recipe.model_copy(update=update))
+
+
+def selection_of(recipe: Recipe, options: argparse.Namespace) -> SelectionRecipe:
+    """Return how both sides are tested."""
+    names = {"suite": "suite", "trials": "trials", "every": "every", "stop_at": "target"}
+    update = {field: getattr(options, option) for field, option in names.items()}
+    return (recipe.selection or SelectionRecipe()).model_copy(update=update)
 
 
 def measure(options: argparse.Namespace) -> dict[str, Any]:
@@ -130,31 +144,53 @@ def measure(options: argparse.Namespace) -> dict[str, Any]:
 
         return line
 
-    mine = train_ours(recipe_file, options.threads, tell("ours"))
+    mine = train_ours(recipe_file, options.target, options.threads, tell("ours"))
     limit_s = options.peer_limit or 4 * mine.end.training_s
     theirs = train_peer(recipe_file.recipe, suite, options.peer_every, limit_s, options.peer_processes, tell("peer"))
-    return summary(mine, theirs, recipe_file.recipe, suite)
+    selection = selection_of(recipe_file.recipe, options)
+    return summary(mine, theirs, recipe_file.recipe.name, selection, suite)
 
 
 def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(description="Wall time to a success rate, against stable-baselines3 as tuned.")
     made.add_argument("--recipe", type=Path, default=RECIPE)
     made.add_argument("--suite", default="region", help="one that comes with waypointctl")
-    made.add_argument("--target", type=float, default=0.95, help="success rate, 0 to 1")
-    made.add_argument("--trials", type=int, default=200, help="of each of the suite's cases, in every test")
-    made.add_argument("--every", type=int, default=500_000, help="control steps of ours between tests")
-    made.add_argument("--steps", type=int, help="shorten or stretch the recipe to this many")
+    made.add_argument("--target", type=_rate, default=0.95, help="success rate, 0 to 1")
+    made.add_argument("--trials", type=_positive, default=200, help="of each of the suite's cases, in every test")
+    made.add_argument("--every", type=_positive, default=500_000, help="control steps of ours between tests")
+    made.add_argument("--steps", type=_positive, help="shorten or stretch the recipe to this many")
     made.add_argument("--threads", type=int, default=0, help="of ours; 0 is one a core")
-    made.add_argument("--peer-every", type=int, default=200_000, help="control steps of the peer between tests")
+    made.add_argument("--peer-every", type=_positive, default=200_000, help="control steps of the peer between tests")
     made.add_argument("--peer-limit", type=float, help="seconds of training; four times what ours took unless told")
-    made.add_argument("--peer-processes", type=int, default=PROCESSES)
+    made.add_argument("--peer-processes", type=_positive, default=PROCESSES)
     made.add_argument("--json", action="store_true")
     return made
 
 
+def _positive(text: str) -> int:
+    number = int(text) if text.isascii() and text.isdecimal() else 0
+    if not number:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number > 0")
+    return number
+
+
+def _rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not 0 < rate <= 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a success rate above 0, up to 1")
+    return rate
+
+
 def main() -> None:
     options = parser().parse_args()
-    found = measure(options)
+    try:
+        found = measure(options)
+    except WaypointctlError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
     print(json.dumps(found, indent=2) if options.json else table(found))
 
 

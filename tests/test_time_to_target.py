@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import time
 from pathlib import Path
@@ -70,12 +71,42 @@ def test_the_time_is_that_of_the_first_test_that_met_the_target() -> None:
 def test_the_ratio_is_a_bound_where_the_peer_is_not_there_yet(
     tmp_path: Path, ours: Attempt, peer: Attempt, ratio: float | None, bound: bool, verdict: str
 ) -> None:
-    found = time_to_target.summary(ours, peer, recipe_of(RECIPE, tmp_path), load_suite("region"))
+    selection = recipe_of(RECIPE, tmp_path).selection
+    assert selection is not None
+    found = time_to_target.summary(ours, peer, "tiny", selection, load_suite("region"))
     assert (found["times_faster"], found["lower_bound"]) == (ratio, bound)
     table = time_to_target.table(found)
     assert table.splitlines()[-1] == verdict
     assert max(len(line) for line in table.splitlines()) <= 80
     assert json.loads(json.dumps(found)) == found
+
+
+@pytest.mark.parametrize(
+    ("more", "options", "message"),
+    [
+        ("start_from: ../other\n", "", r"recipe\.yaml: start_from: '\.\./other' was trained in time that would not be"),
+        ("evaluation: {seed: 1000}\n", "", r"recipe\.yaml: evaluation\.seed is 1000, .*\n  Give the recipe's"),
+        ("", "--target 1.5", r"--target: '1\.5' is not a success rate above 0, up to 1"),
+        ("", "--every 0", r"--every: '0' is not a whole number > 0"),
+        ("", "--suite nowhere.yaml", r"nowhere\.yaml: there is no such file"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused_before_training(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    more: str,
+    options: str,
+    message: str,
+) -> None:
+    (tmp_path / "recipe.yaml").write_text(RECIPE + more)
+    arguments = ["--recipe", f"{tmp_path}/recipe.yaml", *options.split()]
+    monkeypatch.setattr(sys, "argv", ["time_to_target", *arguments])
+    monkeypatch.delattr(time_to_target, "train_ours")
+    with pytest.raises(SystemExit) as caught:
+        time_to_target.main()
+    assert caught.value.code == 2
+    assert re.search(message, capsys.readouterr().err)
 
 
 def test_the_stopwatch_leaves_out_pauses() -> None:
