@@ -109,9 +109,15 @@ def test_the_papers_suite_has_a_panel_for_each_table_and_policy(
         *(("1", "Table 1"), ("x", "Table 1"), ("x", "Table 2"), ("x", "Table 3"))
     ]
     assert [len(p.given) for p in drawn] == [1, 1, 7, 3]
+    # One policy, in the paper's first table alone or in none: its table lists all cases.
+    for alone in found:
+        drawn = panels(paper, [alone], [walks])
+        assert [(p.title, p.group) for p in drawn] == [(alone.policy, case.name) for case in alone.cases]
+        assert [p.given[0].tolist() for p in drawn] == [[list(place) for place in case.path] for case in paper.cases]
 
 
 def test_more_panels_than_a_picture_holds_are_refused() -> None:
     refuse_too_many(SUITE, 16)
+    refuse_too_many(load_suite("paper"), 16)  # three tables of each
     with pytest.raises(InputError, match=r"--plot would have 51 panels, .*; a picture holds 48"):
         refuse_too_many(SUITE, 17)

@@ -59,14 +59,16 @@ def refuse_too_many(suite: Suite, num_policies: int) -> None:
     Raises:
         InputError: there would be more panels than a picture can hold.
     """
-    count = len(suite.tables or suite.walked) * num_policies
+    count = len(suite.tables if _by_table(suite, num_policies) else suite.walked) * num_policies
     if count > MOST_PANELS:
         problem = f"--plot would have {count} panels, one for each case and policy; a picture holds {MOST_PANELS}"
         raise InputError(problem, mend="evaluate fewer policies at a time, or a suite of fewer cases")
 
 
 def panels(suite: Suite, evaluations: Sequence[Evaluation], walks: Sequence[Mapping[str, Walks]]) -> list[Panel]:
-    """Return a panel for each table and policy where the suite has tables, else for each case and policy.
+    """Return a panel for each table and policy where several walked a suite with tables, else for each case and policy.
+
+    One policy is shown in all cases, as its table lists them: the suite's tables may have it in some of them alone.
 
     Args:
         suite: what was walked.
@@ -75,13 +77,17 @@ def panels(suite: Suite, evaluations: Sequence[Evaluation], walks: Sequence[Mapp
     """
     names = names_of(evaluations)
     by_name = dict(zip(names, walks, strict=True))
-    if suite.tables:
+    if _by_table(suite, len(evaluations)):
         return [
             _panel(suite, name, table.title, [case for case in suite.cases if case.name in table.cases], by_name[name])
             for table in suite.tables
             for name, _ in entrants(suite, table, evaluations)
         ]
     return [_panel(suite, name, case.name, [case], by_name[name]) for case in suite.walked for name in names]
+
+
+def _by_table(suite: Suite, num_policies: int) -> bool:
+    return bool(suite.tables) and num_policies > 1
 
 
 def _panel(suite: Suite, policy: str, group: str, cases: Sequence[Walked], walks: Mapping[str, Walks]) -> Panel:
