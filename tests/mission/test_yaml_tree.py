@@ -108,7 +108,7 @@ def test_a_second_key_is_listed_and_the_first_value_kept() -> None:
         (b"---\n", 1, 1, "is empty"),
         (b"a: [1,", 1, 7, "is not YAML"),
         (b"a: b: c", 1, 5, "mapping values are not allowed here"),
-        (b"a: 1\n\tb: 2", 2, 1, "'\\t' that cannot start any token"),
+        (b"a: 1\n\tb: 2", 2, 1, "is indented with a tab: YAML wants spaces"),
         (b'a: "\\U00110000"', 1, 1, "is not YAML"),
         (b'a: "\\ud800"', 1, 4, "half of a surrogate pair"),
         (b"a: 1\nb: \xff", 2, 4, "is not UTF-8 text: byte 0xff"),
