@@ -102,7 +102,7 @@ def test_the_shipped_networks_give_the_actions_of_their_weights_in_torch(folder:
     ]
     mean, variance = weights["normaliser.mean"], weights["normaliser.var"]
     noise = 2.0 * np.random.default_rng(8).normal(size=(200, mean.size))
-    # What never varied in training, as a single point's goal, is a unit off: float32 tells no smaller part of its range.
+    # What never varied in training, as a single point's goal, is one off: float32 tells no smaller part of its range.
     x = mean + np.where(variance < 1e-6, np.sign(noise), np.sqrt(variance) * noise)
     normalised = np.clip((x - mean) / np.sqrt(variance + 1e-8), -10.0, 10.0)
     with torch.no_grad():
