@@ -50,6 +50,10 @@ WRONG = [
         "{perimeter: ring, radius: 3 m, inner_radius: 4 m}",
         "54: course.inner_radius: 4 m is not less than the radius of 3 m",
     ),
+    (
+        "{perimeter: ring, radius: 3 m, inner_radius: 4 m, min_distance: 9 m}",
+        "54: course.inner_radius: 4 m is not less than the radius of 3 m",
+    ),
     ("{perimeter: disc, radius: 3}", "35: course.radius: 3 has no unit; write 'radius: 3 m' or 'radius_m: 3'"),
     (
         "{side: 4 m, min_distance: 3 m}",

@@ -53,14 +53,15 @@ class CourseFields(FileModel):
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield each field that does not go with the others, and why."""
+        takes = PERIMETERS[self.perimeter]
         for name in sorted(self.model_fields_set & _DRAWING):
-            if name not in PERIMETERS[self.perimeter]:
+            if name not in takes:
                 yield name, f"means nothing with 'perimeter: {self.perimeter}', which is drawn by {self._takes()}"
-        if self.leg_m[0] > self.leg_m[1]:
+        if "leg_m" in takes and self.leg_m[0] > self.leg_m[1]:
             yield "leg_m", f"{list(self.leg_m)} is not in order; the shortest leg comes first"
-        if self.perimeter == "ring":
-            yield from self._ring_problems()
-        if self.min_distance_m and "min_distance_m" in PERIMETERS[self.perimeter]:
+        not_a_ring = list(self._ring_problems()) if self.perimeter == "ring" else []
+        yield from not_a_ring
+        if self.min_distance_m and "min_distance_m" in takes and not not_a_ring:
             anywhere = self._drawn(0.0)
             if self.min_distance_m > anywhere.largest_min_distance_m:
                 yield "min_distance_m", f"{self.min_distance_m:g} m {anywhere.min_distance_rule}"
