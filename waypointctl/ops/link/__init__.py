@@ -1,0 +1,1 @@
+"""The link between operator and robot: discrete events in simulation time, each direction for itself."""
