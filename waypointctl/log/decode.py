@@ -18,6 +18,7 @@ from waypointctl.log.messages import (
     Clock,
     Command,
     CommandKind,
+    CommandStage,
     Event,
     EventKind,
     FloatArray,
@@ -74,7 +75,26 @@ def command(data: bytes) -> Command:
     """Decode a Command."""
     it = pb.Command.FromString(data)
     waypoints = tuple(_waypoint(waypoint) for waypoint in it.waypoints)
-    return Command(it.id, CommandKind(it.kind), waypoints, it.on_failure, it.issued_ns, it.received_ns)
+    return Command(
+        id=it.id,
+        kind=CommandKind(it.kind),
+        waypoints=waypoints,
+        on_failure=it.on_failure,
+        issued_ns=it.issued_ns,
+        received_ns=it.received_ns,
+        attempt=it.attempt,
+        released=it.released,
+        target_id=it.target_id,
+        value=it.value,
+        not_before_ns=it.not_before_ns,
+        expires_ns=it.expires_ns,
+    )
+
+
+def command_stage(data: bytes) -> CommandStage:
+    """Decode a CommandStage."""
+    it = pb.CommandStage.FromString(data)
+    return CommandStage(it.time_ns, it.command_id, Stage(it.stage), it.reason, Clock(it.clock), it.attempt)
 
 
 def ack(data: bytes) -> Ack:

@@ -6,6 +6,7 @@ from waypointctl.log.messages import (
     Ack,
     Checkpoint,
     Command,
+    CommandStage,
     Event,
     PlannedWaypoint,
     Telemetry,
@@ -37,6 +38,24 @@ def command(message: Command) -> bytes:
         issued_ns=message.issued_ns,
         received_ns=message.received_ns,
         delay_s=seconds(message.received_ns - message.issued_ns),
+        attempt=message.attempt,
+        released=message.released,
+        target_id=message.target_id,
+        value=message.value,
+        not_before_ns=message.not_before_ns,
+        expires_ns=message.expires_ns,
+    ).SerializeToString()
+
+
+def command_stage(message: CommandStage) -> bytes:
+    """Encode a CommandStage."""
+    return pb.CommandStage(
+        time_ns=message.time_ns,
+        command_id=message.command_id,
+        stage=message.stage,
+        reason=message.reason,
+        clock=message.clock,
+        attempt=message.attempt,
     ).SerializeToString()
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,21 +21,50 @@ FloatArray: TypeAlias = NDArray[np.float64]
 class CommandKind(StrEnum):
     """What an operator can ask of the robot."""
 
-    UPLOAD_PLAN = "upload_plan"
-    GO_TO = "go_to"
+    UPLOAD_PLAN = "upload_plan"  # a plan in place of the one there is
+    APPEND_PLAN = "append_plan"  # waypoints after those of the plan there is
+    RELEASE = "release"  # how far the robot may walk
+    GO_TO = "go_to"  # a place, in place of the plan
+    HOLD = "hold"  # stand where it is
+    RESUME = "resume"  # go on after a hold
+    SKIP = "skip"  # leave the waypoint that it walks to
+    CANCEL = "cancel"  # take an earlier command back
+    ABORT = "abort"  # drop everything and stand
+    SET_TOLERANCE = "set_tolerance"  # of the waypoints to come [m]
+    SET_TIMEOUT = "set_timeout"  # of the waypoints to come [s]
+    RETURN_HOME = "return_home"  # walk to where the mission began
 
 
 class Stage(StrEnum):
     """Where a command stands. The robot reports the stages from RECEIVED on in acknowledgements."""
 
-    QUEUED = "queued"
-    SENT = "sent"
+    QUEUED = "queued"  # handed to the link by the operator
+    SENT = "sent"  # its first bit has left
+    LOST = "lost"  # it will not arrive; nobody is told
     RECEIVED = "received"
-    REJECTED = "rejected"
+    REJECTED = "rejected"  # final: it cannot be obeyed
     ACCEPTED = "accepted"
     STARTED = "started"
-    COMPLETED = "completed"
-    FAILED = "failed"
+    COMPLETED = "completed"  # final
+    FAILED = "failed"  # final: it was tried
+    CANCELLED = "cancelled"  # final: taken back
+    SUPERSEDED = "superseded"  # final: another command took its place
+    EXPIRED = "expired"  # final: its time was over before it could start or end
+    SKIPPED = "skipped"  # final: it came too late to be of use
+    UNKNOWN = "unknown"  # the operator's alone: its acknowledgement is late
+
+
+FINAL_STAGES: Final = frozenset(
+    {
+        Stage.REJECTED,
+        Stage.COMPLETED,
+        Stage.FAILED,
+        Stage.CANCELLED,
+        Stage.SUPERSEDED,
+        Stage.EXPIRED,
+        Stage.SKIPPED,
+    }
+)
 
 
 class Mode(StrEnum):
@@ -44,6 +73,11 @@ class Mode(StrEnum):
     IDLE = "idle"  # standing, no plan yet
     WALKING = "walking"  # the policy has the motors
     HOLDING = "holding"  # standing at a waypoint for its hold time
+    OBSERVING = "observing"  # standing at a waypoint and taking a picture
+    WAITING = "waiting"  # standing before a waypoint that is not released yet
+    PAUSED = "paused"  # standing because it was told to hold
+    SAFE = "safe"  # standing because of the link's loss, a fence, or because it got no further
+    RETURNING = "returning"  # the policy has the motors, on the way home
     DONE = "done"  # standing, the plan is finished
     FAILED = "failed"  # standing, the plan was given up
     FALLEN = "fallen"  # motors off
@@ -54,6 +88,7 @@ class Clock(StrEnum):
 
     ROBOT = "robot"
     OPERATOR = "operator"
+    LINK = "link"  # what nobody is told: that a message was lost
 
 
 class Severity(StrEnum):
@@ -147,6 +182,24 @@ class Command:
     on_failure: str  # "abort" or "skip"
     issued_ns: int  # by the operator
     received_ns: int  # by the robot
+    attempt: int = 1  # which sending of this id it is
+    released: int = -1  # how many waypoints of the plan the robot may walk to; -1 for all
+    target_id: int = -1  # the command that a CANCEL takes back
+    value: float = 0.0  # of SET_TOLERANCE [m], of SET_TIMEOUT [s]
+    not_before_ns: int = -1  # it starts no earlier; -1 for at once
+    expires_ns: int = -1  # after this it is not to be started or gone on with; -1 for never
+
+
+@dataclass(frozen=True, slots=True)
+class CommandStage:
+    """A stage of a command at the moment when it came to it, whoever knows of it then."""
+
+    time_ns: int
+    command_id: int
+    stage: Stage
+    reason: str  # empty, or why it was lost, rejected, failed, ...
+    clock: Clock
+    attempt: int  # which sending of this id it is about
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,4 +254,6 @@ class Checkpoint:
     link: str  # JSON: what is under way in the link, and its random streams
 
 
-Message: TypeAlias = State | Observation | Action | Reward | Command | Ack | Telemetry | Event | Checkpoint
+Message: TypeAlias = (
+    State | Observation | Action | Reward | Command | CommandStage | Ack | Telemetry | Event | Checkpoint
+)

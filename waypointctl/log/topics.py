@@ -17,6 +17,7 @@ from waypointctl.log.messages import (
     Action,
     Checkpoint,
     Command,
+    CommandStage,
     Event,
     Message,
     Observation,
@@ -39,7 +40,7 @@ class Topic:
     times_ns: Callable[[Any], tuple[int, int]]  # (log_time, publish_time)
 
 
-def _instant(message: State | Observation | Action | Reward | Event | Checkpoint) -> tuple[int, int]:
+def _instant(message: State | Observation | Action | Reward | CommandStage | Event | Checkpoint) -> tuple[int, int]:
     return message.time_ns, message.time_ns
 
 
@@ -53,6 +54,7 @@ TOPICS: Final = (
     Topic("/action", Action, pb.Action, steps.action, decode.action, _instant),
     Topic("/reward", Reward, pb.Reward, steps.reward, decode.reward, _instant),
     Topic("/command", Command, pb.Command, encode.command, decode.command, _link),
+    Topic("/command_stage", CommandStage, pb.CommandStage, encode.command_stage, decode.command_stage, _instant),
     Topic("/ack", Ack, pb.Ack, encode.ack, decode.ack, _link),
     Topic("/telemetry", Telemetry, pb.Telemetry, encode.telemetry, decode.telemetry, _link),
     Topic("/event", Event, pb.Event, encode.event, decode.event, _instant),

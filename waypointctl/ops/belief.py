@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 
 from waypointctl.log.messages import Ack, Stage, Telemetry
 
-FINAL_STAGES = frozenset({Stage.COMPLETED, Stage.FAILED, Stage.REJECTED})
-
 
 @dataclass(slots=True)
 class Belief:

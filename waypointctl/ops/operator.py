@@ -6,9 +6,9 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Final
 
-from waypointctl.log.messages import Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
+from waypointctl.log.messages import FINAL_STAGES, Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.belief import FINAL_STAGES, Belief
+from waypointctl.ops.belief import Belief
 from waypointctl.ops.executive import TIMEOUT
 from waypointctl.units import ns
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from waypointctl.log.messages import (
+    FINAL_STAGES,
     Ack,
     Action,
     Command,
@@ -20,7 +21,6 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
-from waypointctl.ops.belief import FINAL_STAGES
 from waypointctl.replay.growing_track import GrowingTrack
 from waypointctl.replay.story import CommandStory, Effort, Fate, FloatArray, Story, WaypointStory, is_on_map
 

@@ -12,8 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.log.messages import Ack, Event, EventKind, PlannedWaypoint, Stage
-from waypointctl.ops.belief import FINAL_STAGES
+from waypointctl.log.messages import FINAL_STAGES, Ack, Event, EventKind, PlannedWaypoint, Stage
 from waypointctl.units import NS_PER_S
 
 FloatArray = NDArray[np.float64]

@@ -249,9 +249,15 @@ class Command(_message.Message):
     ISSUED_NS_FIELD_NUMBER: _builtins.int
     RECEIVED_NS_FIELD_NUMBER: _builtins.int
     DELAY_S_FIELD_NUMBER: _builtins.int
+    ATTEMPT_FIELD_NUMBER: _builtins.int
+    RELEASED_FIELD_NUMBER: _builtins.int
+    TARGET_ID_FIELD_NUMBER: _builtins.int
+    VALUE_FIELD_NUMBER: _builtins.int
+    NOT_BEFORE_NS_FIELD_NUMBER: _builtins.int
+    EXPIRES_NS_FIELD_NUMBER: _builtins.int
     id: _builtins.int
     kind: _builtins.str
-    """"upload_plan" or "go_to" """
+    """"upload_plan", "go_to", "hold", ..."""
     on_failure: _builtins.str
     """"abort" or "skip" """
     issued_ns: _builtins.int
@@ -260,6 +266,18 @@ class Command(_message.Message):
     """by the robot"""
     delay_s: _builtins.float
     """received - issued"""
+    attempt: _builtins.int
+    """which sending of this id it is, from 1"""
+    released: _builtins.int
+    """how many waypoints of the plan the robot may walk to; -1 for all"""
+    target_id: _builtins.int
+    """the command that a "cancel" takes back; -1 for none"""
+    value: _builtins.float
+    """of "set_tolerance" [m], of "set_timeout" [s]"""
+    not_before_ns: _builtins.int
+    """it starts no earlier; -1 for at once"""
+    expires_ns: _builtins.int
+    """after this it is not to be started or gone on with; -1 for never"""
     @_builtins.property
     def waypoints(self) -> _containers.RepeatedCompositeFieldContainer[Global___PlannedWaypoint]: ...
     def __init__(
@@ -272,14 +290,60 @@ class Command(_message.Message):
         issued_ns: _builtins.int = ...,
         received_ns: _builtins.int = ...,
         delay_s: _builtins.float = ...,
+        attempt: _builtins.int = ...,
+        released: _builtins.int = ...,
+        target_id: _builtins.int = ...,
+        value: _builtins.float = ...,
+        not_before_ns: _builtins.int = ...,
+        expires_ns: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["delay_s", b"delay_s", "id", b"id", "issued_ns", b"issued_ns", "kind", b"kind", "on_failure", b"on_failure", "received_ns", b"received_ns", "waypoints", b"waypoints"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["attempt", b"attempt", "delay_s", b"delay_s", "expires_ns", b"expires_ns", "id", b"id", "issued_ns", b"issued_ns", "kind", b"kind", "not_before_ns", b"not_before_ns", "on_failure", b"on_failure", "received_ns", b"received_ns", "released", b"released", "target_id", b"target_id", "value", b"value", "waypoints", b"waypoints"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___Command: _TypeAlias = Command  # noqa: Y015
+
+@_typing.final
+class CommandStage(_message.Message):
+    """A stage of a command at the moment when it came to it, whoever knows of it then."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    TIME_NS_FIELD_NUMBER: _builtins.int
+    COMMAND_ID_FIELD_NUMBER: _builtins.int
+    STAGE_FIELD_NUMBER: _builtins.int
+    REASON_FIELD_NUMBER: _builtins.int
+    CLOCK_FIELD_NUMBER: _builtins.int
+    ATTEMPT_FIELD_NUMBER: _builtins.int
+    time_ns: _builtins.int
+    command_id: _builtins.int
+    stage: _builtins.str
+    """"queued", "sent", "lost", "received", ..."""
+    reason: _builtins.str
+    """empty, or why it was lost, rejected, failed, ..."""
+    clock: _builtins.str
+    """"robot", "operator" or "link" """
+    attempt: _builtins.int
+    """which sending of this id it is about, from 1"""
+    def __init__(
+        self,
+        *,
+        time_ns: _builtins.int = ...,
+        command_id: _builtins.int = ...,
+        stage: _builtins.str = ...,
+        reason: _builtins.str = ...,
+        clock: _builtins.str = ...,
+        attempt: _builtins.int = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["attempt", b"attempt", "clock", b"clock", "command_id", b"command_id", "reason", b"reason", "stage", b"stage", "time_ns", b"time_ns"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___CommandStage: _TypeAlias = CommandStage  # noqa: Y015
 
 @_typing.final
 class Ack(_message.Message):
