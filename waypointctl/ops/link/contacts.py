@@ -1,13 +1,16 @@
-"""When a link can be used: contact windows, each with the rate and the light time that hold in it."""
+"""When, and how fast, something can be sent: contact windows, each with its rate."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Final
 
-NS_A_BIT_S: Final = 1_000_000_000  # a message of one bit takes this long [ns] at 1 bit/s
+NS_PER_S: Final = 1_000_000_000
+BITS_PER_BYTE: Final = 8
+FOREVER_NS: Final = 1 << 62  # beyond every time of a flight, and within what a log can hold
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,58 +20,99 @@ class Window:
     Attributes:
         begin_ns: the first moment at which something can be sent.
         end_ns: by when its last bit has to have left.
-        rate_bps: in [bit/s] where it is not the link's own; 0 is without limit.
-        delay_ns: one-way delay where it is not the link's own.
+        rate_bps: in [bit/s]; None is without limit.
     """
 
     begin_ns: int
     end_ns: int
     rate_bps: float | None = None
-    delay_ns: int | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a window that nothing can be sent in."""
+        if not 0 <= self.begin_ns < self.end_ns:
+            raise ValueError(f"a window from {self.begin_ns} to {self.end_ns} ns is none")
+        if self.rate_bps is not None and self.rate_bps <= 0:
+            raise ValueError(f"a rate of {self.rate_bps} bit/s is none")
 
 
-def airtime_ns(bits: int, rate_bps: float) -> int:
-    """Return how long sending takes [ns], rounded up; a rate of 0 is without limit."""
-    if not rate_bps:
+def airtime_ns(size_bytes: int, rate_bps: float | None) -> int:
+    """Return how long sending takes [ns], rounded up: no rate is ever exceeded, not by the rounding of a float."""
+    if rate_bps is None:
         return 0
-    exact = bits * NS_A_BIT_S / rate_bps
-    whole = int(exact)
-    return whole if whole == exact else whole + 1
+    rate = Fraction(rate_bps)
+    return -(-size_bytes * BITS_PER_BYTE * NS_PER_S * rate.denominator // rate.numerator)
 
 
 class Contacts:
-    """Windows in order, once or again and again."""
+    """Windows in order, once or again and again. A message is sent whole, within one window."""
+
+    __slots__ = ("_begin_ns", "_end_ns", "_ends", "_ns_per_byte", "_per", "_rates", "period_ns", "windows")
 
     def __init__(self, windows: Sequence[Window], period_ns: int = 0) -> None:
-        """Take windows that do not overlap; with a period [ns] all of them come again after it."""
+        """Take windows in order that do not overlap; with a period [ns] all of them come again after it.
+
+        Raises:
+            ValueError: they overlap, are not in order, or the last one ends after the period.
+        """
+        ends = [window.end_ns for window in windows]
+        if any(window.begin_ns < end for window, end in zip(windows[1:], ends, strict=False)):
+            raise ValueError("contact windows overlap or are not in order")
+        if period_ns and ends and ends[-1] > period_ns:
+            raise ValueError(f"a window ends at {ends[-1]} ns, after the period of {period_ns} ns")
         self.windows = tuple(windows)
         self.period_ns = period_ns
-        self._ends = [window.end_ns for window in windows]
+        self._ends = ends
+        # A byte takes a fraction of nanoseconds: (numerator, denominator), of whole numbers.
+        self._rates = [_ns_per_byte(window.rate_bps) for window in windows]
+        # The window that was used last, where the next message most likely goes too.
+        self._begin_ns, self._end_ns = 0, 0
+        self._ns_per_byte, self._per = 0, 1
 
-    def place(self, earliest_ns: int, bits: int, rate_bps: float) -> tuple[int, int, Window] | None:
-        """Return when a message can be sent: its first bit, its last bit [ns], and the window; None for never.
+    def place(self, earliest_ns: int, size_bytes: int) -> tuple[int, int] | None:
+        """Return when a message can be sent: its first and its last bit [ns]; None for never.
 
         Args:
             earliest_ns: it cannot be sent before.
-            bits: its size; it is sent whole, within one window.
-            rate_bps: the link's own rate.
+            size_bytes: its size.
         """
-        period = self.period_ns
-        round_ns = earliest_ns // period * period if period else 0
-        at, rounds = bisect_right(self._ends, earliest_ns - round_ns), 0
-        while rounds < 2:  # a window that is too short now is too short in each round
-            for window in self.windows[at:]:
-                begin = max(earliest_ns, window.begin_ns + round_ns)
-                rate = rate_bps if window.rate_bps is None else window.rate_bps
-                end = begin + airtime_ns(bits, rate)
-                if end <= window.end_ns + round_ns:
-                    return begin, end, window
-            if not period:
-                return None
-            at, rounds, round_ns = 0, rounds + 1, round_ns + period
-        return None
+        if self._begin_ns <= earliest_ns < self._end_ns:
+            left_ns = earliest_ns - (-size_bytes * self._ns_per_byte // self._per)
+            if left_ns <= self._end_ns:
+                return earliest_ns, left_ns
+        return self._search(earliest_ns, size_bytes)
 
     def next_open_ns(self, now_ns: int) -> int | None:
         """Return from when on [ns] the link can be used, `now_ns` if it can now; None for never again."""
-        placed = self.place(now_ns, 0, 0)
+        placed = self.place(now_ns, 0)
         return None if placed is None else placed[0]
+
+    def _search(self, earliest_ns: int, size_bytes: int) -> tuple[int, int] | None:
+        period = self.period_ns
+        round_ns = earliest_ns // period * period if period else 0
+        first = bisect_right(self._ends, earliest_ns - round_ns)
+        # What does not fit in what is left of this round, nor in the whole of the next, fits in none.
+        for _ in range(2):
+            for at in range(first, len(self.windows)):
+                window, (ns_per_byte, per) = self.windows[at], self._rates[at]
+                begin_ns, end_ns = window.begin_ns + round_ns, window.end_ns + round_ns
+                departs_ns = max(earliest_ns, begin_ns)
+                left_ns = departs_ns - (-size_bytes * ns_per_byte // per)
+                if left_ns <= end_ns:
+                    self._begin_ns, self._end_ns, self._ns_per_byte, self._per = begin_ns, end_ns, ns_per_byte, per
+                    return departs_ns, left_ns
+            if not period:
+                return None
+            first, round_ns = 0, round_ns + period
+        return None
+
+
+def always(rate_bps: float | None = None) -> Contacts:
+    """Return one contact that never ends."""
+    return Contacts([Window(0, FOREVER_NS, rate_bps)])
+
+
+def _ns_per_byte(rate_bps: float | None) -> tuple[int, int]:
+    if rate_bps is None:
+        return 0, 1
+    exact = Fraction(BITS_PER_BYTE * NS_PER_S) / Fraction(rate_bps)
+    return exact.numerator, exact.denominator

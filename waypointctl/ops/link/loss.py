@@ -2,56 +2,95 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 import numpy as np
 
-Loss: TypeAlias = Callable[[], bool]  # whether the next message is lost
+from waypointctl.ops.link.draws import Draws, chances
 
 
-@dataclass(slots=True)
-class RandomLoss:
-    """Each message is lost with the same probability, whatever became of the one before."""
-
-    probability: float
-    rng: np.random.Generator
+class Loss(Protocol):
+    """Decides message by message, in the order in which they are handed over."""
 
     def __call__(self) -> bool:
         """Say whether the next message is lost."""
-        return self.rng.random() < self.probability
+
+    def state(self) -> dict[str, Any]:
+        """Return what becomes of the next message depends on, as plain data."""
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on where `state` was taken."""
 
 
-@dataclass(slots=True)
+class RandomLoss:
+    """Each message is lost with the same probability, whatever became of the one before."""
+
+    __slots__ = ("_chances", "probability")
+
+    def __init__(self, probability: float, rng: np.random.Generator) -> None:
+        """Lose this share of the messages; one number of the stream is for each."""
+        self.probability = probability
+        self._chances = chances(rng)
+
+    def __call__(self) -> bool:
+        """Say whether the next message is lost."""
+        return self._chances() < self.probability
+
+    def state(self) -> dict[str, Any]:
+        """Return what becomes of the next message depends on, as plain data."""
+        return self._chances.state()
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on where `state` was taken."""
+        self._chances.restore(state)
+
+
 class GilbertElliott:
-    """A link that is good or bad, and loses more while it is bad; it may change with each message.
+    """A link that is good or bad, loses more while it is bad, and may change with each message.
 
-    `tc-netem(8)`, loss gemodel p r 1-h 1-k. In the long run it is bad for p / (p + r) of the messages, 1/r of them on
-    end.
+    As in netem (`loss gemodel p r 1-h 1-k`) it begins good, a message fares as the link is when it is handed over, and
+    then the link changes. In the long run it is bad for p / (p + r) of the messages, for 1/r of them on end, and loses
+    (p (1-h) + r (1-k)) / (p + r).
 
     Attributes:
         to_bad: p, the probability that the good link is bad for the next message.
         to_good: r, the probability that the bad link is good for the next message.
         lost_in_bad: 1-h, the probability that a message is lost while it is bad.
         lost_in_good: 1-k, the same while it is good.
-        rng: where chance comes from; two numbers a message, whatever they come to.
-        bad: how the link is now.
+        bad: how the link is for the next message.
     """
 
-    to_bad: float
-    to_good: float
-    lost_in_bad: float
-    lost_in_good: float
-    rng: np.random.Generator
-    bad: bool = False
+    __slots__ = ("_pairs", "bad", "lost_in_bad", "lost_in_good", "to_bad", "to_good")
+
+    def __init__(
+        self, to_bad: float, to_good: float, lost_in_bad: float, lost_in_good: float, rng: np.random.Generator
+    ) -> None:
+        """Take p, r, 1-h and 1-k; two numbers of the stream are for each message, whatever they come to."""
+        self.to_bad, self.to_good = to_bad, to_good
+        self.lost_in_bad, self.lost_in_good = lost_in_bad, lost_in_good
+        self.bad = False
+        self._pairs = Draws(rng, _pairs)
 
     def __call__(self) -> bool:
         """Say whether the next message is lost."""
-        random = self.rng.random
-        changes, fate = random(), random()
+        change, fate = self._pairs()
         if self.bad:
-            self.bad = changes >= self.to_good
-        else:
-            self.bad = changes < self.to_bad
-        return fate < (self.lost_in_bad if self.bad else self.lost_in_good)
+            self.bad = change >= self.to_good
+            return fate < self.lost_in_bad
+        self.bad = change < self.to_bad
+        return fate < self.lost_in_good
+
+    def state(self) -> dict[str, Any]:
+        """Return what becomes of the next message depends on, as plain data."""
+        return {"bad": self.bad, **self._pairs.state()}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on where `state` was taken."""
+        self.bad = state["bad"]
+        self._pairs.restore(state)
+
+
+def _pairs(rng: np.random.Generator, count: int) -> list[tuple[float, float]]:
+    numbers: list[float] = rng.random(2 * count).tolist()
+    return list(zip(numbers[::2], numbers[1::2], strict=True))
