@@ -14,6 +14,7 @@ from pydantic import AfterValidator, Field, Strict, ValidationInfo, field_valida
 
 from waypointctl.mission.checks import expected_within, file_name, jitter_within, line_of_text, names_differ
 from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.operator import Commanding, OperatorScript
 from waypointctl.mission.quantity import Quantity
 
 DAY_S: Final = 86_400.0
@@ -112,9 +113,13 @@ class Mission(FileModel):
         description="the policy bundle's folder, relative to the mission file"
     )
     start: Start = Start()
-    autonomy: Literal["mission", "waypoint"] = Field(
-        "mission", description="mission: the whole plan is sent at once; waypoint: each when the last was heard of"
+    autonomy: Literal["mission", "waypoint", "heading", "joint"] = Field(
+        "mission",
+        description="mission: the whole plan is sent at once; waypoint: each when the last was heard of; "
+        "heading: short-range goals from the pose last heard of; joint: every action, from the state last heard of",
     )
+    operator: OperatorScript = OperatorScript()
+    commands: Commanding = Commanding()
     defaults: Defaults = Defaults()
     waypoints: Annotated[tuple[Waypoint, ...], Field(min_length=1, max_length=1000), AfterValidator(names_differ)] = (
         Field(description="in the order in which they are to be reached")

@@ -1,0 +1,1 @@
+"""The ground: who decides what is sent, and what becomes of it until the robot has answered."""

@@ -1,0 +1,107 @@
+"""The operator on the ground: a script that decides from belief alone, and thinks before it sends."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Final
+
+from waypointctl.log.messages import FINAL_STAGES, Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.belief import Belief
+from waypointctl.ops.ground.agenda import Agenda
+from waypointctl.ops.ground.order import Order
+from waypointctl.units import ns
+
+CARROT: Final = -1  # index of a place that is none of the mission's waypoints
+
+
+class Operator(ABC):
+    """One who commands the robot. It hears only what the downlink brings, when it brings it.
+
+    Each method is told the time and returns what to send at that time. What is sent gets its id from `issued`.
+
+    Attributes:
+        belief: what it knows.
+        finished: whether it has ended the mission.
+        verdict: why, where that is a failure.
+    """
+
+    def __init__(self, mission: Mission) -> None:
+        """Take charge of a mission."""
+        self.belief = Belief()
+        self.finished = False
+        self.verdict = ""
+        self._plan = planned_waypoints(mission)
+        self._think_ns = ns(mission.operator.think_s)
+        self._agenda: Agenda[Order] = Agenda()
+        self._newest: dict[CommandKind, int] = {}  # the newest command of each kind
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When it wants to act next, if nothing arrives before [ns]; None for never."""
+        return self._agenda.next_ns
+
+    @abstractmethod
+    def begin(self) -> list[Order]:
+        """Return what to send at mission start; the plan was thought about before it."""
+
+    def issued(self, command_id: int, order: Order) -> None:
+        """Learn the id of an order that has been sent."""
+        self._newest[order.kind] = command_id
+
+    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+        """Take what has arrived; return what to send on hearing it."""
+        self.belief.hear(message)
+        if isinstance(message, Ack) and message.stage in FINAL_STAGES:
+            return self._concluded(now_ns, message)
+        return []
+
+    def wake(self, now_ns: int) -> list[Order]:
+        """Return what to send now."""
+        return self._agenda.due(now_ns)
+
+    def unanswered(self, now_ns: int, command_id: int) -> list[Order]:
+        """Decide what follows a command that was sent often enough and never acknowledged."""
+        return self._finish("no acknowledgement")
+
+    def state(self) -> dict[str, object]:
+        """Return what it will do next depends on, beside its belief, as plain data."""
+        return {"finished": self.finished, "agenda": [[at_ns, order.words] for at_ns, order in self._agenda.entries()]}
+
+    @abstractmethod
+    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+        """Decide what follows the end of a command."""
+
+    def _after_thought(self, now_ns: int, order: Order) -> list[Order]:
+        """Send an order once it has been thought about."""
+        if not self._think_ns:
+            return [order]
+        self._agenda.note(now_ns + self._think_ns, order)
+        return []
+
+    def _finish(self, verdict: str = "") -> list[Order]:
+        self.finished, self.verdict = True, verdict
+        self._agenda.clear()
+        return []
+
+
+def ended_by_robot(ack: Ack) -> str:
+    """Return why a command that did not complete ended, in a word or two."""
+    return ack.reason or ("" if ack.stage is Stage.COMPLETED else ack.stage.value)
+
+
+def planned_waypoints(mission: Mission) -> tuple[PlannedWaypoint, ...]:
+    """Return the mission's waypoints as they are commanded."""
+    return tuple(
+        PlannedWaypoint(
+            index=leg.index,
+            name=leg.name,
+            x_m=leg.x_m,
+            y_m=leg.y_m,
+            acceptance=leg.acceptance,
+            tolerance_m=leg.tolerance_m,
+            timeout_ns=ns(leg.timeout_s),
+            hold_ns=ns(leg.hold_s),
+        )
+        for leg in mission.legs()
+    )

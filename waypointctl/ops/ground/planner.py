@@ -1,0 +1,53 @@
+"""Operators who leave the walking to the robot: the whole plan at once, or one waypoint after the other."""
+
+from __future__ import annotations
+
+from waypointctl.log.messages import Ack, CommandKind, Stage
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.executive import TIMEOUT
+from waypointctl.ops.ground.operator import Operator, ended_by_robot
+from waypointctl.ops.ground.order import Order
+
+
+class MissionOperator(Operator):
+    """Sends the whole plan once and waits: autonomy `mission`."""
+
+    def __init__(self, mission: Mission) -> None:
+        """Take charge of a mission."""
+        super().__init__(mission)
+        self._on_failure: str = mission.on_failure
+
+    def begin(self) -> list[Order]:
+        """Send the plan."""
+        return [Order(CommandKind.UPLOAD_PLAN, self._plan, self._on_failure)]
+
+    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+        return self._finish(ended_by_robot(ack)) if ack.command_id == self._newest[CommandKind.UPLOAD_PLAN] else []
+
+
+class WaypointOperator(Operator):
+    """Sends one waypoint, waits to hear how it went, thinks, sends the next: autonomy `waypoint`, move and wait."""
+
+    def __init__(self, mission: Mission) -> None:
+        """Take charge of a mission."""
+        super().__init__(mission)
+        self._on_failure: str = mission.on_failure
+        self._sent = 0
+
+    def begin(self) -> list[Order]:
+        """Send the first waypoint."""
+        return [self._next()]
+
+    def _next(self) -> Order:
+        waypoint = self._plan[self._sent]
+        self._sent += 1
+        # What follows a failure is the operator's to decide here: on board the command just fails.
+        return Order(CommandKind.GO_TO, (waypoint,))
+
+    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+        if ack.command_id != self._newest[CommandKind.GO_TO]:
+            return []
+        timed_out = ack.stage is Stage.FAILED and ack.reason == TIMEOUT
+        if ack.stage is not Stage.COMPLETED and not (timed_out and self._on_failure == "skip"):
+            return self._finish(ended_by_robot(ack))
+        return self._after_thought(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()

@@ -1,0 +1,107 @@
+"""The operator who leads the robot by a short-range goal, a carrot, from the pose it believes: autonomy `heading`.
+
+The carrot lies `carrot` metres from the believed pose towards the current waypoint; nearer than that the waypoint
+itself is sent. Under `move_and_wait` the next one is sent when the last was heard to be over, after a thought. Under
+`continuous` one is sent at each period, in place of the one before, from a pose that is as old as the link makes it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from waypointctl.log.messages import Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.executive import FALL, TIMEOUT
+from waypointctl.ops.ground.operator import CARROT, Operator, ended_by_robot
+from waypointctl.ops.ground.order import Order
+from waypointctl.units import NS_PER_S
+
+
+class HeadingOperator(Operator):
+    """Steers."""
+
+    def __init__(self, mission: Mission) -> None:
+        """Take charge of a mission."""
+        super().__init__(mission)
+        script = mission.operator
+        self._skips = mission.on_failure == "skip"
+        self._continuous = script.steering == "continuous"
+        self._carrot_m = script.carrot_m
+        self._period_ns = round(NS_PER_S / script.update_rate_hz)
+        self._start = mission.start.position_m
+        self._leg = 0
+        self._leg_since_ns = 0
+        self._beat_ns: int | None = 0  # when the next carrot is due under `continuous`
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When it wants to act next, if nothing arrives before [ns]."""
+        times = [time for time in (self._agenda.next_ns, self._beat_ns) if time is not None]
+        return None if self.finished else min(times, default=None)
+
+    def begin(self) -> list[Order]:
+        """Send the first carrot."""
+        self._beat_ns = self._period_ns if self._continuous else None
+        return [self._carrot()]
+
+    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+        """Take what has arrived; steering continuously, the next leg begins when the robot reports the waypoint."""
+        orders = super().hear(now_ns, message)
+        if self._continuous and not self.finished and self._leg_is_over():
+            return orders + self._next_leg(now_ns)
+        return orders
+
+    def wake(self, now_ns: int) -> list[Order]:
+        """Send what is due: thought about, or the period's carrot."""
+        orders = self._agenda.due(now_ns)
+        if self._beat_ns is None or self._beat_ns > now_ns:
+            return orders
+        self._beat_ns += self._period_ns
+        if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns:
+            return orders + self._give_up_leg(now_ns)
+        return orders + self._after_thought(now_ns, self._carrot())
+
+    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+        if ack.reason == FALL:
+            return self._finish(FALL)
+        if self._continuous or ack.command_id != self._newest[CommandKind.GO_TO] or self.finished:
+            return []
+        if ack.stage is Stage.COMPLETED:
+            if self._leg_is_over():
+                return self._next_leg(now_ns)
+            if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns:
+                return self._give_up_leg(now_ns)
+            return self._after_thought(now_ns, self._carrot())
+        timed_out = ack.stage is Stage.FAILED and ack.reason == TIMEOUT
+        return self._give_up_leg(now_ns) if timed_out else self._finish(ended_by_robot(ack))
+
+    def _leg_is_over(self) -> bool:
+        return self._plan[self._leg].index in self.belief.reached
+
+    def _give_up_leg(self, now_ns: int) -> list[Order]:
+        return self._next_leg(now_ns) if self._skips else self._finish(TIMEOUT)
+
+    def _next_leg(self, now_ns: int) -> list[Order]:
+        if self._leg + 1 == len(self._plan):
+            return self._finish()
+        self._leg, self._leg_since_ns = self._leg + 1, now_ns
+        return [] if self._continuous else self._after_thought(now_ns, self._carrot())
+
+    def _carrot(self) -> Order:
+        waypoint, frame = self._plan[self._leg], self.belief.telemetry
+        x_m, y_m = self._start if frame is None else (frame.x_m, frame.y_m)
+        distance_m = math.dist((x_m, y_m), (waypoint.x_m, waypoint.y_m))
+        if distance_m <= self._carrot_m:
+            return Order(CommandKind.GO_TO, (waypoint,))
+        part = self._carrot_m / distance_m
+        place = PlannedWaypoint(
+            index=CARROT,
+            name=f"towards {waypoint.name}",
+            x_m=x_m + part * (waypoint.x_m - x_m),
+            y_m=y_m + part * (waypoint.y_m - y_m),
+            acceptance=waypoint.acceptance,
+            tolerance_m=waypoint.tolerance_m,
+            timeout_ns=waypoint.timeout_ns,
+            hold_ns=0,
+        )
+        return Order(CommandKind.GO_TO, (place,))
