@@ -68,7 +68,9 @@ def reward(data: bytes) -> Reward:
 
 
 def _waypoint(it: pb.PlannedWaypoint) -> PlannedWaypoint:
-    return PlannedWaypoint(it.index, it.name, it.x_m, it.y_m, it.acceptance, it.tolerance_m, it.timeout_ns, it.hold_ns)
+    return PlannedWaypoint(
+        it.index, it.name, it.x_m, it.y_m, it.acceptance, it.tolerance_m, it.timeout_ns, it.hold_ns, it.task
+    )
 
 
 def command(data: bytes) -> Command:

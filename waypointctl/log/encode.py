@@ -25,6 +25,7 @@ def _waypoint(waypoint: PlannedWaypoint) -> pb.PlannedWaypoint:
         tolerance_m=waypoint.tolerance_m,
         timeout_ns=waypoint.timeout_ns,
         hold_ns=waypoint.hold_ns,
+        task=waypoint.task,
     )
 
 

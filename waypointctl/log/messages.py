@@ -111,6 +111,19 @@ class EventKind(StrEnum):
     HOLD_COMPLETED = "hold_completed"  # robot
     WAYPOINT_TIMEOUT = "waypoint_timeout"  # robot
     WAYPOINT_SKIPPED = "waypoint_skipped"  # robot
+    WAYPOINT_STUCK = "waypoint_stuck"  # robot: it gets no closer
+    LEG_RETRIED = "leg_retried"  # robot: the leg's time begins again
+    RELEASE_AWAITED = "release_awaited"  # robot: the next waypoint is not released
+    OBSERVATION_STARTED = "observation_started"  # robot
+    OBSERVATION_TAKEN = "observation_taken"  # robot; the State of the same time follows: a picture is made from it
+    WALK_PAUSED = "walk_paused"  # robot
+    WALK_RESUMED = "walk_resumed"  # robot
+    WALK_SECURED = "walk_secured"  # robot: it stands because a rule on board says so
+    RETURN_STARTED = "return_started"  # robot
+    HOME_REACHED = "home_reached"  # robot
+    GEOFENCE_BREACHED = "geofence_breached"  # robot
+    LINK_LOST = "link_lost"  # robot: nothing has arrived for too long
+    LINK_RESTORED = "link_restored"  # robot
     FALL = "fall"  # robot
     PLAN_COMPLETED = "plan_completed"  # robot
     PLAN_FAILED = "plan_failed"  # robot
@@ -170,6 +183,7 @@ class PlannedWaypoint:
     tolerance_m: float  # half the box's side, or the radius
     timeout_ns: int  # from the start of the leg
     hold_ns: int
+    task: str = ""  # what to do there after the hold: nothing, or "observe"
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +193,7 @@ class Command:
     id: int
     kind: CommandKind
     waypoints: tuple[PlannedWaypoint, ...]
-    on_failure: str  # "abort" or "skip"
+    on_failure: str  # "abort", "skip", "hold" or "return_home"; empty for the robot's own rule
     issued_ns: int  # by the operator
     received_ns: int  # by the robot
     attempt: int = 1  # which sending of this id it is

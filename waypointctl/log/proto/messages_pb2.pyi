@@ -204,6 +204,7 @@ class PlannedWaypoint(_message.Message):
     TOLERANCE_M_FIELD_NUMBER: _builtins.int
     TIMEOUT_NS_FIELD_NUMBER: _builtins.int
     HOLD_NS_FIELD_NUMBER: _builtins.int
+    TASK_FIELD_NUMBER: _builtins.int
     index: _builtins.int
     """its place in the mission, from 0"""
     name: _builtins.str
@@ -216,6 +217,8 @@ class PlannedWaypoint(_message.Message):
     timeout_ns: _builtins.int
     """from the start of the leg"""
     hold_ns: _builtins.int
+    task: _builtins.str
+    """what to do there after the hold: "" or "observe" """
     def __init__(
         self,
         *,
@@ -227,10 +230,11 @@ class PlannedWaypoint(_message.Message):
         tolerance_m: _builtins.float = ...,
         timeout_ns: _builtins.int = ...,
         hold_ns: _builtins.int = ...,
+        task: _builtins.str = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["acceptance", b"acceptance", "hold_ns", b"hold_ns", "index", b"index", "name", b"name", "timeout_ns", b"timeout_ns", "tolerance_m", b"tolerance_m", "x_m", b"x_m", "y_m", b"y_m"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["acceptance", b"acceptance", "hold_ns", b"hold_ns", "index", b"index", "name", b"name", "task", b"task", "timeout_ns", b"timeout_ns", "tolerance_m", b"tolerance_m", "x_m", b"x_m", "y_m", b"y_m"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
@@ -259,7 +263,7 @@ class Command(_message.Message):
     kind: _builtins.str
     """"upload_plan", "go_to", "hold", ..."""
     on_failure: _builtins.str
-    """"abort" or "skip" """
+    """"abort", "skip", "hold" or "return_home"; "" for the robot's own rule"""
     issued_ns: _builtins.int
     """by the operator"""
     received_ns: _builtins.int
