@@ -12,10 +12,12 @@ from typing import Annotated, ClassVar, Final, Literal, TypeAlias
 
 from pydantic import AfterValidator, Field, Strict, ValidationInfo, field_validator
 
-from waypointctl.mission.checks import expected_within, file_name, jitter_within, line_of_text, names_differ
+from waypointctl.mission.checks import expected_within, file_name, line_of_text, names_differ
 from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.link import Link
 from waypointctl.mission.operator import Commanding, OperatorScript
 from waypointctl.mission.quantity import Quantity
+from waypointctl.mission.schedule import ScheduledCommand
 
 DAY_S: Final = 86_400.0
 
@@ -26,7 +28,6 @@ Acceptance: TypeAlias = Literal["box", "radius"]
 Tolerance: TypeAlias = Annotated[float, Quantity("m", gt=0, le=100)]
 Timeout: TypeAlias = Annotated[float, Quantity("s", gt=0, le=DAY_S)]
 Hold: TypeAlias = Annotated[float, Quantity("s", ge=0, le=DAY_S)]
-Delay: TypeAlias = Annotated[float, Quantity("s", ge=0, le=10 * DAY_S)]
 
 
 class Start(FileModel):
@@ -60,27 +61,6 @@ class Waypoint(FileModel):
     tolerance_m: Tolerance | None = Field(None, description="half the side of the box, or the radius")
     timeout_s: Timeout | None = Field(None, description="from the start of the leg until the waypoint must be reached")
     hold_s: Hold | None = Field(None, description="how long to stand at the waypoint")
-
-
-class Way(FileModel):
-    """One direction of the link."""
-
-    delay_s: Delay = Field(0.0, description="one-way delay")
-    jitter_s: Delay = Field(0.0, description="by how much a message's delay may differ from it; at most the delay")
-
-    @field_validator("jitter_s")
-    @classmethod
-    def _jitter_within_delay(cls, jitter_s: float, info: ValidationInfo) -> float:
-        return jitter_within(jitter_s, info.data.get("delay_s"))
-
-
-class Link(FileModel):
-    """What is between the operator and the robot. A delay and a jitter written here are those of both ways."""
-
-    keys_for_each: ClassVar[tuple[str, ...]] = ("up", "down")
-
-    up: Way = Field(Way(), description="commands, from the operator to the robot")
-    down: Way = Field(Way(), description="telemetry and acknowledgements, from the robot to the operator")
 
 
 class TelemetryRate(FileModel):
@@ -120,6 +100,9 @@ class Mission(FileModel):
     )
     operator: OperatorScript = OperatorScript()
     commands: Commanding = Commanding()
+    schedule: Annotated[tuple[ScheduledCommand, ...], Field(max_length=1000)] = Field(
+        (), description="commands sent at given times"
+    )
     defaults: Defaults = Defaults()
     waypoints: Annotated[tuple[Waypoint, ...], Field(min_length=1, max_length=1000), AfterValidator(names_differ)] = (
         Field(description="in the order in which they are to be reached")

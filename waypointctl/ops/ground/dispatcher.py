@@ -92,6 +92,11 @@ class Dispatcher:
         times = [sent.answer_by_ns for sent in self._open.values() if sent.answer_by_ns is not None]
         return min([*times, *(entry[0] for entry in self._agenda[:1])], default=None)
 
+    @property
+    def awaits(self) -> bool:
+        """Whether a command is under way of whose end it will still hear, or which it will give up."""
+        return self.insistence.acknowledged and bool(self._open)
+
     def issue(self, now_ns: int, order: Order) -> int:
         """Send an order; return the id that it has from now on."""
         self._issued += 1

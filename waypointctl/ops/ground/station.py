@@ -1,0 +1,78 @@
+"""The ground as a whole: who decides, what was decided before the flight, and what carries it to the link."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from waypointctl.log.messages import Ack, Telemetry
+from waypointctl.ops.belief import Belief
+from waypointctl.ops.executive import FALL
+from waypointctl.ops.ground.agenda import Agenda
+from waypointctl.ops.ground.dispatcher import Dispatcher
+from waypointctl.ops.ground.operator import Operator
+from waypointctl.ops.ground.order import Order
+
+
+class Station:
+    """The operator, the schedule and the dispatcher, in the order of their times."""
+
+    def __init__(self, operator: Operator, schedule: Agenda[Order], dispatcher: Dispatcher) -> None:
+        """Put the ground together."""
+        self.operator = operator
+        self.dispatcher = dispatcher
+        self._schedule = schedule
+
+    @property
+    def belief(self) -> Belief:
+        """What the ground knows of the robot."""
+        return self.operator.belief
+
+    @property
+    def verdict(self) -> str:
+        """Why the operator ended the mission, where that is a failure."""
+        return self.operator.verdict
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing is left to send or to hear of; after a fall nothing is."""
+        if not self.operator.finished:
+            return False
+        return self.verdict == FALL or (self._schedule.next_ns is None and not self.dispatcher.awaits)
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When the ground wants to act next, if nothing arrives before [ns]; None for never."""
+        times = (self._schedule.next_ns, self.operator.wake_ns, self.dispatcher.wake_ns)
+        return min((time for time in times if time is not None), default=None)
+
+    def begin(self) -> None:
+        """Send what is sent at mission start."""
+        self.issue(0, self.operator.begin())
+
+    def hear(self, now_ns: int, message: Ack | Telemetry) -> None:
+        """Take what has arrived, and do what follows from it."""
+        self.dispatcher.hear(now_ns, message)
+        self.issue(now_ns, self.operator.hear(now_ns, message))
+
+    def wake(self, now_ns: int) -> None:
+        """Do what is due now."""
+        self.issue(now_ns, self._schedule.due(now_ns))
+        self.issue(now_ns, [] if self.operator.finished else self.operator.wake(now_ns))
+        for command_id in self.dispatcher.wake(now_ns):
+            if not self.operator.finished:
+                self.issue(now_ns, self.operator.unanswered(now_ns, command_id))
+
+    def issue(self, now_ns: int, orders: Iterable[Order]) -> None:
+        """Send orders."""
+        for order in orders:
+            command_id = self.dispatcher.issue(now_ns, order)
+            self.operator.issued(command_id, order)
+
+    def state(self) -> dict[str, object]:
+        """Return what the ground does next depends on, as plain data."""
+        scheduled = [[at_ns, order.words] for at_ns, order in self._schedule.entries()]
+        return {
+            "operator": self.operator.state(),
+            "commands": dict(self.dispatcher.state()),
+            "scheduled": scheduled,
+        }
