@@ -22,6 +22,7 @@ from waypointctl.log.messages import (
     Event,
     EventKind,
     FloatArray,
+    GroundControl,
     Mode,
     Observation,
     PlannedWaypoint,
@@ -33,7 +34,7 @@ from waypointctl.log.messages import (
 )
 from waypointctl.log.proto import messages_pb2 as pb
 
-_SOURCES: Final = ("policy", "stance", "off")  # who had the motors
+_SOURCES: Final = ("policy", "ground", "stance", "off")  # who had the motors
 
 
 def _array(values: Sequence[float]) -> FloatArray:
@@ -121,6 +122,12 @@ def telemetry(data: bytes) -> Telemetry:
         issued_ns=it.issued_ns,
         received_ns=it.received_ns,
     )
+
+
+def ground_control(data: bytes) -> GroundControl:
+    """Decode a GroundControl."""
+    it = pb.GroundControl.FromString(data)
+    return GroundControl(it.time_ns, it.step, it.issued_ns, _array(it.observation), _array(it.commanded))
 
 
 def event(data: bytes) -> Event:

@@ -8,6 +8,7 @@ from waypointctl.log.messages import (
     Command,
     CommandStage,
     Event,
+    GroundControl,
     PlannedWaypoint,
     Telemetry,
 )
@@ -87,6 +88,17 @@ def telemetry(message: Telemetry) -> bytes:
         issued_ns=message.issued_ns,
         received_ns=message.received_ns,
         delay_s=seconds(message.received_ns - message.issued_ns),
+    ).SerializeToString()
+
+
+def ground_control(message: GroundControl) -> bytes:
+    """Encode a GroundControl."""
+    return pb.GroundControl(
+        time_ns=message.time_ns,
+        step=message.step,
+        issued_ns=message.issued_ns,
+        observation=message.observation.tolist(),
+        commanded=message.commanded.tolist(),
     ).SerializeToString()
 
 

@@ -156,7 +156,7 @@ class Action:
 
     time_ns: int
     step: int
-    source: str  # "policy" or "stance" (the robot's own standing controller) or "off" (fallen)
+    source: str  # "policy", "ground" or "stance" (the robot's own standing controller) or "off" (fallen)
     commanded: FloatArray  # (nu,) as the source gave it
     applied: FloatArray  # (nu,) after clipping: what the motors did
 
@@ -245,6 +245,17 @@ class Telemetry:
 
 
 @dataclass(frozen=True, slots=True)
+class GroundControl:
+    """An action that was computed on the ground, from a state that has arrived there: autonomy `joint`."""
+
+    time_ns: int  # on the operator's clock, when it was computed and sent
+    step: int  # the control step whose state it was computed from
+    issued_ns: int  # when the robot was in that state
+    observation: FloatArray  # (k,) in the layout named in the log's metadata
+    commanded: FloatArray  # (nu,) as a fraction of the motors' full torque
+
+
+@dataclass(frozen=True, slots=True)
 class Event:
     """Something that happened, on the robot's clock or on the operator's."""
 
@@ -269,5 +280,15 @@ class Checkpoint:
 
 
 Message: TypeAlias = (
-    State | Observation | Action | Reward | Command | CommandStage | Ack | Telemetry | Event | Checkpoint
+    State
+    | Observation
+    | Action
+    | Reward
+    | Command
+    | CommandStage
+    | Ack
+    | Telemetry
+    | GroundControl
+    | Event
+    | Checkpoint
 )

@@ -19,6 +19,7 @@ from waypointctl.log.messages import (
     Command,
     CommandStage,
     Event,
+    GroundControl,
     Message,
     Observation,
     Reward,
@@ -40,7 +41,9 @@ class Topic:
     times_ns: Callable[[Any], tuple[int, int]]  # (log_time, publish_time)
 
 
-def _instant(message: State | Observation | Action | Reward | CommandStage | Event | Checkpoint) -> tuple[int, int]:
+def _instant(
+    message: State | Observation | Action | Reward | CommandStage | GroundControl | Event | Checkpoint,
+) -> tuple[int, int]:
     return message.time_ns, message.time_ns
 
 
@@ -57,6 +60,7 @@ TOPICS: Final = (
     Topic("/command_stage", CommandStage, pb.CommandStage, encode.command_stage, decode.command_stage, _instant),
     Topic("/ack", Ack, pb.Ack, encode.ack, decode.ack, _link),
     Topic("/telemetry", Telemetry, pb.Telemetry, encode.telemetry, decode.telemetry, _link),
+    Topic("/ground_control", GroundControl, pb.GroundControl, encode.ground_control, decode.ground_control, _instant),
     Topic("/event", Event, pb.Event, encode.event, decode.event, _instant),
     Topic("/checkpoint", Checkpoint, pb.Checkpoint, encode.checkpoint, decode.checkpoint, _instant),
 )

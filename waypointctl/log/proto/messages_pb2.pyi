@@ -112,7 +112,7 @@ class Action(_message.Message):
     time_ns: _builtins.int
     step: _builtins.int
     source: _builtins.str
-    """"policy", "stance" or "off" """
+    """"policy", "ground", "stance" or "off" """
     @_builtins.property
     def commanded(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
         """(nu,) as the source gave it"""
@@ -449,6 +449,48 @@ class Telemetry(_message.Message):
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___Telemetry: _TypeAlias = Telemetry  # noqa: Y015
+
+@_typing.final
+class GroundControl(_message.Message):
+    """An action that was computed on the ground, from a state that has arrived there."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    TIME_NS_FIELD_NUMBER: _builtins.int
+    STEP_FIELD_NUMBER: _builtins.int
+    ISSUED_NS_FIELD_NUMBER: _builtins.int
+    OBSERVATION_FIELD_NUMBER: _builtins.int
+    COMMANDED_FIELD_NUMBER: _builtins.int
+    time_ns: _builtins.int
+    """on the operator's clock"""
+    step: _builtins.int
+    """the control step whose state it was computed from"""
+    issued_ns: _builtins.int
+    """when the robot was in that state"""
+    @_builtins.property
+    def observation(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """(k,) in the layout named in the log's metadata"""
+
+    @_builtins.property
+    def commanded(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
+        """(nu,) as a fraction of the motors' full torque"""
+
+    def __init__(
+        self,
+        *,
+        time_ns: _builtins.int = ...,
+        step: _builtins.int = ...,
+        issued_ns: _builtins.int = ...,
+        observation: _abc.Iterable[_builtins.float] | None = ...,
+        commanded: _abc.Iterable[_builtins.float] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["commanded", b"commanded", "issued_ns", b"issued_ns", "observation", b"observation", "step", b"step", "time_ns", b"time_ns"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___GroundControl: _TypeAlias = GroundControl  # noqa: Y015
 
 @_typing.final
 class Event(_message.Message):
