@@ -41,6 +41,11 @@ class Operator(ABC):
         """When it wants to act next, if nothing arrives before [ns]; None for never."""
         return self._agenda.next_ns
 
+    @property
+    def reached(self) -> tuple[int, ...]:
+        """The waypoints that it knows to be reached: their indices in the mission."""
+        return self.belief.reached
+
     @abstractmethod
     def begin(self) -> list[Order]:
         """Return what to send at mission start; the plan was thought about before it."""

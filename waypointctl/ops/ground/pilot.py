@@ -1,0 +1,147 @@
+"""The operator who does everything: the policy sits on the ground and sends every action: autonomy `joint`.
+
+The robot reports its body's state at each control step. Each state that arrives is answered with an action computed
+from it, which is one round trip old when the motors get it. Without delay that is the flight of a policy on board,
+bit for bit; with delay it is a robot balanced from afar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.log.messages import (
+    Ack,
+    Clock,
+    CommandKind,
+    Event,
+    EventKind,
+    GroundControl,
+    Mode,
+    Severity,
+    Telemetry,
+)
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.executive import FALL, TIMEOUT
+from waypointctl.ops.ground.operator import Operator
+from waypointctl.ops.ground.order import Order
+from waypointctl.policy.protocol import Policy
+from waypointctl.task.acceptance import Acceptance, reached
+from waypointctl.task.body import body_of
+from waypointctl.task.observation import Goals, layout
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class BodyFrame:
+    """The state of the robot's body at a control step, on its way down."""
+
+    step: int
+    qpos: FloatArray  # (nq,) [m, quaternion w x y z, rad]
+    qvel: FloatArray  # (nv,) [m/s, rad/s]
+    issued_ns: int
+    received_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class ControlFrame:
+    """An action, on its way up."""
+
+    step: int  # whose state it was computed from
+    values: FloatArray  # (nu,) as a fraction of the motors' full torque
+    issued_ns: int
+    received_ns: int
+
+
+class Pilot(Operator):
+    """Walks the robot from the ground."""
+
+    def __init__(self, mission: Mission, policy: Policy, noise: FloatArray, announce: Callable[[Event], None]) -> None:
+        """Take charge of a mission. noise: (4,) for layouts that have some; `announce` takes what it decides."""
+        super().__init__(mission)
+        self._policy = policy
+        self._layout = layout(policy.observation_layout)
+        self._noise = noise[np.newaxis]
+        self._announce = announce
+        self._skips = mission.on_failure == "skip"
+        self._reached: list[int] = []
+        self._leg = 0
+        self._since_ns = 0  # on the robot's clock, as its frames tell it
+        self._rests_until_ns = -1  # on the robot's clock
+        self._goals = self._goals_of(0)
+
+    @property
+    def reached(self) -> tuple[int, ...]:
+        """The waypoints that it has seen the robot reach."""
+        return tuple(self._reached)
+
+    def begin(self) -> list[Order]:
+        """Send nothing: the first state is answered."""
+        return []
+
+    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+        """Take what has arrived; a fall ends it."""
+        orders = super().hear(now_ns, message)
+        if isinstance(message, Telemetry) and message.mode is Mode.FALLEN and not self.finished:
+            return self._finish(FALL)
+        return orders
+
+    def see(self, now_ns: int, frame: BodyFrame) -> tuple[GroundControl | None, list[Order]]:
+        """Take a state that has arrived; return the action that answers it, and what else to send."""
+        if self.finished or frame.issued_ns < self._rests_until_ns:
+            return None, []
+        orders = self._judge(now_ns, frame)
+        if self.finished or frame.issued_ns < self._rests_until_ns:
+            return None, orders
+        body = body_of(frame.qpos[np.newaxis], frame.qvel[np.newaxis])
+        observation = self._layout.observe(body, Goals(self._goals, self._noise))
+        action = self._policy.act(observation)
+        return GroundControl(now_ns, frame.step, frame.issued_ns, observation[0], action[0]), orders
+
+    def state(self) -> dict[str, object]:
+        """Return what it will do next depends on, as plain data."""
+        return super().state() | {"leg": self._leg, "since_ns": self._since_ns, "rests_until_ns": self._rests_until_ns}
+
+    def _judge(self, now_ns: int, frame: BodyFrame) -> list[Order]:
+        """See whether the leg is over. It is judged after its first control period, as on board."""
+        waypoint = self._plan[self._leg]
+        if frame.issued_ns <= self._since_ns:
+            return []
+        acceptance = Acceptance(waypoint.acceptance, waypoint.tolerance_m)
+        if reached(acceptance, frame.qpos[np.newaxis, :2], self._goals[:, 0])[0]:
+            self._reached.append(waypoint.index)
+            self._tell(now_ns, EventKind.WAYPOINT_REACHED, f"{waypoint.name} reached, as seen from the ground")
+            return self._next_leg(frame, waypoint.hold_ns)
+        if frame.issued_ns - self._since_ns < waypoint.timeout_ns:
+            return []
+        self._tell(now_ns, EventKind.WAYPOINT_TIMEOUT, f"{waypoint.name} not reached in time", Severity.WARNING)
+        if self._skips:
+            return self._next_leg(frame, 0)
+        return [Order(CommandKind.HOLD), *self._finish(TIMEOUT)]
+
+    def _next_leg(self, frame: BodyFrame, hold_ns: int) -> list[Order]:
+        orders = []
+        if hold_ns or self._leg + 1 == len(self._plan):
+            orders = [Order(CommandKind.HOLD)]
+        if self._leg + 1 == len(self._plan):
+            return orders + self._finish()
+        self._leg += 1
+        self._goals = self._goals_of(self._leg)
+        self._rests_until_ns = frame.issued_ns + hold_ns if hold_ns else -1
+        self._since_ns = max(frame.issued_ns, self._rests_until_ns)
+        return orders
+
+    def _goals_of(self, leg: int) -> FloatArray:
+        """Return this leg's waypoint and the next, (1, 2, 2) [m]."""
+        two = self._plan[leg], self._plan[min(leg + 1, len(self._plan) - 1)]
+        return np.array([[[waypoint.x_m, waypoint.y_m] for waypoint in two]])
+
+    def _tell(self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO) -> None:
+        self._announce(Event(now_ns, kind, Clock.OPERATOR, severity, text, self._plan[self._leg].index))
+
+    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+        return self._finish(FALL) if ack.reason == FALL and not self.finished else []
