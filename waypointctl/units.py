@@ -1,4 +1,4 @@
-"""Durations, distances and angles with their units, and simulation time in nanoseconds."""
+"""Durations, distances, angles, rates and sizes with their units, and simulation time in nanoseconds."""
 
 from __future__ import annotations
 
@@ -15,19 +15,24 @@ DISTANCE_UNITS_M: Final = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3}
 ANGLE_UNITS_DEG: Final = {"deg": 1.0, "rad": 180.0 / math.pi}
 ANGLE_UNITS_RAD: Final = {"rad": 1.0, "deg": math.pi / 180.0}
 FREQUENCY_UNITS_HZ: Final = {"mHz": 1e-3, "Hz": 1.0, "kHz": 1e3}
+RATE_UNITS_BPS: Final = {"bit/s": 1.0, "kbit/s": 1e3, "Mbit/s": 1e6, "Gbit/s": 1e9}
+SIZE_UNITS_BYTES: Final = {"B": 1.0, "kB": 1e3, "KiB": 1024.0, "MB": 1e6, "MiB": 1024.0**2}
+SHARE_UNITS: Final = {"%": 1e-2}
 
-# A name that ends in one of these carries its unit: timeout_s, tolerance_m, heading_deg, spread_rad, rate_hz.
+# A name that ends in one of these carries its unit: timeout_s, tolerance_m, heading_deg, rate_hz, queue_bytes.
 UNITS_BY_SUFFIX: Final[Mapping[str, Mapping[str, float]]] = {
     "s": DURATION_UNITS_S,
     "m": DISTANCE_UNITS_M,
     "deg": ANGLE_UNITS_DEG,
     "rad": ANGLE_UNITS_RAD,
     "hz": FREQUENCY_UNITS_HZ,
+    "bps": RATE_UNITS_BPS,
+    "bytes": SIZE_UNITS_BYTES,
 }
 
 NUMBER_PATTERN: Final = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 
-_QUANTITY: Final = re.compile(rf"\s*({NUMBER_PATTERN})\s*([A-Za-z]+)\s*")
+_QUANTITY: Final = re.compile(rf"\s*({NUMBER_PATTERN})\s*([A-Za-z/%]+)\s*")
 
 
 def quantity(text: str, units: Mapping[str, float]) -> float:

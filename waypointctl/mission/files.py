@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from waypointctl.errors import MissionError
 from waypointctl.mission.mission import Mission
-from waypointctl.mission.yaml_source import read_model, read_source
+from waypointctl.mission.references import among, beside, examine_mission
+from waypointctl.mission.yaml_source import Reading, as_error, read_source
 from waypointctl.mission.yaml_tree import read_tree
 
 
@@ -20,6 +22,11 @@ class MissionFile:
     mission: Mission
     source: bytes
     path: Path
+
+    @property
+    def files(self) -> Mapping[str, bytes]:
+        """What stands in the files that the mission refers to, by their names in it."""
+        return self.mission.files
 
     @property
     def policy_path(self) -> Path:
@@ -34,22 +41,33 @@ class MissionFile:
 
 
 def load_mission(path: Path) -> MissionFile:
-    """Read a mission file.
+    """Read a mission file, and the files that it refers to.
 
     Raises:
-        MissionError: there is no such file, or it is not a mission.
+        MissionError: there is no such file, it is not a mission, or something is wrong with a file that it refers to.
     """
     source = read_source(path, MissionError)
-    return MissionFile(parse_mission(source, str(path)), source, path)
+    return MissionFile(_mission(examine_mission(source, str(path), beside(path))), source, path)
 
 
-def parse_mission(source: bytes, where: str) -> Mission:
-    """Read a mission from YAML text; `where` names it in messages.
+def parse_mission(source: bytes, where: str, files: Mapping[str, bytes] | None = None) -> Mission:
+    """Read a mission from YAML text.
+
+    Args:
+        source: the text.
+        where: names it in messages.
+        files: what stands in the files that it refers to, by their names in it.
 
     Raises:
         MissionError: it is not a mission; everything wrong with it is listed with line and column.
     """
-    return read_model(source, where, Mission, MissionError)
+    return _mission(examine_mission(source, where, among(files or {})))
+
+
+def _mission(reading: Reading[Mission]) -> Mission:
+    if reading.model is None:
+        raise as_error(reading.problems, MissionError)
+    return reading.model
 
 
 def dump_mission(mission: Mission) -> str:
@@ -59,7 +77,10 @@ def dump_mission(mission: Mission) -> str:
     stream = io.StringIO()
     yaml = YAML()
     yaml.width = 2**20  # never fold a text
-    yaml.dump(_for_yaml(mission.model_dump(exclude_defaults=True)), stream)
+    content = mission.model_dump(exclude_defaults=True)
+    if mission.link.preset is not None:
+        content["link"] = mission.link.model_dump()  # a value left out would be the preset's, not the default
+    yaml.dump(_for_yaml(content), stream)
     return stream.getvalue()
 
 

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from waypointctl.errors import InputError
 from waypointctl.mission.problems import Problem, duplicate_problems, problems_of
-from waypointctl.mission.yaml_tree import MAX_BYTES, YamlFault, read_tree
+from waypointctl.mission.yaml_tree import MAX_BYTES, Tree, YamlFault, read_tree
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -73,6 +73,11 @@ def examine(source: bytes, where: str, model: type[M]) -> Reading[M]:
     except YamlFault as fault:
         line, column = (fault.mark.line, fault.mark.column) if fault.mark else (0, 0)
         return Reading(None, (Problem(where, line, column, "", fault.text),))
+    return examine_tree(tree, where, model)
+
+
+def examine_tree(tree: Tree, where: str, model: type[M]) -> Reading[M]:
+    """Return the model that a file's data holds, or everything that is wrong with it in the order of the lines."""
     problems = duplicate_problems(tree, where)
     value = None
     try:

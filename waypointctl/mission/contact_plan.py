@@ -1,0 +1,234 @@
+"""Contact plans as ION's ionadmin reads them (ionrc(5)): when two nodes can talk, how fast, and how far apart they are.
+
+    a contact +0 +3600 1 2 100000     from, to [s], source node, destination node, [bytes/s]
+    a range   +0 +3600 1 2 1          from, to [s], one node, the other node, one-way light time [s]
+
+'+' counts from mission start, or from what an '@' line sets. A range from a lower node number to a higher one holds
+both ways, unless the opposite direction has ranges of its own. Commands that say nothing of contacts are passed over,
+so is what '## begin' and '## end' mark as another program's; those that would change the plan are refused.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from itertools import pairwise
+from typing import Final
+
+from waypointctl.mission.problems import Problem
+from waypointctl.mission.text_problems import TextReport, Word
+
+MOST: Final = 1e9  # [s] or [bytes/s]; thirty years, or a rate that no radio has
+BITS_PER_BYTE: Final = 8
+TIME_FORMAT: Final = "%Y/%m/%d-%H:%M:%S"
+
+_ABSOLUTE: Final = re.compile(r"[0-9]{4}/[0-9]{1,2}/[0-9]{1,2}-[0-9]{1,2}:[0-9]{1,2}:[0-9]{1,2}")
+_OTHER_PROGRAM: Final = re.compile(rb"^##\s*begin\s+(?!ionadmin\b)\S+.*?^##\s*end\b", re.MULTILINE | re.DOTALL)
+_CONTACT: Final = ("start time", "stop time", "source node", "destination node", "rate in bytes/s")
+_RANGE: Final = ("start time", "stop time", "one node", "other node", "light time in s")
+_REGISTRATION: Final = "-1"
+_MAX_DIGITS: Final = 18
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """From when to when [s] after mission start a contact or a range holds in one direction, and its value."""
+
+    begin_s: float
+    end_s: float
+    value: float  # of a contact its rate [bit/s], of a range the one-way light time [s]
+    at: Word = field(compare=False)  # where the file says so
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """What a plan says of one direction.
+
+    Attributes:
+        contacts: in order, none overlapping another.
+        ranges: the same; where the plan's light times are asked for they cover the contacts.
+    """
+
+    contacts: tuple[Span, ...]
+    ranges: tuple[Span, ...]
+
+
+def read_contact_plan(
+    source: bytes, where: str, way: tuple[int, int] | None, *, reference: str | None = None, needs_ranges: bool = True
+) -> tuple[Passage, tuple[Problem, ...]]:
+    """Return what a contact plan says of one direction, and everything that is wrong with it.
+
+    Args:
+        source: the plan's bytes.
+        where: its name, for the problems.
+        way: from which node to which; None only looks at each line.
+        reference: the moment of mission start, as yyyy/mm/dd-hh:mm:ss; without it absolute times are refused.
+        needs_ranges: whether each contact has to be within a range.
+    """
+    plan = _Plan(TextReport(where), _moment(reference) if reference else None)
+    for words in plan.report.lines(_without_other_programs(source)):
+        plan.take(words)
+    if way is None:
+        return Passage((), ()), tuple(plan.report.problems)
+    contacts = plan.ordered(plan.contacts.get(way, []), "contact")
+    ranges = plan.ordered(plan.ranges.get(way, plan.reverse_ranges(way)), "range")
+    if not plan.report.problems:
+        plan.check(way, contacts, ranges if needs_ranges else None)
+    return Passage(contacts, ranges), tuple(plan.report.problems)
+
+
+def is_moment(text: str) -> bool:
+    """Say whether a text is an absolute time in ION's terms."""
+    return _moment(text) is not None
+
+
+def _moment(text: str) -> datetime | None:
+    if not _ABSOLUTE.fullmatch(text):
+        return None
+    try:
+        return datetime.strptime(text, TIME_FORMAT).replace(tzinfo=UTC)
+    except ValueError:
+        return None
+
+
+def _without_other_programs(source: bytes) -> bytes:
+    """Return the source with the lines of other programs than ionadmin left empty."""
+    return _OTHER_PROGRAM.sub(lambda found: b"\n" * found.group().count(b"\n"), source)
+
+
+class _Plan:
+    """Fills up line by line."""
+
+    def __init__(self, report: TextReport, reference: datetime | None) -> None:
+        self.report = report
+        self.contacts: dict[tuple[int, int], list[Span]] = {}
+        self.ranges: dict[tuple[int, int], list[Span]] = {}
+        self._reference = reference
+        self._offset_s = 0.0  # of '+0', after mission start
+
+    def take(self, words: list[Word]) -> None:
+        """Read a line."""
+        command, *rest = words
+        if command.text == "@":
+            if len(rest) == 1:
+                self._offset_s = self._time(rest[0])
+            else:
+                self.report.add(command, "'@' wants a time")
+            return
+        kind = rest[0].text if rest else ""
+        if kind not in ("contact", "range") or command.text in ("i", "l"):
+            return
+        if command.text != "a":
+            problem = f"'{command.text} {kind}' would change the plan; write the plan as it is to be, with 'a {kind}'"
+            self.report.add(command, problem)
+        elif kind == "contact":
+            self._add_contact(command, rest[1:])
+        else:
+            self._add_range(command, rest[1:])
+
+    def ordered(self, spans: list[Span], kind: str) -> tuple[Span, ...]:
+        """Return spans in the order of time, and report those that overlap."""
+        spans = sorted(spans, key=lambda span: span.begin_s)
+        for before, after in pairwise(spans):
+            if after.begin_s < before.end_s:
+                self.report.add(after.at, f"this {kind} overlaps that of line {before.at.line}")
+        return tuple(spans)
+
+    def reverse_ranges(self, way: tuple[int, int]) -> list[Span]:
+        """Return the ranges that hold in this direction because the opposite one, of a lower node first, has them."""
+        source, destination = way
+        return self.ranges.get((destination, source), []) if source > destination else []
+
+    def check(self, way: tuple[int, int], contacts: tuple[Span, ...], ranges: tuple[Span, ...] | None) -> None:
+        """Report that there is no contact, or one without a range."""
+        source, destination = way
+        if not contacts:
+            known = ", ".join(f"from {a} to {b}" for a, b in sorted(self.contacts)) or "none at all"
+            self.report.add(None, f"has no contact from node {source} to node {destination}; its contacts are {known}")
+        for contact in contacts if ranges is not None else ():
+            gap_s = _gap(contact, ranges or ())
+            if gap_s is not None:
+                problem = f"there is no range from node {source} to node {destination} at +{gap_s:g} s of this contact"
+                self.report.add(contact.at, f"{problem}; add one, or give the link a delay in the mission")
+
+    def _add_contact(self, command: Word, words: list[Word]) -> None:
+        if words and words[0].text == _REGISTRATION:
+            return  # says that a node belongs to the plan, and nothing of when it can be talked to
+        confidence = words[len(_CONTACT) :][:1]
+        span = self._span(command, words[: len(_CONTACT)] + words[len(_CONTACT) + 1 :], _CONTACT, least=1)
+        if confidence and self._number(confidence[0], "confidence", least=0) != 1:
+            self.report.add(confidence[0], "only a contact that is certain can be flown: leave the confidence out")
+        elif span is not None:
+            way, bytes_per_s = span
+            self.contacts.setdefault(way, []).append(replace(bytes_per_s, value=BITS_PER_BYTE * bytes_per_s.value))
+
+    def _add_range(self, command: Word, words: list[Word]) -> None:
+        span = self._span(command, words, _RANGE, least=0)
+        if span is not None:
+            way, light_s = span
+            self.ranges.setdefault(way, []).append(light_s)
+
+    def _span(
+        self, command: Word, words: list[Word], wanted: tuple[str, ...], least: float
+    ) -> tuple[tuple[int, int], Span] | None:
+        """Return what the words of a line say, or None after reporting what is wrong with them."""
+        before = len(self.report.problems)
+        if len(words) != len(wanted):
+            self.report.add(command, f"has {len(words)} values; wanted are {', '.join(wanted)}")
+            return None
+        begin_s, end_s = self._time(words[0]), self._time(words[1])
+        one, other = self._node(words[2]), self._node(words[3])
+        value = self._number(words[4], wanted[4], least)
+        if len(self.report.problems) > before:
+            return None
+        if begin_s < 0:
+            self.report.add(words[0], f"{words[0].text} is before mission start")
+        elif end_s <= begin_s:
+            self.report.add(words[1], f"{words[1].text} is not after {words[0].text}")
+        else:
+            return (one, other), Span(begin_s, end_s, value, command)
+        return None
+
+    def _time(self, word: Word) -> float:
+        """Return a time in [s] after mission start."""
+        if word.text.startswith("+"):
+            return self._offset_s + self._number(word, "time", least=0)
+        moment = _moment(word.text)
+        if moment is None:
+            problem = f"'{word.text}' is not a time: write +seconds"
+        elif self._reference is None:
+            problem = (
+                f"{word.text} is an absolute time, and the mission has no date; write +seconds after mission start, "
+                "or give the contact_plan in the mission the date of its start as 'reference'"
+            )
+        else:
+            return (moment - self._reference).total_seconds()
+        self.report.add(word, problem)
+        return 0.0
+
+    def _node(self, word: Word) -> int:
+        if word.text.isascii() and word.text.isdecimal() and len(word.text) <= _MAX_DIGITS:
+            return int(word.text)
+        self.report.add(word, f"'{word.text}' is not a node number")
+        return 0
+
+    def _number(self, word: Word, what: str, least: float) -> float:
+        try:
+            value = float(word.text)
+        except ValueError:
+            self.report.add(word, f"'{word.text}' is not a number: {what}")
+            return least
+        if not least <= value <= MOST:
+            self.report.add(word, f"{word.text} is not from {least:g} to {MOST:g}: {what}")
+            return least
+        return value
+
+
+def _gap(contact: Span, ranges: tuple[Span, ...]) -> float | None:
+    """Return the first moment [s] of a contact that is in no range; None if there is none."""
+    covered_s = contact.begin_s
+    for each in ranges:
+        if each.begin_s <= covered_s < each.end_s:
+            covered_s = each.end_s
+    return None if covered_s >= contact.end_s else covered_s

@@ -1,0 +1,125 @@
+"""The files that a mission refers to: read with it, checked with it, and carried wherever it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+from waypointctl.errors import MissionError
+from waypointctl.mission.contact_plan import is_moment, read_contact_plan
+from waypointctl.mission.jitter_file import read_jitter
+from waypointctl.mission.link_checks import file_beside
+from waypointctl.mission.mission import Mission
+from waypointctl.mission.problems import Problem
+from waypointctl.mission.wording import path_text
+from waypointctl.mission.yaml_source import Reading, examine_tree, read_source
+from waypointctl.mission.yaml_tree import DataPath, Tree, YamlFault, read_tree
+
+ReadFile: TypeAlias = Callable[[str], bytes]  # the content of a file by its name in the mission; may raise MissionError
+
+_JITTER: Final = ("jitter_file",)
+_PLAN: Final = ("contact_plan", "file")
+
+
+def beside(path: Path) -> ReadFile:
+    """Return what reads the files that the mission at `path` refers to."""
+    return lambda name: read_source(path.parent / name, MissionError)
+
+
+def among(files: Mapping[str, bytes]) -> ReadFile:
+    """Return what reads from files that were read before."""
+
+    def read(name: str) -> bytes:
+        if name not in files:
+            raise MissionError("there is no such file", where=name)
+        return files[name]
+
+    return read
+
+
+def examine_mission(source: bytes, where: str, read: ReadFile) -> Reading[Mission]:
+    """Return the mission that a YAML text holds, with its files, or everything that is wrong with all of them.
+
+    Args:
+        source: the text.
+        where: the mission file's name, for the messages; those of its files are told from it.
+        read: reads a file that the mission refers to.
+    """
+    try:
+        tree = read_tree(source)
+    except YamlFault as fault:
+        line, column = (fault.mark.line, fault.mark.column) if fault.mark else (0, 0)
+        return Reading(None, (Problem(where, line, column, "", fault.text),))
+    reading = examine_tree(tree, where, Mission)
+    files: dict[str, bytes] = {}
+    problems = list(reading.problems)
+    for path, name in _references(tree):
+        try:
+            files[name] = read(name)
+        except MissionError as error:
+            mark = tree.values[path]
+            place = str(Path(where).parent / name)
+            problems.append(
+                Problem(where, mark.line, mark.column, path_text(path), f"{place} {_as_predicate(error.problem)}")
+            )
+    problems.sort(key=lambda problem: (problem.line, problem.column))
+    problems += _problems_inside(tree, reading.model, files, Path(where).parent)
+    if problems or reading.model is None:
+        return Reading(None, tuple(problems))
+    return Reading(reading.model.with_files(files), ())
+
+
+def _as_predicate(problem: str) -> str:
+    return "is not there" if problem == "there is no such file" else problem
+
+
+def _references(tree: Tree) -> Iterator[tuple[DataPath, str]]:
+    """Yield where the mission's data names a file, and the name; not those that the mission's own rules refuse."""
+    for way in ((), ("up",), ("down",)):
+        for field in (_JITTER, _PLAN):
+            path: DataPath = ("link", *way, *field)
+            name = _at(tree.data, path)
+            if isinstance(name, str) and _is_beside(name):
+                yield path, name
+
+
+def _at(data: Any, path: DataPath) -> Any:
+    for part in path:
+        data = data.get(part) if isinstance(data, dict) else None
+    return data
+
+
+def _is_beside(name: str) -> bool:
+    try:
+        return bool(file_beside(name))
+    except ValueError:
+        return False
+
+
+def _problems_inside(tree: Tree, mission: Mission | None, files: Mapping[str, bytes], folder: Path) -> list[Problem]:
+    """Return what is wrong in the files; without a mission, what is wrong whatever it says."""
+    found: list[Problem] = []
+    if mission is None:
+        for path, name in _references(tree):
+            if name in files:
+                found += _problems_anyway(tree, path, files[name], str(folder / name))
+        return list(dict.fromkeys(found))
+    for way in (mission.link.up, mission.link.down):
+        if way.jitter_file is not None and way.jitter_file in files:
+            found += read_jitter(files[way.jitter_file], str(folder / way.jitter_file))[1]
+        plan = way.contact_plan
+        if plan is not None and plan.file in files:
+            place, needed = str(folder / plan.file), not way.has_own_delay
+            source = files[plan.file]
+            found += read_contact_plan(source, place, plan.way, reference=plan.reference, needs_ranges=needed)[1]
+    return list(dict.fromkeys(found))
+
+
+def _problems_anyway(tree: Tree, path: DataPath, source: bytes, place: str) -> tuple[Problem, ...]:
+    """Return what is wrong in the file named at `path`, where the mission that names it is wrong itself."""
+    if path[-1:] == _JITTER:
+        return read_jitter(source, place)[1]
+    reference = _at(tree.data, (*path[:-1], "reference"))
+    is_given = isinstance(reference, str) and is_moment(reference)
+    return read_contact_plan(source, place, None, reference=reference if is_given else None)[1]
