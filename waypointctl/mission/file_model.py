@@ -4,6 +4,7 @@ What a file may write besides the fields' own names is declared, not coded, and 
 
 - a field with a `Quantity` also goes by its bare name, with the unit in the value (see quantity.py);
 - `list_stands_for` names the field that a bare list in place of the mapping stands for;
+- `text_stands_for` names the field that a bare word in place of the mapping stands for;
 - `keys_for_each` names fields of one and the same FileModel whose keys may be written once for all of them.
 """
 
@@ -25,6 +26,7 @@ class FileModel(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", field_title_generator=lambda name, _: name)
 
     list_stands_for: ClassVar[str | None] = None
+    text_stands_for: ClassVar[str | None] = None
     keys_for_each: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
@@ -64,6 +66,8 @@ class FileModel(BaseModel):
         if isinstance(given, list | tuple) and cls.list_stands_for is not None:
             has_text = any(isinstance(part, str) for part in given)
             given = {cls.list_keys()[-1 if has_text else 0]: list(given)}
+        if isinstance(given, str) and cls.text_stands_for is not None:
+            given = {cls.text_stands_for: given}
         if not isinstance(given, dict):
             return given
         data = cls._spread(given)

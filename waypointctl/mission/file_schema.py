@@ -31,11 +31,12 @@ def describe_spellings(model: type[FileModel], schema: Schema, handler: GetJsonS
         _add_bare(schema, bare, name)
     if model.keys_for_each:
         _add_shared_keys(schema, model.keys_for_each, handler)
-    if model.list_stands_for is not None:
-        as_list = [schema["properties"][key] for key in model.list_keys()]
+    stood_for = model.list_keys() if model.text_stands_for is None else (model.text_stands_for,)
+    if stood_for:
+        shorthands = [schema["properties"][key] for key in stood_for]
         as_mapping = dict(schema)
         schema.clear()
-        schema["anyOf"] = [*as_list, as_mapping]
+        schema["anyOf"] = [*shorthands, as_mapping]
 
 
 def _plain_items(schema: Schema) -> None:

@@ -1,0 +1,108 @@
+"""The life of each command on board: what stage it has come to, and that no stage follows a final one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from typing import Final
+
+from waypointctl.log.messages import FINAL_STAGES, Clock, Command, CommandStage, Stage
+
+# Which stage may follow which. A command that ends on arrival was never accepted.
+_ONWARD: Final = {
+    Stage.RECEIVED: FINAL_STAGES - {Stage.COMPLETED, Stage.FAILED, Stage.SUPERSEDED} | {Stage.ACCEPTED},
+    Stage.ACCEPTED: FINAL_STAGES - {Stage.REJECTED, Stage.COMPLETED} | {Stage.STARTED},
+    Stage.STARTED: FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED},
+}
+
+
+@dataclass(slots=True)
+class Record:
+    """Where a command stands.
+
+    Attributes:
+        stage: the last it has come to.
+        reason: of that stage.
+        attempt: which sending of it was obeyed.
+        expires_ns: after which it is not to be started or gone on with; -1 for never.
+    """
+
+    stage: Stage
+    reason: str
+    attempt: int
+    expires_ns: int
+
+
+@dataclass(slots=True)
+class Life:
+    """Every command that has arrived, by its id.
+
+    Attributes:
+        report: told each stage at its moment.
+        remind: told the stage that a command is in when it arrives once more.
+        records: of each id.
+    """
+
+    report: Callable[[CommandStage], None]
+    remind: Callable[[CommandStage], None]
+    records: dict[int, Record] = field(default_factory=dict)
+    _open: dict[int, None] = field(default_factory=dict)  # ids without a final stage, as they arrived
+
+    def knows(self, command_id: int) -> bool:
+        """Tell whether a command has arrived."""
+        return command_id in self.records
+
+    def receive(self, now_ns: int, command: Command) -> None:
+        """Enter a command that arrives for the first time."""
+        self.records[command.id] = Record(Stage.RECEIVED, "", command.attempt, command.expires_ns)
+        self._open[command.id] = None
+        self.report(self._stage(now_ns, command.id))
+
+    def repeat(self, now_ns: int, command: Command) -> None:
+        """Acknowledge once more the stage of a command that has arrived again."""
+        record = self.records[command.id]
+        self.remind(CommandStage(now_ns, command.id, record.stage, record.reason, Clock.ROBOT, command.attempt))
+
+    def advance(self, now_ns: int, command_id: int, stage: Stage, reason: str = "") -> None:
+        """Take a command to a stage.
+
+        Raises:
+            RuntimeError: that stage cannot follow the one the command is in. That is a bug.
+        """
+        record = self.records[command_id]
+        if stage not in _ONWARD.get(record.stage, ()):
+            raise RuntimeError(f"command {command_id} cannot be {stage} after it was {record.stage}")
+        record.stage, record.reason = stage, reason
+        if stage in FINAL_STAGES:
+            del self._open[command_id]
+        self.report(self._stage(now_ns, command_id))
+
+    def is_open(self, command_id: int) -> bool:
+        """Tell whether a command has arrived and has not ended."""
+        return command_id in self._open
+
+    def has_started(self, command_id: int) -> bool:
+        """Tell whether a command is under way, or has been."""
+        return self.records[command_id].stage not in (Stage.RECEIVED, Stage.ACCEPTED)
+
+    @property
+    def open_ids(self) -> list[int]:
+        """The commands that have not ended, in the order of their arrival."""
+        return list(self._open)
+
+    def expired(self, now_ns: int) -> list[int]:
+        """Return the open commands whose time is over."""
+        return [i for i in self._open if 0 <= self.records[i].expires_ns < now_ns]
+
+    @property
+    def next_expiry_ns(self) -> int | None:
+        """When the time of the next open command is over; None if none has an end."""
+        return min((r.expires_ns for r in map(self.records.__getitem__, self._open) if r.expires_ns >= 0), default=None)
+
+    def state(self) -> dict[str, object]:
+        """Return all of it as plain data."""
+        return {str(command_id): asdict(record) for command_id, record in self.records.items()}
+
+    def _stage(self, now_ns: int, command_id: int) -> CommandStage:
+        record = self.records[command_id]
+        return CommandStage(now_ns, command_id, record.stage, record.reason, Clock.ROBOT, record.attempt)

@@ -1,0 +1,95 @@
+"""The plan on board: waypoints in order, each with the command that brought it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field, replace
+
+from waypointctl.log.messages import Command, PlannedWaypoint
+
+
+@dataclass(slots=True)
+class Item:
+    """A waypoint of the plan.
+
+    Attributes:
+        waypoint: as it was commanded, or as it was changed since.
+        command_id: of the command that brought it.
+        on_failure: what that command wants when the leg fails; empty for the robot's own rule.
+        released: whether the robot may walk to it.
+        over: reached and its task done, skipped, or taken back.
+    """
+
+    waypoint: PlannedWaypoint
+    command_id: int
+    on_failure: str
+    released: bool
+    over: bool = False
+
+
+@dataclass(slots=True)
+class Plan:
+    """What is to be walked. Items that are over stay, so that counts and places never shift.
+
+    Attributes:
+        items: in order.
+        at: the place of the item under way.
+    """
+
+    items: list[Item] = field(default_factory=list)
+    at: int = 0
+
+    @property
+    def current(self) -> Item | None:
+        """The item under way; None when all are over."""
+        return self.items[self.at] if self.at < len(self.items) else None
+
+    @property
+    def following(self) -> PlannedWaypoint | None:
+        """The waypoint after the current one, if the robot may walk to it."""
+        item = next((item for item in self.items[self.at + 1 :] if not item.over), None)
+        return item.waypoint if item is not None and item.released else None
+
+    @property
+    def released(self) -> int:
+        """How many waypoints from the plan's first on the robot may walk to."""
+        return next((i for i, item in enumerate(self.items) if not item.released), len(self.items))
+
+    def extend(self, command: Command) -> None:
+        """Add a command's waypoints, of which it releases as many as it says, from the first; -1 for all."""
+        for place, waypoint in enumerate(command.waypoints):
+            released = command.released < 0 or place < command.released
+            self.items.append(Item(waypoint, command.id, command.on_failure, released))
+
+    def release(self, count: int) -> None:
+        """Release the first `count` waypoints of the plan; -1 for all."""
+        for item in self.items if count < 0 else self.items[:count]:
+            item.released = True
+
+    def end(self, items: Iterable[Item]) -> None:
+        """Mark items as over, and go on to the first that is not."""
+        for item in items:
+            item.over = True
+        while self.at < len(self.items) and self.items[self.at].over:
+            self.at += 1
+
+    def open_items(self, command_id: int | None = None) -> list[Item]:
+        """Return what is not over, of one command or of all."""
+        to_come = [item for item in self.items[self.at :] if not item.over]
+        return to_come if command_id is None else [item for item in to_come if item.command_id == command_id]
+
+    def open_commands(self) -> list[int]:
+        """Return the commands that have waypoints left, in the order of the plan."""
+        return list(dict.fromkeys(item.command_id for item in self.open_items()))
+
+    def change(self, items: Iterable[Item], *, tolerance_m: float | None = None, timeout_ns: int | None = None) -> None:
+        """Give waypoints another tolerance or another time."""
+        for item in items:
+            if tolerance_m is not None:
+                item.waypoint = replace(item.waypoint, tolerance_m=tolerance_m)
+            if timeout_ns is not None:
+                item.waypoint = replace(item.waypoint, timeout_ns=timeout_ns)
+
+    def state(self) -> dict[str, object]:
+        """Return all of it as plain data."""
+        return {"at": self.at, "items": [asdict(item) for item in self.items]}
