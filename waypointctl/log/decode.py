@@ -23,6 +23,8 @@ from waypointctl.log.messages import (
     EventKind,
     FloatArray,
     GroundControl,
+    LinkFate,
+    LinkRecord,
     Mode,
     Observation,
     PlannedWaypoint,
@@ -128,6 +130,21 @@ def ground_control(data: bytes) -> GroundControl:
     """Decode a GroundControl."""
     it = pb.GroundControl.FromString(data)
     return GroundControl(it.time_ns, it.step, it.issued_ns, _array(it.observation), _array(it.commanded))
+
+
+def link_record(data: bytes) -> LinkRecord:
+    """Decode a LinkRecord."""
+    it = pb.LinkRecord.FromString(data)
+    return LinkRecord(
+        time_ns=it.time_ns,
+        way=it.way,
+        what=it.what,
+        number=it.number,
+        size_bytes=it.size_bytes,
+        departs_ns=it.departs_ns,
+        arrives_ns=tuple(it.arrives_ns),
+        fate=LinkFate(it.fate),
+    )
 
 
 def event(data: bytes) -> Event:

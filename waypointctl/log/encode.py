@@ -9,6 +9,7 @@ from waypointctl.log.messages import (
     CommandStage,
     Event,
     GroundControl,
+    LinkRecord,
     PlannedWaypoint,
     Telemetry,
 )
@@ -99,6 +100,21 @@ def ground_control(message: GroundControl) -> bytes:
         issued_ns=message.issued_ns,
         observation=message.observation.tolist(),
         commanded=message.commanded.tolist(),
+    ).SerializeToString()
+
+
+def link_record(message: LinkRecord) -> bytes:
+    """Encode a LinkRecord."""
+    return pb.LinkRecord(
+        time_ns=message.time_ns,
+        way=message.way,
+        what=message.what,
+        number=message.number,
+        size_bytes=message.size_bytes,
+        departs_ns=message.departs_ns,
+        arrives_ns=message.arrives_ns,
+        fate=message.fate,
+        delay_s=seconds(message.arrives_ns[0] - message.time_ns) if message.arrives_ns else 0.0,
     ).SerializeToString()
 
 

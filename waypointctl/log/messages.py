@@ -255,6 +255,30 @@ class GroundControl:
     commanded: FloatArray  # (nu,) as a fraction of the motors' full torque
 
 
+class LinkFate(StrEnum):
+    """What the link did to a message, where it did more than to delay it."""
+
+    WAITED = "waited"  # it was not sent at once
+    DOUBLED = "doubled"  # it arrives twice; it may have waited too
+    LOST = "lost"  # on the way
+    QUEUE_FULL = "queue_full"  # it had to wait, and there was no room
+    NO_CONTACT = "no_contact"  # there is no contact any more that it fits in
+
+
+@dataclass(frozen=True, slots=True)
+class LinkRecord:
+    """A message that the link lost, doubled, or let wait: what neither end is told as such."""
+
+    time_ns: int  # when it was handed to the link
+    way: str  # "up" or "down"
+    what: str  # "command", "ack", "telemetry", ...
+    number: int  # the command's id, the frame's number, or the control step
+    size_bytes: int  # on the wire
+    departs_ns: int  # when its first bit leaves; -1 if it does not
+    arrives_ns: tuple[int, ...]  # once, twice, or not at all
+    fate: LinkFate
+
+
 @dataclass(frozen=True, slots=True)
 class Event:
     """Something that happened, on the robot's clock or on the operator's."""
@@ -289,6 +313,7 @@ Message: TypeAlias = (
     | Ack
     | Telemetry
     | GroundControl
+    | LinkRecord
     | Event
     | Checkpoint
 )

@@ -20,6 +20,7 @@ from waypointctl.log.messages import (
     CommandStage,
     Event,
     GroundControl,
+    LinkRecord,
     Message,
     Observation,
     Reward,
@@ -42,7 +43,7 @@ class Topic:
 
 
 def _instant(
-    message: State | Observation | Action | Reward | CommandStage | GroundControl | Event | Checkpoint,
+    message: State | Observation | Action | Reward | CommandStage | GroundControl | LinkRecord | Event | Checkpoint,
 ) -> tuple[int, int]:
     return message.time_ns, message.time_ns
 
@@ -61,6 +62,7 @@ TOPICS: Final = (
     Topic("/ack", Ack, pb.Ack, encode.ack, decode.ack, _link),
     Topic("/telemetry", Telemetry, pb.Telemetry, encode.telemetry, decode.telemetry, _link),
     Topic("/ground_control", GroundControl, pb.GroundControl, encode.ground_control, decode.ground_control, _instant),
+    Topic("/link", LinkRecord, pb.LinkRecord, encode.link_record, decode.link_record, _instant),
     Topic("/event", Event, pb.Event, encode.event, decode.event, _instant),
     Topic("/checkpoint", Checkpoint, pb.Checkpoint, encode.checkpoint, decode.checkpoint, _instant),
 )

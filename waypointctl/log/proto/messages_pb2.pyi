@@ -493,6 +493,62 @@ class GroundControl(_message.Message):
 Global___GroundControl: _TypeAlias = GroundControl  # noqa: Y015
 
 @_typing.final
+class LinkRecord(_message.Message):
+    """A message that the link lost, doubled, or let wait."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    TIME_NS_FIELD_NUMBER: _builtins.int
+    WAY_FIELD_NUMBER: _builtins.int
+    WHAT_FIELD_NUMBER: _builtins.int
+    NUMBER_FIELD_NUMBER: _builtins.int
+    SIZE_BYTES_FIELD_NUMBER: _builtins.int
+    DEPARTS_NS_FIELD_NUMBER: _builtins.int
+    ARRIVES_NS_FIELD_NUMBER: _builtins.int
+    FATE_FIELD_NUMBER: _builtins.int
+    DELAY_S_FIELD_NUMBER: _builtins.int
+    time_ns: _builtins.int
+    """when it was handed to the link"""
+    way: _builtins.str
+    """"up" or "down" """
+    what: _builtins.str
+    """"command", "ack", "telemetry", ..."""
+    number: _builtins.int
+    """the command's id, the frame's number, or the control step"""
+    size_bytes: _builtins.int
+    """on the wire"""
+    departs_ns: _builtins.int
+    """when its first bit leaves; -1 if it does not"""
+    fate: _builtins.str
+    """"waited", "doubled", "lost", "queue_full" or "no_contact" """
+    delay_s: _builtins.float
+    """its first arrival - time; 0 if it does not arrive"""
+    @_builtins.property
+    def arrives_ns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
+        """once, twice, or not at all"""
+
+    def __init__(
+        self,
+        *,
+        time_ns: _builtins.int = ...,
+        way: _builtins.str = ...,
+        what: _builtins.str = ...,
+        number: _builtins.int = ...,
+        size_bytes: _builtins.int = ...,
+        departs_ns: _builtins.int = ...,
+        arrives_ns: _abc.Iterable[_builtins.int] | None = ...,
+        fate: _builtins.str = ...,
+        delay_s: _builtins.float = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["arrives_ns", b"arrives_ns", "delay_s", b"delay_s", "departs_ns", b"departs_ns", "fate", b"fate", "number", b"number", "size_bytes", b"size_bytes", "time_ns", b"time_ns", "way", b"way", "what", b"what"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___LinkRecord: _TypeAlias = LinkRecord  # noqa: Y015
+
+@_typing.final
 class Event(_message.Message):
     """Something that happened, on the robot's clock or on the operator's."""
 
