@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from waypointctl.errors import MissionError
 from waypointctl.mission.files import dump_mission, load_mission, parse_mission
-from waypointctl.mission.mission import Defaults, Expect, Link, Mission, Start, TelemetryRate, Way, Waypoint
+from waypointctl.mission.link import Link, Way
+from waypointctl.mission.mission import Defaults, Expect, Mission, Start, TelemetryRate, Waypoint
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SHIPPED = sorted(MISSIONS.glob("*.yaml"))

@@ -7,7 +7,8 @@ from pydantic import ValidationError
 
 from waypointctl.errors import MissionError
 from waypointctl.mission.files import parse_mission
-from waypointctl.mission.mission import Leg, Link, Mission, Way, Waypoint
+from waypointctl.mission.link import Link, Way
+from waypointctl.mission.mission import Leg, Mission, Waypoint
 
 HEAD = "name: n\npolicy: p\n"
 MINIMAL = HEAD + "waypoints: [[7, 12]]\n"

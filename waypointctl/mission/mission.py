@@ -7,27 +7,26 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Final, Literal, TypeAlias
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import AfterValidator, Field, Strict, ValidationInfo, field_validator
+from pydantic import AfterValidator, Field, PrivateAttr, Strict, ValidationInfo, field_validator
 
 from waypointctl.mission.checks import expected_within, file_name, line_of_text, names_differ
+from waypointctl.mission.fields import DAY_S as DAY_S
+from waypointctl.mission.fields import Acceptance
+from waypointctl.mission.fields import Hold as Hold
+from waypointctl.mission.fields import Name as Name
+from waypointctl.mission.fields import Position as Position
+from waypointctl.mission.fields import Timeout as Timeout
+from waypointctl.mission.fields import Tolerance as Tolerance
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.link import Link
+from waypointctl.mission.onboard import Onboard, OnFailure
 from waypointctl.mission.operator import Commanding, OperatorScript
 from waypointctl.mission.quantity import Quantity
 from waypointctl.mission.schedule import ScheduledCommand
-
-DAY_S: Final = 86_400.0
-
-Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=60), AfterValidator(line_of_text)]
-Coordinate: TypeAlias = Annotated[float, Quantity("m", ge=-10_000, le=10_000)]
-Position: TypeAlias = tuple[Coordinate, Coordinate]
-Acceptance: TypeAlias = Literal["box", "radius"]
-Tolerance: TypeAlias = Annotated[float, Quantity("m", gt=0, le=100)]
-Timeout: TypeAlias = Annotated[float, Quantity("s", gt=0, le=DAY_S)]
-Hold: TypeAlias = Annotated[float, Quantity("s", ge=0, le=DAY_S)]
 
 
 class Start(FileModel):
@@ -46,6 +45,7 @@ class Defaults(FileModel):
     tolerance_m: Tolerance = Field(0.5, description="half the side of the box, or the radius")
     timeout_s: Timeout = Field(30.0, description="from the start of the leg until the waypoint must be reached")
     hold_s: Hold = Field(0.0, description="how long to stand at the waypoint")
+    observe: Annotated[bool, Strict()] = Field(False, description="whether to take a picture there, after the hold")
 
 
 class Waypoint(FileModel):
@@ -61,6 +61,9 @@ class Waypoint(FileModel):
     tolerance_m: Tolerance | None = Field(None, description="half the side of the box, or the radius")
     timeout_s: Timeout | None = Field(None, description="from the start of the leg until the waypoint must be reached")
     hold_s: Hold | None = Field(None, description="how long to stand at the waypoint")
+    observe: Annotated[bool, Strict()] | None = Field(
+        None, description="whether to take a picture there, after the hold"
+    )
 
 
 class TelemetryRate(FileModel):
@@ -109,8 +112,34 @@ class Mission(FileModel):
     )
     link: Link = Link()
     telemetry: TelemetryRate = TelemetryRate()
-    on_failure: Literal["abort", "skip"] = Field("abort", description="what to do when a waypoint's time is out")
+    on_failure: OnFailure | None = Field(None, description="what to do when a leg fails: abort where it is left out")
+    onboard: Onboard = Field(Onboard(), description="what the robot does by itself")
     expect: Expect = Expect()
+
+    _files: Mapping[str, bytes] = PrivateAttr(default_factory=dict)
+
+    @property
+    def files(self) -> Mapping[str, bytes]:
+        """What stands in the files that the mission refers to, by their names in it."""
+        return self._files
+
+    def with_files(self, files: Mapping[str, bytes]) -> Mission:
+        """Return the mission with what stands in the files that it refers to; it is flown with them alone."""
+        mission = self.model_copy()
+        mission._files = dict(files)
+        return mission
+
+    @property
+    def failure_rule(self) -> OnFailure:
+        """What to do when a leg fails, wherever the file says it."""
+        return self.on_failure or self.onboard.on_failure or OnFailure()
+
+    @field_validator("onboard")
+    @classmethod
+    def _one_failure_rule(cls, onboard: Onboard, info: ValidationInfo) -> Onboard:
+        if onboard.on_failure is not None and info.data.get("on_failure") is not None:
+            raise ValueError("has an 'on_failure', and the mission has one too: keep one")
+        return onboard
 
     @field_validator("expect")
     @classmethod
@@ -140,6 +169,7 @@ class Leg:
     tolerance_m: float  # half the side of the box, or the radius
     timeout_s: float  # from the start of the leg
     hold_s: float
+    observe: bool = False
 
 
 def _leg(index: int, waypoint: Waypoint, defaults: Defaults) -> Leg:
@@ -152,4 +182,5 @@ def _leg(index: int, waypoint: Waypoint, defaults: Defaults) -> Leg:
         tolerance_m=waypoint.tolerance_m if waypoint.tolerance_m is not None else defaults.tolerance_m,
         timeout_s=waypoint.timeout_s if waypoint.timeout_s is not None else defaults.timeout_s,
         hold_s=waypoint.hold_s if waypoint.hold_s is not None else defaults.hold_s,
+        observe=waypoint.observe if waypoint.observe is not None else defaults.observe,
     )

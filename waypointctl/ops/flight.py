@@ -10,7 +10,8 @@ from typing import Final
 from waypointctl.log.messages import Ack, Clock, Command, Event, EventKind, Severity, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive import FALL
-from waypointctl.ops.link import Link
+from waypointctl.ops.link.build import direction
+from waypointctl.ops.link.logged import DOWN, UP, LoggedDirection
 from waypointctl.ops.operator import Order, operator_for
 from waypointctl.ops.sink import Sink
 from waypointctl.ops.vehicle import Vehicle
@@ -48,11 +49,11 @@ class Flight:
 
     def __init__(self, mission: Mission, policy: Policy, sink: Sink, robot: Robot) -> None:
         """Set the robot at its start; nothing has been sent yet."""
-        up, down = mission.link.up, mission.link.down
+        link, files, seed = mission.link, mission.files, mission.seed
         self._mission = mission
         self._sink = sink
-        self._uplink = Link[Command](ns(up.delay_s), ns(up.jitter_s), stream(mission.seed, "link.up"))
-        self._downlink = Link[Ack | Telemetry](ns(down.delay_s), ns(down.jitter_s), stream(mission.seed, "link.down"))
+        self._uplink = LoggedDirection[Command](direction(link.up, files, seed, "link.up"), UP, sink)
+        self._downlink = LoggedDirection[Ack | Telemetry](direction(link.down, files, seed, "link.down"), DOWN, sink)
         self._operator = operator_for(mission)
         self._vehicle = Vehicle(robot, policy, sink, self._downlink, ns(1 / mission.telemetry.rate_hz))
         start, noise = stream(mission.seed, "start", 0), stream(mission.seed, "course", 0)  # as the env draws them
@@ -136,14 +137,11 @@ class Flight:
 
     def _send(self, orders: list[Order], now_ns: int) -> None:
         for order in orders:
-            command = self._uplink.send(now_ns, partial(self._command, order, now_ns))
-            names = ", ".join(waypoint.name for waypoint in command.waypoints)
-            text = f"command {command.id} sent: {command.kind} {names}"
-            self._announce(now_ns, EventKind.COMMAND_SENT, text, command_id=command.id)
-
-    def _command(self, order: Order, issued_ns: int, arrives_ns: int) -> Command:
-        self._sent += 1
-        return Command(self._sent, order.kind, order.waypoints, order.on_failure, issued_ns, arrives_ns)
+            self._sent += 1
+            names = ", ".join(waypoint.name for waypoint in order.waypoints)
+            text = f"command {self._sent} sent: {order.kind} {names}"
+            self._announce(now_ns, EventKind.COMMAND_SENT, text, command_id=self._sent)
+            self._uplink.send(now_ns, partial(_command, self._sent, order, now_ns))
 
     def _announce(
         self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO, command_id: int = -1
@@ -153,16 +151,20 @@ class Flight:
     def _link_state(self) -> dict[str, object]:
         """Return what is under way and the links' random streams, as plain data.
 
-        Of telemetry only the frames' numbers, first and last: over a slow link thousands may be under way, and frames
-        keep their order.
+        Of telemetry only the frames' numbers, of the first and the last to arrive: over a slow link thousands may be
+        under way.
         """
-        up, down = self._uplink, self._downlink
-        frames = [message.frame for message in down.in_transit if isinstance(message, Telemetry)]
-        acks = [asdict(message) for message in down.in_transit if isinstance(message, Ack)]
+        up, down = self._uplink.direction, self._downlink.direction
+        frames = [message.frame for _, message in down.under_way if isinstance(message, Telemetry)]
+        acks = [asdict(message) for _, message in down.under_way if isinstance(message, Ack)]
         return {
-            "up": {"commands": [asdict(command) for command in up.in_transit], **up.state()},
+            "up": {"commands": [asdict(command) for _, command in up.under_way], **up.state()},
             "down": {"acks": acks, "frames": frames[:1] + frames[1:][-1:], **down.state()},
         }
+
+
+def _command(number: int, order: Order, issued_ns: int, arrives_ns: int) -> Command:
+    return Command(number, order.kind, order.waypoints, order.on_failure, issued_ns, arrives_ns)
 
 
 def start_of(mission: Mission) -> Start:

@@ -23,7 +23,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.ops.executive import Executive
-from waypointctl.ops.link import Link
+from waypointctl.ops.link.logged import LoggedDirection
 from waypointctl.ops.pay import reward_weights
 from waypointctl.ops.sink import Sink
 from waypointctl.policy.protocol import Policy
@@ -49,7 +49,7 @@ class Vehicle:
         robot: Robot,
         policy: Policy,
         sink: Sink,
-        downlink: Link[Ack | Telemetry],
+        downlink: LoggedDirection[Ack | Telemetry],
         telemetry_period_ns: int,
     ) -> None:
         """Make a robot that reports through `downlink` and logs its truth into `sink`; `place` it before flight."""
