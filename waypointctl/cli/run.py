@@ -44,7 +44,7 @@ def run(
     from waypointctl.cli.view.pace import Pace, paced
     from waypointctl.cli.view.summary import print_flight
     from waypointctl.cli.view.watch import watch
-    from waypointctl.ops.operator import planned_waypoints
+    from waypointctl.ops.ground.operator import planned_waypoints
     from waypointctl.ops.record import record
     from waypointctl.policy.bundle import load_policy
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from waypointctl.log.messages import Ack, Stage, Telemetry
+from waypointctl.log.messages import FINAL_STAGES, Ack, Stage, Telemetry
 
 
 @dataclass(slots=True)
@@ -15,16 +15,23 @@ class Belief:
         telemetry: the newest frame that has arrived; None before the first.
         stages: of each command sent, the last stage heard of.
         reasons: why a command failed or was rejected.
+        ended_ns: when, on the robot's clock, the command ended of whose end was heard last; -1 before the first.
     """
 
     telemetry: Telemetry | None = None
     stages: dict[int, Stage] = field(default_factory=dict)
     reasons: dict[int, str] = field(default_factory=dict)
+    ended_ns: int = -1
 
     @property
     def reached(self) -> tuple[int, ...]:
         """The waypoints that the robot has reported as reached."""
         return self.telemetry.reached if self.telemetry else ()
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether a frame has arrived that is no older than the last end heard of: the one before it may be lost."""
+        return self.ended_ns < 0 or (self.telemetry is not None and self.telemetry.issued_ns >= self.ended_ns)
 
     def hear(self, message: Ack | Telemetry) -> None:
         """Take what has arrived."""
@@ -32,5 +39,7 @@ class Belief:
             self.telemetry = message
             return
         self.stages[message.command_id] = message.stage
+        if message.stage in FINAL_STAGES:
+            self.ended_ns = max(self.ended_ns, message.issued_ns)
         if message.reason:
             self.reasons[message.command_id] = message.reason

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from functools import partial
 from typing import Final
 
 from waypointctl.log.messages import Ack, Clock, Command, Event, EventKind, Severity, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive import FALL
+from waypointctl.ops.ground.build import answer_time, station_for
+from waypointctl.ops.ground.pilot import BodyFrame, ControlFrame
 from waypointctl.ops.link.build import direction
 from waypointctl.ops.link.logged import DOWN, UP, LoggedDirection
-from waypointctl.ops.operator import Order, operator_for
 from waypointctl.ops.sink import Sink
 from waypointctl.ops.vehicle import Vehicle
 from waypointctl.policy.protocol import Policy
@@ -52,21 +52,22 @@ class Flight:
         link, files, seed = mission.link, mission.files, mission.seed
         self._mission = mission
         self._sink = sink
-        self._uplink = LoggedDirection[Command](direction(link.up, files, seed, "link.up"), UP, sink)
-        self._downlink = LoggedDirection[Ack | Telemetry](direction(link.down, files, seed, "link.down"), DOWN, sink)
-        self._operator = operator_for(mission)
-        self._vehicle = Vehicle(robot, policy, sink, self._downlink, ns(1 / mission.telemetry.rate_hz))
-        start, noise = stream(mission.seed, "start", 0), stream(mission.seed, "course", 0)  # as the env draws them
-        self._vehicle.place(*start_of(mission).draw(robot, start), noise.uniform(-1.0, 1.0, NOISE_SIZE))
         self._period_ns = robot.control_period_ns
-        self._sent = 0
+        up, down = direction(link.up, files, seed, "link.up"), direction(link.down, files, seed, "link.down")
+        self._uplink = LoggedDirection[Command | ControlFrame](up, UP, sink)
+        self._downlink = LoggedDirection[Ack | Telemetry | BodyFrame](down, DOWN, sink)
+        noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
+        answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
+        self._station = station_for(mission, policy, noise, sink, self._uplink.send, answer_by)
+        self._vehicle = Vehicle(robot, policy, sink, self._downlink, ns(1 / mission.telemetry.rate_hz))
+        self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
         self._heard_ns = 0  # when the operator last heard anything
 
     @property
     def over(self) -> bool:
         """Whether the operator has ended the mission or its time is up."""
-        return self._operator.finished or self._out_of_time
+        return self._station.finished or self._out_of_time
 
     @property
     def _out_of_time(self) -> bool:
@@ -76,24 +77,47 @@ class Flight:
     def begin(self) -> None:
         """Let the operator send what it sends at mission start."""
         self._announce(0, EventKind.MISSION_STARTED, f"mission {self._mission.name} started")
-        self._send(self._operator.begin(), 0)
+        self._station.begin()
 
     def exchange(self) -> None:
-        """Deliver all that has arrived by now, and what is said on hearing it, until there is silence."""
-        silence = False
-        while not silence:
-            silence = True
-            for heard in self._downlink.due(self._now_ns):
-                silence = False
-                self._sink(heard)
-                self._heard_ns = heard.received_ns
-                self._send(self._operator.hear(heard), heard.received_ns)
-                if self._operator.finished:
-                    return
-            for command in self._uplink.due(self._now_ns):
-                silence = False
-                self._sink(command)
-                self._vehicle.obey(self._now_ns, command)
+        """Let the ground live up to now, and the robot obey what has arrived, until there is silence."""
+        while not self._station.finished:
+            at_ns = self._next_on_ground_ns
+            if at_ns is not None and at_ns <= self._now_ns:
+                self._live_on_ground(at_ns)
+                continue
+            arrived = next(self._uplink.due(self._now_ns), None)
+            if arrived is None:
+                return
+            if isinstance(arrived, Command):
+                self._sink(arrived)
+            self._vehicle.obey(self._now_ns, arrived)
+
+    @property
+    def _next_on_ground_ns(self) -> int | None:
+        """When the ground hears something or wants to act [ns]; None for never."""
+        arrival_ns, wake_ns = self._downlink.direction.next_arrival_ns, self._station.wake_ns
+        if arrival_ns is None or wake_ns is None:
+            return wake_ns if arrival_ns is None else arrival_ns
+        return min(arrival_ns, wake_ns)
+
+    def _live_on_ground(self, at_ns: int) -> None:
+        """Let the ground hear what arrives at this moment; if nothing does, let it do what it has planned."""
+        heard = next(self._downlink.due(at_ns), None)
+        if heard is None:
+            self._station.wake(at_ns)
+            return
+        self._heard_ns = at_ns
+        if not isinstance(heard, BodyFrame):
+            self._sink(heard)
+            self._station.hear(at_ns, heard)
+            return
+        control = self._station.see(at_ns, heard)
+        if control is not None:
+            self._sink(control)
+            self._uplink.send(
+                at_ns, lambda arrives_ns: ControlFrame(control.step, control.commanded, at_ns, arrives_ns)
+            )
 
     def sense(self) -> None:
         """Let the robot look at where it is."""
@@ -110,21 +134,19 @@ class Flight:
         """Close the flight with the outcome that the operator's belief gives it."""
         expect = self._mission.expect
         total = len(self._mission.waypoints)
-        reached = len(self._operator.belief.reached)
+        reached = len(self._station.reached)
         wanted = total if expect.reached == "all" else expect.reached
-        ended_ns = self._heard_ns if self._operator.finished else self._now_ns
+        ended_ns = self._heard_ns if self._station.finished else self._now_ns
         facts = f"{reached} of {total} waypoints reached in {seconds(ended_ns):.2f} s"
-        if not self._operator.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
+        if not self._station.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
             return self._close("failure", f"longer than {expect.max_time_s:g} s: {facts}", ended_ns)
-        if reached < wanted or self._operator.verdict == FALL:
-            return self._close(
-                "failure", f"{self._operator.verdict or 'skipped'}: {facts}, {wanted} expected", ended_ns
-            )
+        if reached < wanted or self._station.verdict == FALL:
+            return self._close("failure", f"{self._station.verdict or 'skipped'}: {facts}, {wanted} expected", ended_ns)
         return self._close("success", facts, ended_ns)
 
     def interrupt(self) -> FlightResult:
         """Close the flight because somebody asked for it."""
-        reached = len(self._operator.belief.reached)
+        reached = len(self._station.reached)
         total = len(self._mission.waypoints)
         return self._close("interrupted", f"{reached} of {total} waypoints reached", self._now_ns)
 
@@ -132,16 +154,8 @@ class Flight:
         self._vehicle.log_state(self._now_ns)
         severity = Severity.INFO if outcome == "success" else Severity.ERROR
         self._announce(ended_ns, EventKind.MISSION_ENDED, f"{outcome}: {reason}", severity)
-        reached, total = len(self._operator.belief.reached), len(self._mission.waypoints)
+        reached, total = len(self._station.reached), len(self._mission.waypoints)
         return FlightResult(outcome, reason, reached, total, ended_ns)
-
-    def _send(self, orders: list[Order], now_ns: int) -> None:
-        for order in orders:
-            self._sent += 1
-            names = ", ".join(waypoint.name for waypoint in order.waypoints)
-            text = f"command {self._sent} sent: {order.kind} {names}"
-            self._announce(now_ns, EventKind.COMMAND_SENT, text, command_id=self._sent)
-            self._uplink.send(now_ns, partial(_command, self._sent, order, now_ns))
 
     def _announce(
         self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO, command_id: int = -1
@@ -158,13 +172,10 @@ class Flight:
         frames = [message.frame for _, message in down.under_way if isinstance(message, Telemetry)]
         acks = [asdict(message) for _, message in down.under_way if isinstance(message, Ack)]
         return {
-            "up": {"commands": [asdict(command) for _, command in up.under_way], **up.state()},
+            "up": {"commands": [asdict(each) for _, each in up.under_way if isinstance(each, Command)], **up.state()},
             "down": {"acks": acks, "frames": frames[:1] + frames[1:][-1:], **down.state()},
+            "ground": self._station.state(),
         }
-
-
-def _command(number: int, order: Order, issued_ns: int, arrives_ns: int) -> Command:
-    return Command(number, order.kind, order.waypoints, order.on_failure, issued_ns, arrives_ns)
 
 
 def start_of(mission: Mission) -> Start:

@@ -16,7 +16,7 @@ import waypointctl
 from waypointctl import __version__
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.mission.files import MissionFile
-from waypointctl.ops.operator import planned_waypoints
+from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.sim.kinematics import RobotKinematics
 from waypointctl.sim.robots import Robot
@@ -24,6 +24,8 @@ from waypointctl.sim.single import integration_components
 from waypointctl.task.reward import TERMS
 
 MISSION: Final = "mission.yaml"
+MISSION_FOLDER: Final = "mission/"  # of the files that the mission refers to
+MISSION_FILE_HASH: Final = "sha256_mission/"
 MJCF: Final = "model.xml"
 MJB: Final = "model.mjb"
 POLICY_FOLDER: Final = "policy/"
@@ -41,6 +43,10 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
         waypoints=planned_waypoints(mission),
         attachments=(
             Attachment(MISSION, "application/yaml", mission_file.source),
+            *(
+                Attachment(f"{MISSION_FOLDER}{name}", "text/plain", data)
+                for name, data in sorted(mission_file.files.items())
+            ),
             Attachment(MJCF, "application/xml", robot.mjcf.encode()),
             Attachment(MJB, "application/octet-stream", mjb),
             *(
@@ -64,6 +70,10 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
             "sha256_mjcf": hashlib.sha256(robot.mjcf.encode()).hexdigest(),
             "sha256_mjb": hashlib.sha256(mjb).hexdigest(),
             "sha256_policy": policy.sha256,
+            **{
+                f"{MISSION_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
+                for name, data in sorted(mission_file.files.items())
+            },
             **platform_facts(),
         },
     )
@@ -92,6 +102,12 @@ def source_revision() -> str:
         for path in sorted((package / part).rglob("*.py") if (package / part).is_dir() else [package / part]):
             digest.update(path.read_bytes())
     return digest.hexdigest()[:12]
+
+
+def files_of_mission(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return what stands in the files that a log's mission refers to, by their names in it."""
+    found = attachments.items()
+    return {name.removeprefix(MISSION_FOLDER): data for name, data in found if name.startswith(MISSION_FOLDER)}
 
 
 def _processor() -> str:

@@ -6,8 +6,8 @@ from waypointctl.errors import MissionError
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.log.reader import Log
 from waypointctl.mission.files import parse_mission
-from waypointctl.ops.header import MISSION
-from waypointctl.ops.operator import planned_waypoints
+from waypointctl.ops.header import MISSION, files_of_mission
+from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.story import Story
 
@@ -23,7 +23,7 @@ def waypoints_in(log: Log) -> tuple[PlannedWaypoint, ...]:
     if source is None:
         return ()
     try:
-        return planned_waypoints(parse_mission(source, f"{log.path}/{MISSION}"))
+        return planned_waypoints(parse_mission(source, f"{log.path}/{MISSION}", files_of_mission(log.attachments)))
     except MissionError:
         return ()  # the story is then told of the waypoints that were commanded; the proof names what is wrong
 

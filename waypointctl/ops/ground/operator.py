@@ -9,6 +9,7 @@ from waypointctl.log.messages import FINAL_STAGES, Ack, CommandKind, PlannedWayp
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.belief import Belief
 from waypointctl.ops.ground.agenda import Agenda
+from waypointctl.ops.ground.dispatcher import UNANSWERED
 from waypointctl.ops.ground.order import Order
 from waypointctl.units import ns
 
@@ -67,7 +68,7 @@ class Operator(ABC):
 
     def unanswered(self, now_ns: int, command_id: int) -> list[Order]:
         """Decide what follows a command that was sent often enough and never acknowledged."""
-        return self._finish("no acknowledgement")
+        return self._finish(UNANSWERED)
 
     def state(self) -> dict[str, object]:
         """Return what it will do next depends on, beside its belief, as plain data."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from waypointctl.log.messages import Ack, Telemetry
+from waypointctl.log.messages import Ack, GroundControl, Telemetry
 from waypointctl.ops.belief import Belief
 from waypointctl.ops.executive import FALL
 from waypointctl.ops.ground.agenda import Agenda
-from waypointctl.ops.ground.dispatcher import Dispatcher
+from waypointctl.ops.ground.dispatcher import UNANSWERED, Dispatcher
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.order import Order
+from waypointctl.ops.ground.pilot import BodyFrame, Pilot
 
 
 class Station:
@@ -28,16 +29,23 @@ class Station:
         return self.operator.belief
 
     @property
+    def reached(self) -> tuple[int, ...]:
+        """The waypoints that it knows to be reached: their indices in the mission."""
+        return self.operator.reached
+
+    @property
     def verdict(self) -> str:
         """Why the operator ended the mission, where that is a failure."""
         return self.operator.verdict
 
     @property
     def finished(self) -> bool:
-        """Whether nothing is left to send or to hear of; after a fall nothing is."""
+        """Whether nothing is left to send or to hear of; after a fall, or without an answer, nothing is."""
         if not self.operator.finished:
             return False
-        return self.verdict == FALL or (self._schedule.next_ns is None and not self.dispatcher.awaits)
+        if self.verdict in (FALL, UNANSWERED):
+            return True
+        return self._schedule.next_ns is None and not self.dispatcher.awaits and self.belief.is_whole
 
     @property
     def wake_ns(self) -> int | None:
@@ -53,6 +61,14 @@ class Station:
         """Take what has arrived, and do what follows from it."""
         self.dispatcher.hear(now_ns, message)
         self.issue(now_ns, self.operator.hear(now_ns, message))
+
+    def see(self, now_ns: int, frame: BodyFrame) -> GroundControl | None:
+        """Take a state of the body that has arrived; return the action that answers it, where a pilot flies."""
+        if not isinstance(self.operator, Pilot):
+            return None
+        control, orders = self.operator.see(now_ns, frame)
+        self.issue(now_ns, orders)
+        return control
 
     def wake(self, now_ns: int) -> None:
         """Do what is due now."""

@@ -8,6 +8,7 @@ itself is sent. Under `move_and_wait` the next one is sent when the last was hea
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from waypointctl.log.messages import Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.mission import Mission
@@ -15,6 +16,8 @@ from waypointctl.ops.executive import FALL, TIMEOUT
 from waypointctl.ops.ground.operator import CARROT, Operator, ended_by_robot
 from waypointctl.ops.ground.order import Order
 from waypointctl.units import NS_PER_S
+
+_NEAR_CARROT: Final = 0.25  # of its distance: within this the carrot counts as reached
 
 
 class HeadingOperator(Operator):
@@ -100,7 +103,7 @@ class HeadingOperator(Operator):
             x_m=x_m + part * (waypoint.x_m - x_m),
             y_m=y_m + part * (waypoint.y_m - y_m),
             acceptance=waypoint.acceptance,
-            tolerance_m=waypoint.tolerance_m,
+            tolerance_m=min(waypoint.tolerance_m, self._carrot_m * _NEAR_CARROT),
             timeout_ns=waypoint.timeout_ns,
             hold_ns=0,
         )

@@ -146,6 +146,11 @@ class Direction(Generic[T]):
         return max(arrives_ns, self._last_arrival_ns) if self.keeps_order else arrives_ns
 
     @property
+    def next_arrival_ns(self) -> int | None:
+        """When the next message arrives [ns]; None where nothing is under way."""
+        return self._under_way[0][0] if self._under_way else None
+
+    @property
     def under_way(self) -> list[tuple[int, T]]:
         """What was handed over, is not lost and has not arrived: (arrival [ns], message), in order of arrival."""
         return [(arrives_ns, message) for arrives_ns, _, message in sorted(self._under_way, key=_order)]

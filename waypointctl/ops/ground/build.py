@@ -1,0 +1,84 @@
+"""The ground, made from what a mission says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.log.messages import Command
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.ground.dispatcher import Dispatcher, Insistence
+from waypointctl.ops.ground.operator import Operator
+from waypointctl.ops.ground.pilot import Pilot
+from waypointctl.ops.ground.planner import MissionOperator, WaypointOperator
+from waypointctl.ops.ground.schedule import agenda_of
+from waypointctl.ops.ground.station import Station
+from waypointctl.ops.ground.steering import HeadingOperator
+from waypointctl.ops.link.direction import Direction, Fate
+from waypointctl.ops.sink import Sink
+from waypointctl.policy.protocol import Policy
+from waypointctl.units import ns
+
+FloatArray = NDArray[np.float64]
+
+_SCRIPTS: Final = {"mission": MissionOperator, "waypoint": WaypointOperator, "heading": HeadingOperator}
+_ACK_BYTES: Final = 64  # an acknowledgement with a reason of some words
+
+
+def station_for(
+    mission: Mission,
+    policy: Policy,
+    noise: FloatArray,
+    sink: Sink,
+    uplink: Callable[[int, Callable[[int], Command]], Fate],
+    answer_by: Callable[[int], int | None],
+) -> Station:
+    """Return the ground at mission start.
+
+    Args:
+        mission: what it is asked to do.
+        policy: who walks; on the ground where the autonomy is `joint`.
+        noise: (4,) for layouts that have some.
+        sink: takes the ground's own records.
+        uplink: takes a command on its way.
+        answer_by: by when a command that leaves at a time [ns] has to be acknowledged; None for never.
+    """
+    commands = mission.commands
+    insistence = Insistence(commands.acknowledged, commands.retries, answer_by, ns(commands.margin_s))
+    return Station(_operator(mission, policy, noise, sink), agenda_of(mission), Dispatcher(uplink, insistence, sink))
+
+
+def answer_time(up: Direction[Any], down: Direction[Any], robot_ns: int, margin_ns: int) -> Callable[[int], int | None]:
+    """Return by when a command that leaves at a time [ns] has to be acknowledged: what the ground knows of its link.
+
+    Round trip, jitter, what sending takes both ways and the next contact back are in it; queues on board are not.
+
+    Args:
+        up: the direction of commands.
+        down: the direction of acknowledgements.
+        robot_ns: how long the robot takes to answer at most [ns].
+        margin_ns: how much later is still no loss [ns].
+    """
+
+    def at(left_ns: int) -> int | None:
+        arrives_ns = left_ns + up.delay(left_ns) + _most_jitter_ns(up) + robot_ns
+        placed = down.contacts.place(arrives_ns, _ACK_BYTES)
+        if placed is None:
+            return None
+        _, back_ns = placed
+        return back_ns + down.delay(back_ns) + _most_jitter_ns(down) + margin_ns
+
+    return at
+
+
+def _most_jitter_ns(way: Direction[Any]) -> int:
+    return 0 if way.jitter is None else max(way.jitter.most_ns, 0)
+
+
+def _operator(mission: Mission, policy: Policy, noise: FloatArray, sink: Sink) -> Operator:
+    if mission.autonomy == "joint":
+        return Pilot(mission, policy, noise, sink)
+    return _SCRIPTS[mission.autonomy](mission)
