@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from waypointctl.cli.main import app
+from waypointctl.mission.link import Way
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(str(path) for path in (ROOT / "missions").glob("*.yaml"))
@@ -71,8 +72,9 @@ def test_json_is_one_object_and_nothing_else(bad: Path) -> None:
         "file": str(bad),
         "ok": False,
         "problems": [
-            {"line": 3, "column": 1, "path": "sead", "problem": "unknown key; did you mean 'seed'?"},
+            {"file": str(bad), "line": 3, "column": 1, "path": "sead", "problem": "unknown key; did you mean 'seed'?"},
             {
+                "file": str(bad),
                 "line": 5,
                 "column": 37,
                 "path": "waypoints[0].timeout",
@@ -88,7 +90,8 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
     path.write_text("name: dog\npolicy: p\nwaypoints: [[3, 4]]\nlink: {delay: 2 s}\n")
     result = CliRunner().invoke(app, ["validate", "--json", str(path)])
     assert result.exit_code == 0
-    way = {"delay_s": 2.0, "jitter_s": 0.0}
+    way = Way(delay_s=2.0).model_dump(mode="json")
+    assert {"delay_s": 2.0, "jitter_s": 0.0, "loss": 0.0, "rate_bps": None}.items() <= way.items()
     assert json.loads(result.stdout) == {
         "ok": True,
         "missions": [
@@ -99,7 +102,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "name": "dog",
                 "waypoints": 1,
                 "path_length_m": 5.0,
-                "link": {"up": way, "down": way},
+                "link": {"preset": None, "up": way, "down": way},
                 "autonomy": "mission",
                 "policy": str(tmp_path / "p"),
                 "policy_found": True,

@@ -13,7 +13,6 @@ from waypointctl.paths import folder_fault
 
 if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
-    from waypointctl.mission.mission import Link, Way
     from waypointctl.mission.problems import Problem
 
 
@@ -48,21 +47,23 @@ def validate(
 def _check(path: Path) -> _Checked:
     from waypointctl.errors import MissionError
     from waypointctl.mission.files import MissionFile
-    from waypointctl.mission.mission import Mission
     from waypointctl.mission.problems import Problem
-    from waypointctl.mission.yaml_source import examine, read_source
+    from waypointctl.mission.references import beside, examine_mission
+    from waypointctl.mission.yaml_source import read_source
 
     try:
         source = read_source(path, MissionError)
     except MissionError as error:
         return _Checked(path, None, (Problem(str(path), 0, 0, "", error.problem),))
-    reading = examine(source, str(path), Mission)
+    reading = examine_mission(source, str(path), beside(path))
     if reading.model is None:
         return _Checked(path, None, reading.problems)
     return _Checked(path, MissionFile(reading.model, source, path), ())
 
 
 def _show(result: _Checked) -> None:
+    from waypointctl.cli.view.link import link_text
+
     for problem in result.problems:
         typer.echo(str(problem))
     if result.file is None:
@@ -71,22 +72,12 @@ def _show(result: _Checked) -> None:
     count = len(mission.waypoints)
     typer.echo(
         f"OK {result.path}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
-        f"{mission.path_length_m():.1f} m, {_link_text(mission.link)}, autonomy {mission.autonomy}"
+        f"{mission.path_length_m():.1f} m, {link_text(mission.link)}, autonomy {mission.autonomy}"
     )
     if folder_fault(result.file.policy_path):
         typer.echo(
             f"warning: {result.file.policy_place}: policy: there is no folder {result.file.policy_path}", err=True
         )
-
-
-def _link_text(link: Link) -> str:
-    if link.up == link.down:
-        return f"link {_way_text(link.up)} each way" if link.up.delay_s else "link without delay"
-    return f"link {_way_text(link.up)} up, {_way_text(link.down)} down"
-
-
-def _way_text(way: Way) -> str:
-    return f"{way.delay_s:g} s" + (f" +- {way.jitter_s:g} s" if way.jitter_s else "")
 
 
 def _record(result: _Checked) -> dict[str, Any]:
@@ -95,7 +86,13 @@ def _record(result: _Checked) -> dict[str, Any]:
         "file": str(result.path),
         "ok": result.file is not None,
         "problems": [
-            {"line": problem.line, "column": problem.column, "path": problem.path, "problem": problem.text}
+            {
+                "file": problem.where,
+                "line": problem.line,
+                "column": problem.column,
+                "path": problem.path,
+                "problem": problem.text,
+            }
             for problem in result.problems
         ],
     }

@@ -18,7 +18,17 @@ from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.fly import fly
-from waypointctl.ops.header import MISSION, MJB, MJCF, POLICY_FOLDER, flight_header, platform_facts
+from waypointctl.ops.header import (
+    MISSION,
+    MISSION_FILE_HASH,
+    MISSION_FOLDER,
+    MJB,
+    MJCF,
+    POLICY_FOLDER,
+    files_of_mission,
+    flight_header,
+    platform_facts,
+)
 from waypointctl.ops.sink import tee
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import MANIFEST, Manifest
@@ -149,6 +159,9 @@ def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
     """Yield what was recorded of each attachment; that of the policy's manifest before those of its files."""
     for key, name in _HASHED.items():
         yield name, log.metadata.get(key, "no hash")
+    named = (key.removeprefix(MISSION_FILE_HASH) for key in log.metadata if key.startswith(MISSION_FILE_HASH))
+    for name in sorted({*named, *files_of_mission(log.attachments)}):
+        yield f"{MISSION_FOLDER}{name}", log.metadata.get(f"{MISSION_FILE_HASH}{name}", "no hash")
     try:
         manifest = Manifest.model_validate_json(log.attachments[_MANIFEST])
     except ValidationError:
@@ -159,7 +172,7 @@ def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
 
 def _contents(log: Log) -> tuple[Mission, Robot, LoadedPolicy]:
     attachments = log.attachments
-    mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}")
+    mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}", files_of_mission(attachments))
     seed = log.metadata.get("seed", "")
     if not seed.isdecimal() or len(seed) > _SEED_DIGITS:
         raise LogError(f"the seed is {seed[:40]!r}, which is none", where=str(log.path))
@@ -204,7 +217,8 @@ def _checks(witness: Witness, audited: AuditedPolicy, elsewhere: list[str], reco
         f"{_several(counts['/state'], 'state')}, simulated from the first one and the logged actions alone",
         f"{_several(counts['/observation'], 'observation')} and {_several(counts['/action'], 'action')}, {actions}",
         f"{_several(counts['/reward'], 'reward')}, every term and sum",
-        _several(counts["/event"], "event"),
+        f"{_several(counts['/event'], 'event')}, {_several(counts['/link'], 'message')} that the link lost, doubled or "
+        "let wait",
         f"{_several(counts['/command'], 'command')}, {_several(counts['/ack'], 'acknowledgement')} and "
         f"{_several(counts['/telemetry'], 'telemetry frame')}, with each time of delivery",
         f"{_several(counts['/checkpoint'], 'checkpoint')}, with the link's random streams",
