@@ -16,6 +16,7 @@ from waypointctl.cli.policies import policies
 from waypointctl.cli.replay import replay
 from waypointctl.cli.run import run
 from waypointctl.cli.schema import schema
+from waypointctl.cli.study import study
 from waypointctl.cli.train import train_policy
 from waypointctl.cli.validate import validate
 from waypointctl.errors import WaypointctlError
@@ -52,6 +53,7 @@ app.command("train")(train_policy)
 app.command("eval")(evaluate_policy)
 policies.command("import")(import_policy)
 app.add_typer(policies, name="policies")
+app.add_typer(study, name="study")
 
 
 def main() -> None:

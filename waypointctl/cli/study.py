@@ -1,0 +1,147 @@
+"""`waypointctl study`: many flights, to answer a question that one does not."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from waypointctl.cli.options import not_negative
+from waypointctl.errors import InputError
+
+if TYPE_CHECKING:
+    from waypointctl.study.delay import DelayStudy
+
+_LONGEST_RTT_S: Final = 86_400.0
+_MOST_SEEDS: Final = 10_000
+_QUICK: Final = ("short", "0,0.4,2.56", 2)
+
+study = typer.Typer(help="Fly many missions and compare them.", no_args_is_help=True)
+
+
+@study.callback()
+def _group() -> None:
+    """Fly many missions and compare them."""
+
+
+@study.command("delay")
+def delay(
+    policy: Annotated[Path, typer.Option(help="Who walks: its folder.")] = Path("policies/ant-waypoint"),
+    seeds: Annotated[
+        int | None, typer.Option(min=1, max=_MOST_SEEDS, help="Flights of each kind.", show_default="20")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, max=2**31, help="The first of the seeds.")] = 0,
+    rtt: Annotated[
+        str | None, typer.Option(metavar="S,S,...", help="Round trips in s.", show_default="0,0.4,2.56,5,10,40")
+    ] = None,
+    autonomy: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Who decides what.")
+    ] = "mission,waypoint,heading,heading-continuous,joint",
+    route: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,...",
+            help="two-point, ten-point, short, or mission files.",
+            show_default="two-point,ten-point",
+        ),
+    ] = None,
+    think: Annotated[
+        float, typer.Option(callback=not_negative, max=86_400, help="How long the operator thinks, in s.")
+    ] = 0.0,
+    find_joint_limit: Annotated[
+        bool, typer.Option("--find-joint-limit", help="Fly joint at round trips of 0, 20, ... 260 ms, too.")
+    ] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="A small one to try: a short route, 2 seeds.")] = False,
+    jobs: Annotated[int, typer.Option(min=0, max=1024, help="Flights at a time; 0 is one a core.")] = 0,
+    out: Annotated[
+        Path | None, typer.Option(help="The folder for what comes of it.", show_default="runs/study-delay")
+    ] = None,
+    keep_logs: Annotated[bool, typer.Option("--keep-logs", help="Keep the log of each flight, too.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
+) -> None:
+    """Fly routes at several round trips, with more or less decided on board: success, time, distance, standing, falls.
+
+    What has been flown stays in the folder: the same command goes on where it was interrupted. Exit with 0 when all
+    has been flown, whatever came of it; 130 if it was interrupted.
+    """
+    from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.view.study import study_progress
+    from waypointctl.policy.bundle import load_policy
+    from waypointctl.study.autonomy import autonomies_of
+    from waypointctl.study.delay import delay_cases
+    from waypointctl.study.route import load_routes
+    from waypointctl.study.run import study_delay
+
+    quick_route, quick_rtt, quick_seeds = _QUICK
+    routes = load_routes(_parts(route or (quick_route if quick else "two-point,ten-point")))
+    names = [one.name for one in autonomies_of(_parts(autonomy))]
+    rtts_s = rtts_of(rtt or (quick_rtt if quick else "0,0.4,2.56,5,10,40"))
+    trials = range(seed, seed + (seeds or (quick_seeds if quick else 20)))
+    cases, fine = delay_cases(list(routes), names, rtts_s, trials, find_joint_limit=find_joint_limit)
+    folder = out or Path("runs/study-delay-quick" if quick else "runs/study-delay")
+    loaded = load_policy(policy)
+    with interruption() as interrupted, study_progress() as watch:
+        found = study_delay(
+            loaded,
+            routes,
+            cases,
+            fine,
+            folder,
+            think_s=think,
+            jobs=jobs or _cores(),
+            keep_logs=keep_logs,
+            watch=watch,
+            interrupted=interrupted,
+        )
+    if found is None:
+        typer.echo(f"interrupted; {folder} has what was flown, and the same command goes on", err=True)
+        raise typer.Exit(130)
+    _tell(found, folder, stderr=json)
+    if json:
+        sys.stdout.write(f"{found.model_dump_json(indent=2)}\n")
+
+
+def rtts_of(text: str) -> tuple[float, ...]:
+    """Return round trips [s], ascending, from a list such as "0,0.4,2.56".
+
+    Raises:
+        InputError: one is no number of seconds, too long, or there twice.
+    """
+    mend = "Give seconds, separated by commas, as in --rtt 0,0.4,2.56."
+    rtts_s = []
+    for part in _parts(text):
+        try:
+            rtt_s = float(part)
+        except ValueError:
+            raise InputError(f"--rtt: {part!r} is no number", mend=mend) from None
+        if not 0 <= rtt_s <= _LONGEST_RTT_S:
+            raise InputError(f"--rtt: {part} is not within 0 and {_LONGEST_RTT_S:g} s", mend=mend)
+        rtts_s.append(rtt_s)
+    if len(set(rtts_s)) < len(rtts_s):
+        raise InputError(f"--rtt: {text!r} has one of them twice", mend=mend)
+    return tuple(sorted(rtts_s))
+
+
+def _parts(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",")]
+
+
+def _cores() -> int:
+    import os
+
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _tell(found: DelayStudy, folder: Path, *, stderr: bool) -> None:
+    from waypointctl.cli.console import console
+    from waypointctl.cli.view.evaluation import grid_table
+    from waypointctl.study.files import PICTURE, TABLES, VALUES
+    from waypointctl.study.tables import tables
+
+    people = console(stderr=stderr)
+    for grid in tables(found):
+        people.print(grid_table(grid, people.width))
+        people.print()
+    typer.echo(f"{folder / PICTURE}: the picture; the tables in {TABLES} and {VALUES}", err=stderr)

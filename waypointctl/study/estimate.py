@@ -1,0 +1,76 @@
+"""Estimates from a few flights: a mean or a slope, with its 95 % interval after Student."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cache
+from typing import Final
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+_CONFIDENCE: Final = 0.95
+_NODES: Final = 64  # of the quadrature: exact to ten digits and more
+
+
+class Estimate(BaseModel):
+    """A value, and by how much the true one may be off it; None where one flight says nothing of that."""
+
+    model_config = ConfigDict(frozen=True)
+
+    value: float
+    half: float | None  # of the 95 % interval
+
+    def __str__(self) -> str:
+        """Return it with as many digits as a table needs."""
+        return f"{self.value:.2f}" if self.half is None else f"{self.value:.2f} ± {self.half:.2f}"
+
+
+def mean(values: Sequence[float]) -> Estimate:
+    """Return the mean of values, of which there is at least one."""
+    if len(values) == 1:
+        return Estimate(value=values[0], half=None)
+    error = float(np.std(values, ddof=1)) / math.sqrt(len(values))
+    return Estimate(value=float(np.mean(values)), half=student(len(values) - 1) * error)
+
+
+def slope(x: Sequence[float], y: Sequence[float]) -> Estimate:
+    """Return the slope of the line of least squares through points (x, y).
+
+    Raises:
+        ValueError: all points have one x.
+    """
+    across, along = np.array(x) - np.mean(x), np.array(y) - np.mean(y)
+    spread = float(across @ across)
+    if not spread:
+        raise ValueError("a slope needs two different x")
+    value = float(across @ along) / spread
+    freedom = len(x) - 2
+    if not freedom:
+        return Estimate(value=value, half=None)
+    rest = along - value * across
+    return Estimate(value=value, half=student(freedom) * math.sqrt(float(rest @ rest) / freedom / spread))
+
+
+@cache
+def student(freedom: int) -> float:
+    """Return how many standard errors the 95 % interval reaches to either side, by its degrees of freedom."""
+    low, high = 0.0, 20.0
+    while high - low > 1e-9:
+        middle = (low + high) / 2
+        low, high = (middle, high) if _central(middle, freedom) < _CONFIDENCE else (low, middle)
+    return (low + high) / 2
+
+
+def _central(t: float, freedom: int) -> float:
+    """Return how probable it is that Student's t lies within ±`t`.
+
+    With t = sqrt(freedom) tan(angle) its density is a constant times cos(angle)**(freedom - 1), which is smooth.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    end = math.atan(t / math.sqrt(freedom))
+    angles = end * (nodes + 1) / 2
+    area = float(weights @ np.cos(angles) ** (freedom - 1)) * end / 2
+    scale = math.exp(math.lgamma((freedom + 1) / 2) - math.lgamma(freedom / 2)) / math.sqrt(math.pi)
+    return 2 * scale * area

@@ -1,0 +1,161 @@
+"""A delay study as a picture: time and share of standing against the round trip, a column for each route."""
+
+from __future__ import annotations
+
+import io
+import itertools
+from collections.abc import Sequence
+from typing import Any, Final
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullLocator, PercentFormatter
+
+from waypointctl.study.autonomy import AUTONOMIES
+from waypointctl.study.cell import Cell
+from waypointctl.study.delay import DelayStudy, Route
+from waypointctl.study.estimate import Estimate
+
+_DPI: Final = 110
+_COLUMN_IN: Final = 6.6
+_HEIGHT_IN: Final = 8.6
+_LINEAR_S: Final = 0.4  # below this the axis of round trips is linear, so that 0 has a place
+_SPARE_TICK: Final = 0.045  # of the axis: a round trip nearer to the one before it has no label
+_INK: Final = "#222222"
+_FAINT: Final = "#C8C8C8"
+# Colours told apart by the colour-blind (Okabe and Ito), and a mark each.
+_LOOKS: Final = {
+    "mission": ("#0072B2", "o"),
+    "waypoint": ("#009E73", "s"),
+    "heading": ("#D55E00", "^"),
+    "heading-continuous": ("#8E44AD", "D"),
+    "joint": ("#B8860B", "v"),
+}
+_STYLE: Final[dict[Any, Any]] = {
+    "text.parse_math": False,  # a dollar sign in a policy's name is a dollar sign
+    "axes.titlelocation": "left",
+    "axes.edgecolor": _FAINT,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "text.color": _INK,
+    "font.size": 9.5,
+}
+
+
+def draw(study: DelayStudy) -> bytes:
+    """Return the picture as PNG; the same study gives the same bytes."""
+    count = len(study.routes)
+    width_in = count * _COLUMN_IN + 0.6
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(width_in, _HEIGHT_IN), dpi=_DPI)
+        FigureCanvasAgg(figure)
+        grid = {"left": 0.75 / width_in, "right": 1 - 0.2 / width_in, "top": 0.88, "bottom": 0.14, "hspace": 0.2}
+        axes = figure.subplots(2, count, squeeze=False, gridspec_kw={**grid, "height_ratios": (2, 1), "wspace": 0.14})
+        for column, route in enumerate(study.routes):
+            _draw_times(axes[0, column], study, route)
+            _draw_standing(axes[1, column], study, route)
+            for one in axes[:, column]:
+                _scale(one, study)
+        axes[0, 0].set_ylabel("time until the operator knows [s]")
+        axes[1, 0].set_ylabel("share of the time standing")
+        _write(figure, study, 0.75 / width_in)
+        image = io.BytesIO()
+        figure.savefig(image, format="png", dpi=_DPI, metadata={"Software": None})
+    return image.getvalue()
+
+
+def _draw_times(axes: Axes, study: DelayStudy, route: Route) -> None:
+    last_s = max(cell.rtt_s for cell in study.cells)
+    dense_s = np.linspace(0.0, 1.0, 200) ** 3 * last_s  # dense where the axis is
+    axes.set_yscale("log")
+    failed = []
+    for name, (color, mark) in _LOOKS.items():
+        cells = study.cells_of(route.name, name)
+        predicted = [study.predicted_s(route.name, name, float(rtt_s)) for rtt_s in dense_s]
+        if cells and AUTONOMIES[name].waits and None not in predicted:
+            axes.plot(dense_s, np.array(predicted, float), color=color, linestyle=(0, (4, 3)), linewidth=0.9, alpha=0.8)
+        _draw_line(axes, cells, [cell.time_s for cell in cells], color, mark)
+        failed += [(cell, color) for cell in cells if cell.successes < cell.flights]
+    for cell, color in failed:
+        _mark_failures(axes, cell, color)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.set_title(f"{route.name}: {route.waypoints} waypoints, {route.length_m:.0f} m", fontweight="bold", pad=22)
+
+
+def _draw_standing(axes: Axes, study: DelayStudy, route: Route) -> None:
+    for name, (color, mark) in _LOOKS.items():
+        cells = study.cells_of(route.name, name)
+        _draw_line(axes, cells, [cell.standing_share for cell in cells], color, mark)
+    axes.set_ylim(0.0, 1.02)
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    axes.set_xlabel("round trip [s]")
+
+
+def _draw_line(axes: Axes, cells: Sequence[Cell], estimates: Sequence[Estimate | None], color: str, mark: str) -> None:
+    """Draw what the successes came to; where there are few of them, pale."""
+    shown = [(cell, one) for cell, one in zip(cells, estimates, strict=True) if one is not None]
+    for (before, one), (after, other) in itertools.pairwise(shown):
+        alpha = 1.0 if before.mostly_succeeds and after.mostly_succeeds else 0.35
+        axes.plot([before.rtt_s, after.rtt_s], [one.value, other.value], color=color, linewidth=1.5, alpha=alpha)
+    for cell, one in shown:
+        face = color if cell.mostly_succeeds else "white"
+        axes.errorbar(
+            cell.rtt_s, one.value, yerr=one.half or 0.0, color=color, marker=mark, markerfacecolor=face, markersize=5,
+            capsize=2.5, linewidth=1.0,
+        )  # fmt: skip
+
+
+def _mark_failures(axes: Axes, cell: Cell, color: str) -> None:
+    """Say how many failed: at the point, and with a cross above the axes where none came through."""
+    if cell.time_s is None:
+        axes.plot(cell.rtt_s, 1.03, "x", color=color, markersize=6, transform=axes.get_xaxis_transform(), clip_on=False)
+        return
+    axes.annotate(
+        f"{cell.successes}/{cell.flights}", (cell.rtt_s, cell.time_s.value), xytext=(4, -11),
+        textcoords="offset points", fontsize=7.5, color=color,
+    )  # fmt: skip
+
+
+def _scale(axes: Axes, study: DelayStudy) -> None:
+    rtts_s = sorted({cell.rtt_s for cell in study.cells})
+    axes.set_xscale("symlog", linthresh=_LINEAR_S, linscale=0.6)
+    axes.set_xlim(-0.03, max(*rtts_s, _LINEAR_S) * 1.25)
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xticks(rtts_s, labels=_labels(axes, rtts_s))
+    axes.grid(color=_FAINT, linewidth=0.35)
+    axes.set_axisbelow(True)
+
+
+def _labels(axes: Axes, rtts_s: Sequence[float]) -> list[str]:
+    """Return a label for each round trip, empty where it would stand on the one before."""
+    places = axes.transAxes.inverted().transform(axes.transData.transform([(rtt_s, 1.0) for rtt_s in rtts_s]))[:, 0]
+    labels, last = [], -1.0
+    for rtt_s, place in zip(rtts_s, places.tolist(), strict=True):
+        spare = place - last < _SPARE_TICK
+        labels.append("" if spare else f"{rtt_s:g}")
+        last = last if spare else place
+    return labels
+
+
+def _write(figure: Figure, study: DelayStudy, left: float) -> None:
+    drawn = {cell.autonomy for cell in (*study.cells, *study.joint_sweep)}
+    handles = [
+        Line2D([], [], color=color, marker=mark, markersize=5, label=name)
+        for name, (color, mark) in _LOOKS.items()
+        if name in drawn
+    ]
+    handles += [
+        Line2D([], [], color=_INK, linestyle=(0, (4, 3)), linewidth=0.9, label="L/v + N (RTT + think)"),
+        Line2D([], [], color=_INK, marker="x", linestyle="none", label="no success"),
+    ]
+    figure.legend(handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=9)
+    seeds = f"{len(study.seeds)} seeds each" if len(study.seeds) > 1 else f"seed {study.seeds[0]}"
+    think = f", think time {study.think_s:g} s" if study.think_s else ""
+    figure.text(left, 0.965, f"What a delay costs: {study.policy}", fontsize=13, fontweight="bold", va="center")
+    note = f"{seeds}{think}; means of the successes, 95 % intervals; 7/20: so many succeeded; open: fewer than half"
+    figure.text(left, 0.935, note, va="center")

@@ -1,0 +1,120 @@
+"""Flying a delay study into its folder, and going on with it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from waypointctl.mission.files import MissionFile
+from waypointctl.ops.header import source_revision
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.policy.require import require
+from waypointctl.sim.robots import load_robot
+from waypointctl.study.case import Case
+from waypointctl.study.delay import DelayStudy, conclude
+from waypointctl.study.files import write_study
+from waypointctl.study.pilot import Plan, fly_cases
+from waypointctl.study.results_file import Conditions, ResultsFile
+from waypointctl.task.observation import layout
+
+LOGS: Final = "logs"
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a study is.
+
+    Attributes:
+        flown: flights that have ended, those of an earlier run among them.
+        total: flights of the study.
+        last: the one that has just ended; None at the beginning.
+    """
+
+    flown: int
+    total: int
+    last: Case | None
+
+
+def study_delay(
+    policy: LoadedPolicy,
+    routes: Mapping[str, MissionFile],
+    cases: Sequence[Case],
+    fine: Sequence[Case],
+    folder: Path,
+    *,
+    think_s: float = 0.0,
+    jobs: int = 1,
+    keep_logs: bool = False,
+    watch: Callable[[Progress], None] = lambda progress: None,
+    interrupted: Callable[[], bool] = lambda: False,
+) -> DelayStudy | None:
+    """Fly the cases that `folder` does not have yet, and write what all of them came to.
+
+    Args:
+        policy: who walks.
+        routes: by name.
+        cases: of the study.
+        fine: of the finer sweep of `joint`.
+        folder: for the flights and what they came to; what is there already is not flown again.
+        think_s: how long the operator thinks before it sends [s].
+        jobs: flights at a time. The results do not depend on it.
+        keep_logs: write the logs of the flights, too.
+        watch: told of each flight.
+        interrupted: asked again and again; True ends it.
+
+    Returns:
+        What was found; None if it was interrupted.
+
+    Raises:
+        PolicyError: the policy was made for another robot or another observation layout.
+        InputError: the folder has the flights of another study.
+        OutputError: something cannot be written, or another study is at it.
+        WaypointctlError: a process that flew was killed.
+    """
+    refuse_policy(policy, routes)
+    conditions = Conditions(
+        policy=policy.manifest.name,
+        policy_sha256=policy.sha256,
+        think_s=think_s,
+        source=source_revision(),
+        routes={name: hashlib.sha256(file.source).hexdigest() for name, file in routes.items()},
+    )
+    with ResultsFile.held(folder, conditions) as results:
+        logs = folder / LOGS if keep_logs else None
+        if logs is not None:
+            logs.mkdir(exist_ok=True)
+        every = list(dict.fromkeys((*cases, *fine)))
+        to_fly = [case for case in every if case not in results.flown]
+        ended = len(every) - len(to_fly)
+        watch(Progress(ended, len(every), None))
+        plan = Plan(routes, policy.files, policy.manifest.name, think_s, logs)
+        for flown in fly_cases(plan, to_fly, jobs, interrupted):
+            results.add(flown)
+            ended += 1
+            watch(Progress(ended, len(every), flown.case))
+        results.write_in_order(every)
+        if ended < len(every):
+            return None
+        study = conclude(cases, fine, results.flown, routes, conditions)
+        write_study(study, folder)
+    return study
+
+
+def refuse_policy(policy: LoadedPolicy, routes: Mapping[str, MissionFile]) -> None:
+    """Refuse a policy that was not made for the routes' robots.
+
+    Raises:
+        PolicyError: it was made for another robot, observation layout, control period or kind of action.
+    """
+    for name in {file.mission.robot for file in routes.values()}:
+        robot = load_robot(name)
+        require(
+            policy,
+            robot=robot.name,
+            num_joints=robot.num_joints,
+            components=layout(policy.observation_layout).components,
+            control_period_ns=robot.control_period_ns,
+        )
