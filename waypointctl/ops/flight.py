@@ -8,7 +8,7 @@ from typing import Final
 
 from waypointctl.log.messages import Ack, Clock, Command, Event, EventKind, Severity, Telemetry
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.executive import FALL
+from waypointctl.ops.executive.rules import FALL, rules_of
 from waypointctl.ops.ground.build import answer_time, station_for
 from waypointctl.ops.ground.pilot import BodyFrame, ControlFrame
 from waypointctl.ops.link.build import direction
@@ -59,7 +59,8 @@ class Flight:
         noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
         answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
         self._station = station_for(mission, policy, noise, sink, self._uplink.send, answer_by)
-        self._vehicle = Vehicle(robot, policy, sink, self._downlink, ns(1 / mission.telemetry.rate_hz))
+        period_ns = ns(1 / mission.telemetry.rate_hz)
+        self._vehicle = Vehicle(robot, policy, sink, self._downlink, period_ns, rules_of(mission))
         self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
         self._heard_ns = 0  # when the operator last heard anything
@@ -151,6 +152,7 @@ class Flight:
         return self._close("interrupted", f"{reached} of {total} waypoints reached", self._now_ns)
 
     def _close(self, outcome: str, reason: str, ended_ns: int) -> FlightResult:
+        self._vehicle.close(self._now_ns)
         self._vehicle.log_state(self._now_ns)
         severity = Severity.INFO if outcome == "success" else Severity.ERROR
         self._announce(ended_ns, EventKind.MISSION_ENDED, f"{outcome}: {reason}", severity)

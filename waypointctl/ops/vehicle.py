@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.log.messages import (
+    FINAL_STAGES,
     Ack,
     Action,
     Checkpoint,
     Command,
+    CommandStage,
     Mode,
     Observation,
     Reward,
@@ -22,7 +24,8 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
-from waypointctl.ops.executive import Executive
+from waypointctl.ops.executive.executive import Executive
+from waypointctl.ops.executive.rules import Rules
 from waypointctl.ops.link.logged import LoggedDirection
 from waypointctl.ops.pay import reward_weights
 from waypointctl.ops.sink import Sink
@@ -40,6 +43,9 @@ FloatArray = NDArray[np.float64]
 _STILL: Final = np.zeros(1)
 _NOTHING: Final = np.zeros((1, len(TERMS)))
 
+# The end of a command is told after a frame of telemetry: the operator hears of the waypoints before the verdict.
+_TOLD_WITH_A_FRAME: Final = FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED}
+
 
 class Vehicle:
     """One robot that obeys commands. It is told the time and never looks ahead of it."""
@@ -51,11 +57,12 @@ class Vehicle:
         sink: Sink,
         downlink: LoggedDirection[Ack | Telemetry],
         telemetry_period_ns: int,
+        rules: Rules,
     ) -> None:
         """Make a robot that reports through `downlink` and logs its truth into `sink`; `place` it before flight."""
         self.robot = robot
         self.plant = SingleRobot(robot)
-        self.executive = Executive(report=self._acknowledge, announce=sink)
+        self.executive = Executive(self._report, sink, remind=self._acknowledge, rules=rules)
         self.step = 0
         self._policy = policy
         self._layout = layout(policy.observation_layout)
@@ -68,6 +75,7 @@ class Vehicle:
         self._frame = 0
         self._body: Body = body_of(self.plant.qpos, self.plant.qvel)
         self._fell = False
+        self._closed = False
         self._noise: FloatArray = np.zeros((1, NOISE_SIZE))
 
     def place(self, qpos: FloatArray, qvel: FloatArray, noise: FloatArray) -> None:
@@ -84,7 +92,7 @@ class Vehicle:
     def sense(self, now_ns: int) -> None:
         """Let the executive look at the world; report at the telemetry rate and whenever its mode changes."""
         before = (self.executive.mode, self.executive.leg, len(self.executive.reached))
-        self.executive.sense(now_ns, self._body.position, self._fell)
+        self.executive.sense(now_ns, self._body.position, self._fell, float(self._body.yaw[0]))
         changed = before != (self.executive.mode, self.executive.leg, len(self.executive.reached))
         due = now_ns >= self._next_telemetry_ns
         while now_ns >= self._next_telemetry_ns:
@@ -104,6 +112,15 @@ class Vehicle:
         self._log_reward(now_ns + self.robot.control_period_ns, before, applied)
         self.step += 1
 
+    def heard(self, now_ns: int) -> None:
+        """Take note that something has arrived from the ground that is no command."""
+        self.executive.heard(now_ns)
+
+    def close(self, now_ns: int) -> None:
+        """End, in the log, what is still open at the end of the flight; nobody is told any more."""
+        self._closed = True
+        self.executive.close(now_ns)
+
     def log_state(self, now_ns: int) -> None:
         """Log the physics state as it is now."""
         plant = self.plant
@@ -116,7 +133,7 @@ class Vehicle:
         self._sink(Checkpoint(now_ns, self.step, self.plant.integration_state(), executive, json.dumps(link)))
 
     def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
-        if self.executive.mode is Mode.WALKING:
+        if self.executive.on_foot:
             observation = self._layout.observe(self._body, Goals(self.executive.goals, self._noise))
             self._sink(Observation(now_ns, self.step, observation[0]))
             return "policy", self._policy.act(observation)
@@ -138,16 +155,23 @@ class Vehicle:
         if self.executive.mode is Mode.FALLEN:
             return _NOTHING  # the fall was paid for in the step that ended in it
         body, approach = self._body, _STILL
-        if self.executive.mode is Mode.WALKING:
+        if self.executive.on_foot:
             period_s = self.robot.control_period_ns / 1e9
             approach = progress_speed(before, body.position, self.executive.goals[:, 0], period_s)
         at_limit = self._limits.count(body.joints)
         return reward_terms(self._weights, body, approach, applied, at_limit, np.array([self._fell]))
 
-    def _acknowledge(self, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
-        if stage in (Stage.COMPLETED, Stage.FAILED):
-            self._downlink_frame(now_ns)  # the operator hears of the waypoints before it hears the verdict
-        self._downlink.send(now_ns, lambda arrives_ns: Ack(command_id, stage, reason, now_ns, arrives_ns))
+    def _report(self, stage: CommandStage) -> None:
+        self._sink(stage)
+        if self._closed:
+            return
+        if stage.stage in _TOLD_WITH_A_FRAME:
+            self._downlink_frame(stage.time_ns)
+        self._acknowledge(stage)
+
+    def _acknowledge(self, it: CommandStage) -> None:
+        now_ns = it.time_ns
+        self._downlink.send(now_ns, lambda arrives_ns: Ack(it.command_id, it.stage, it.reason, now_ns, arrives_ns))
 
     def _downlink_frame(self, now_ns: int) -> None:
         target = self.executive.target
@@ -161,7 +185,7 @@ class Vehicle:
             heading_rad=float(self._body.yaw[0]),
             speed_mps=float(np.hypot(velocity[0], velocity[1])),
             target=-1 if target is None else target.index,
-            reached=tuple(self.executive.reached),
+            reached=self.executive.reached,
             issued_ns=now_ns,
             received_ns=now_ns,
         )

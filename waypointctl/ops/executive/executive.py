@@ -1,156 +1,181 @@
-"""The executive on board: what becomes of a command, waypoint by waypoint.
+"""The executive on board: it takes commands and looks at the world; machine.py has its modes and what changes them.
 
-    IDLE --command--> WALKING --last waypoint--> DONE
-                      |     ^
-              reached |     | hold over
-                      v     |
-                      HOLDING
-    WALKING --time-out, on_failure abort--> FAILED      any --fall--> FALLEN
-
-A command that is accepted replaces the plan, from every mode but FALLEN.
+docs/executive.md shows the machine, docs/commands.md what each command does.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
-from typing import Final
+from dataclasses import asdict
 
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.log.messages import Clock, Command, Event, EventKind, Mode, PlannedWaypoint, Severity, Stage
-from waypointctl.task.acceptance import Acceptance, reached
-from waypointctl.units import seconds
+from waypointctl.log.messages import (
+    Command,
+    CommandStage,
+    Event,
+    EventKind,
+    Mode,
+    PlannedWaypoint,
+    Severity,
+    Stage,
+)
+from waypointctl.ops.executive.arguments import wrong_arguments
+from waypointctl.ops.executive.commands import names_of, start, take_back
+from waypointctl.ops.executive.judgement import OBSERVATION_NS, judge
+from waypointctl.ops.executive.life import Life
+from waypointctl.ops.executive.machine import ON_FOOT, Signal
+from waypointctl.ops.executive.rules import FALL, Rules
+from waypointctl.ops.executive.walk import Walk
+from waypointctl.ops.executive.watch import FenceWatch, LinkWatch
 
 FloatArray = NDArray[np.float64]
 
-# Why a command was rejected or failed, as acknowledgements say it.
-TIMEOUT: Final = "timeout"
-FALL: Final = "fall"
 
-
-@dataclass(slots=True)
 class Executive:
-    """The state machine on board. It reports through two callables and knows nothing of the link.
+    """The state machine on board. It reports through callables and knows nothing of the link."""
 
-    Attributes:
-        report: told (now, command id, stage, reason) when a command's stage changes.
-        announce: told every event.
-    """
+    def __init__(
+        self,
+        report: Callable[[CommandStage], None],
+        announce: Callable[[Event], None],
+        *,
+        remind: Callable[[CommandStage], None] = lambda _: None,
+        rules: Rules | None = None,
+    ) -> None:
+        """Stand idle.
 
-    report: Callable[[int, int, Stage, str], None]
-    announce: Callable[[Event], None]
-    mode: Mode = Mode.IDLE
-    command_id: int = -1
-    plan: tuple[PlannedWaypoint, ...] = ()
-    on_failure: str = "abort"
-    leg: int = 0  # which waypoint of the plan
-    since_ns: int = 0  # when this leg, or this hold, began
-    reached: list[int] = field(default_factory=list)  # indices in the mission
-    obeyed: set[int] = field(default_factory=set)  # ids of commands, each obeyed once
-    goals: FloatArray = field(default_factory=lambda: np.zeros((1, 2, 2)))  # this leg's waypoint and the next [m]
-    _acceptance: Acceptance = field(default_factory=Acceptance)  # this leg's
+        Args:
+            report: told each stage of a command at its moment.
+            announce: told every event.
+            remind: told the stage that a command is in when it arrives once more.
+            rules: what the robot does by itself; without them it gives a plan up when a leg fails, and no more.
+        """
+        self._announce = announce
+        self._life = Life(report, remind)
+        self._walk = Walk(rules or Rules(), self._life, announce)
+        self._link = LinkWatch()
+        self._fence = FenceWatch()
+
+    @property
+    def mode(self) -> Mode:
+        """What it is doing."""
+        return self._walk.mode
+
+    @property
+    def on_foot(self) -> bool:
+        """Whether the policy has the motors."""
+        return self.mode in ON_FOOT
+
+    @property
+    def leg(self) -> int:
+        """The place in the plan that it has come to."""
+        return self._walk.plan.at
+
+    @property
+    def command_id(self) -> int:
+        """The command that is, or was last, under way; -1 for none."""
+        return self._walk.command_id
+
+    @property
+    def reached(self) -> tuple[int, ...]:
+        """The waypoints reached so far: indices in the mission, each once, in order."""
+        return tuple(self._walk.reached)
+
+    @property
+    def goals(self) -> FloatArray:
+        """The waypoint it walks to and the next, (1, 2, 2) [m]; zeros while there is none."""
+        return self._walk.goals
 
     @property
     def target(self) -> PlannedWaypoint | None:
-        """The waypoint the robot walks to or holds at."""
-        return self.plan[self.leg] if self.mode in (Mode.WALKING, Mode.HOLDING) else None
+        """The waypoint it walks to, stands at, or goes on with after a pause."""
+        return self._walk.target
+
+    def heard(self, now_ns: int) -> None:
+        """Take note that something has arrived from the ground: a heartbeat, or a command."""
+        self._link.hear(self._walk, now_ns)
 
     def obey(self, now_ns: int, command: Command) -> None:
-        """Take a command that has arrived."""
-        if command.id in self.obeyed:
+        """Take a command that has arrived. Each id is obeyed once."""
+        self.heard(now_ns)
+        life = self._life
+        if life.knows(command.id):
+            life.repeat(now_ns, command)
             return
-        self.obeyed.add(command.id)
-        self.report(now_ns, command.id, Stage.RECEIVED, "")
-        names = ", ".join(waypoint.name for waypoint in command.waypoints)
-        text = f"command {command.id} received: {command.kind} {names}"
-        self._announce(now_ns, EventKind.COMMAND_RECEIVED, text, command_id=command.id)
+        life.receive(now_ns, command)
+        text = f"command {command.id} received: {command.kind} {names_of(command)}".rstrip()
+        self._walk.tell(now_ns, EventKind.COMMAND_RECEIVED, text, command_id=command.id)
         if self.mode is Mode.FALLEN:
-            self.report(now_ns, command.id, Stage.REJECTED, FALL)
-            return
-        self.report(now_ns, command.id, Stage.ACCEPTED, "")
-        self.command_id, self.plan, self.on_failure = command.id, command.waypoints, command.on_failure
-        self.report(now_ns, command.id, Stage.STARTED, "")
-        self._start_leg(now_ns, 0)
+            life.advance(now_ns, command.id, Stage.REJECTED, FALL)
+        elif reason := wrong_arguments(command, self._walk.rules.fence):
+            life.advance(now_ns, command.id, Stage.REJECTED, reason)
+        elif 0 <= command.expires_ns < now_ns:
+            life.advance(now_ns, command.id, Stage.EXPIRED, "late")
+        elif command.not_before_ns > now_ns:
+            life.advance(now_ns, command.id, Stage.ACCEPTED)
+            life.postpone(command)
+        else:
+            start(self._walk, now_ns, command)
 
-    def sense(self, now_ns: int, position: FloatArray, fell: bool) -> None:
-        """Look at where the robot is, position (1, >= 2) [m], and whether it has fallen."""
+    def sense(self, now_ns: int, position: FloatArray, fell: bool, heading_rad: float = 0.0) -> None:
+        """Look at the world and the clock.
+
+        Args:
+            now_ns: the time.
+            position: where the robot is, (1, >= 2) [m].
+            fell: whether it has fallen.
+            heading_rad: where it looks.
+        """
         if self.mode is Mode.FALLEN:
             return
         if fell:
-            walking = self.target is not None
-            self.mode = Mode.FALLEN
-            self._announce(now_ns, EventKind.FALL, "the robot has fallen", Severity.ERROR)
-            if walking:
-                self.report(now_ns, self.command_id, Stage.FAILED, FALL)
-        elif self.mode is Mode.WALKING:
-            self._walk(now_ns, self.plan[self.leg], position)
-        elif self.mode is Mode.HOLDING and now_ns - self.since_ns >= self.plan[self.leg].hold_ns:
-            waypoint = self.plan[self.leg]
-            self._announce(now_ns, EventKind.HOLD_COMPLETED, f"hold at {waypoint.name} completed", waypoint=waypoint)
-            self._start_leg(now_ns, self.leg + 1)
+            self._fall(now_ns)
+            return
+        for command_id in self._life.expired(now_ns):
+            begun = self._life.has_started(command_id)
+            reason = "not completed in time" if begun else "not started in time"
+            take_back(self._walk, now_ns, command_id, Stage.EXPIRED, reason)
+        self._link.look(self._walk, now_ns)
+        if not self._link.keeps_still(self._walk):
+            while (command := self._life.take_due(now_ns)) is not None:
+                start(self._walk, now_ns, command)
+        self._fence.look(self._walk, now_ns, float(position[0, 0]), float(position[0, 1]))
+        judge(self._walk, now_ns, position, heading_rad)
+
+    def close(self, now_ns: int) -> None:
+        """End every command that is still open, for the flight is over."""
+        for command_id in self._life.open_ids:
+            self._life.advance(now_ns, command_id, Stage.CANCELLED, "flight ended")
+
+    def next_ns(self, now_ns: int) -> int | None:
+        """Return when something is due by itself while the robot stands; None if nothing is.
+
+        That is a time to look at the world again, not before `now_ns`; on foot there is always something to look at.
+        """
+        if self.on_foot:
+            return now_ns
+        walk, life = self._walk, self._life
+        due = [self._link.deadline_ns(walk), life.next_expiry_ns]
+        if life.pending and not self._link.keeps_still(walk):
+            due.append(life.pending[0].not_before_ns)
+        if self.mode is Mode.HOLDING and walk.target is not None:
+            due.append(walk.stood_ns + walk.target.hold_ns)
+        if self.mode is Mode.OBSERVING:
+            due.append(walk.stood_ns + OBSERVATION_NS)
+        times = [time_ns for time_ns in due if time_ns is not None]
+        return max(now_ns, min(times)) if times and self.mode is not Mode.FALLEN else None
 
     def state(self) -> dict[str, object]:
         """Return all that a replay needs to go on from here, as plain data."""
-        return {
-            "mode": self.mode.value,
-            "command_id": self.command_id,
-            "plan": [asdict(waypoint) for waypoint in self.plan],
-            "on_failure": self.on_failure,
-            "leg": self.leg,
-            "since_ns": self.since_ns,
-            "reached": list(self.reached),
-            "obeyed": sorted(self.obeyed),
-        }
+        watches = {"link": asdict(self._link), "fence": asdict(self._fence)}
+        return {**self._walk.state(), "commands": self._life.state(), **watches}
 
-    def _walk(self, now_ns: int, waypoint: PlannedWaypoint, position: FloatArray) -> None:
-        if now_ns == self.since_ns:
-            return  # a leg is judged after its first control period, as in training
-        if reached(self._acceptance, position, self.goals[:, 0])[0]:
-            self.reached.append(waypoint.index)
-            self._announce(now_ns, EventKind.WAYPOINT_REACHED, f"{waypoint.name} reached", waypoint=waypoint)
-            if waypoint.hold_ns:
-                self.mode, self.since_ns = Mode.HOLDING, now_ns
-                text = f"holding at {waypoint.name} for {seconds(waypoint.hold_ns):g} s"
-                self._announce(now_ns, EventKind.HOLD_STARTED, text, waypoint=waypoint)
-            else:
-                self._start_leg(now_ns, self.leg + 1)
-        elif now_ns - self.since_ns >= waypoint.timeout_ns:
-            self._give_up(now_ns, waypoint)
-
-    def _give_up(self, now_ns: int, waypoint: PlannedWaypoint) -> None:
-        text = f"{waypoint.name} not reached within {seconds(waypoint.timeout_ns):g} s"
-        self._announce(now_ns, EventKind.WAYPOINT_TIMEOUT, text, Severity.WARNING, waypoint)
-        if self.on_failure == "skip":
-            self._announce(now_ns, EventKind.WAYPOINT_SKIPPED, f"{waypoint.name} skipped", Severity.WARNING, waypoint)
-            self._start_leg(now_ns, self.leg + 1)
-            return
-        self.mode = Mode.FAILED
-        self._announce(now_ns, EventKind.PLAN_FAILED, f"plan given up at {waypoint.name}", Severity.ERROR, waypoint)
-        self.report(now_ns, self.command_id, Stage.FAILED, TIMEOUT)
-
-    def _start_leg(self, now_ns: int, leg: int) -> None:
-        if leg == len(self.plan):
-            self.mode = Mode.DONE
-            self._announce(now_ns, EventKind.PLAN_COMPLETED, f"command {self.command_id} completed")
-            self.report(now_ns, self.command_id, Stage.COMPLETED, "")
-            return
-        self.mode, self.leg, self.since_ns = Mode.WALKING, leg, now_ns
-        waypoint, following = self.plan[leg], self.plan[min(leg + 1, len(self.plan) - 1)]
-        self._acceptance = Acceptance(waypoint.acceptance, waypoint.tolerance_m)
-        self.goals = np.array([[[waypoint.x_m, waypoint.y_m], [following.x_m, following.y_m]]])
-        self._announce(now_ns, EventKind.LEG_STARTED, f"walking to {waypoint.name}", waypoint=waypoint)
-
-    def _announce(
-        self,
-        now_ns: int,
-        kind: EventKind,
-        text: str,
-        severity: Severity = Severity.INFO,
-        waypoint: PlannedWaypoint | None = None,
-        command_id: int | None = None,
-    ) -> None:
-        index = -1 if waypoint is None else waypoint.index
-        command = self.command_id if command_id is None else command_id
-        self.announce(Event(now_ns, kind, Clock.ROBOT, severity, text, index, command))
+    def _fall(self, now_ns: int) -> None:
+        walk = self._walk
+        walk.machine.signal(Signal.FALL)
+        walk.tell(now_ns, EventKind.FALL, "the robot has fallen", severity=Severity.ERROR)
+        walk.fail_all(now_ns, FALL)
+        for command_id in self._life.open_ids:
+            self._life.advance(now_ns, command_id, Stage.CANCELLED, FALL)

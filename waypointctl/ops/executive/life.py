@@ -11,7 +11,7 @@ from waypointctl.log.messages import FINAL_STAGES, Clock, Command, CommandStage,
 # Which stage may follow which. A command that ends on arrival was never accepted.
 _ONWARD: Final = {
     Stage.RECEIVED: FINAL_STAGES - {Stage.COMPLETED, Stage.FAILED, Stage.SUPERSEDED} | {Stage.ACCEPTED},
-    Stage.ACCEPTED: FINAL_STAGES - {Stage.REJECTED, Stage.COMPLETED} | {Stage.STARTED},
+    Stage.ACCEPTED: FINAL_STAGES - {Stage.REJECTED} | {Stage.STARTED},
     Stage.STARTED: FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED},
 }
 
@@ -41,11 +41,13 @@ class Life:
         report: told each stage at its moment.
         remind: told the stage that a command is in when it arrives once more.
         records: of each id.
+        pending: accepted, and not to be started yet; those that start first are first.
     """
 
     report: Callable[[CommandStage], None]
     remind: Callable[[CommandStage], None]
     records: dict[int, Record] = field(default_factory=dict)
+    pending: list[Command] = field(default_factory=list)
     _open: dict[int, None] = field(default_factory=dict)  # ids without a final stage, as they arrived
 
     def knows(self, command_id: int) -> bool:
@@ -75,7 +77,23 @@ class Life:
         record.stage, record.reason = stage, reason
         if stage in FINAL_STAGES:
             del self._open[command_id]
+            self.pending = [command for command in self.pending if command.id != command_id]
         self.report(self._stage(now_ns, command_id))
+
+    def postpone(self, command: Command) -> None:
+        """Keep an accepted command until it may start."""
+        self.pending.append(command)
+        self.pending.sort(key=lambda waiting: waiting.not_before_ns)  # stable: of two, the one that arrived first
+
+    def take_due(self, now_ns: int) -> Command | None:
+        """Take out the first command that may start by now."""
+        if self.pending and self.pending[0].not_before_ns <= now_ns:
+            return self.pending.pop(0)
+        return None
+
+    def is_pending(self, command_id: int) -> bool:
+        """Tell whether a command waits for its time."""
+        return any(command.id == command_id for command in self.pending)
 
     def is_open(self, command_id: int) -> bool:
         """Tell whether a command has arrived and has not ended."""
@@ -101,7 +119,8 @@ class Life:
 
     def state(self) -> dict[str, object]:
         """Return all of it as plain data."""
-        return {str(command_id): asdict(record) for command_id, record in self.records.items()}
+        records = {str(command_id): asdict(record) for command_id, record in self.records.items()}
+        return {"records": records, "pending": [asdict(command) for command in self.pending]}
 
     def _stage(self, now_ns: int, command_id: int) -> CommandStage:
         record = self.records[command_id]

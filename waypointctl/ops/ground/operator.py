@@ -108,6 +108,7 @@ def planned_waypoints(mission: Mission) -> tuple[PlannedWaypoint, ...]:
             tolerance_m=leg.tolerance_m,
             timeout_ns=ns(leg.timeout_s),
             hold_ns=ns(leg.hold_s),
+            task="observe" if leg.observe else "",
         )
         for leg in mission.legs()
     )

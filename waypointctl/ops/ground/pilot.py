@@ -25,7 +25,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.executive import FALL, TIMEOUT
+from waypointctl.ops.executive.rules import FALL, TIMEOUT
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.order import Order
 from waypointctl.policy.protocol import Policy
@@ -67,7 +67,7 @@ class Pilot(Operator):
         self._layout = layout(policy.observation_layout)
         self._noise = noise[np.newaxis]
         self._announce = announce
-        self._skips = mission.on_failure == "skip"
+        self._skips = mission.failure_rule.then == "skip"
         self._reached: list[int] = []
         self._leg = 0
         self._since_ns = 0  # on the robot's clock, as its frames tell it

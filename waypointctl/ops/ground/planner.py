@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from waypointctl.log.messages import Ack, CommandKind, Stage
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.executive import TIMEOUT
+from waypointctl.ops.executive.rules import TIMEOUT
 from waypointctl.ops.ground.operator import Operator, ended_by_robot
 from waypointctl.ops.ground.order import Order
 
@@ -15,7 +15,7 @@ class MissionOperator(Operator):
     def __init__(self, mission: Mission) -> None:
         """Take charge of a mission."""
         super().__init__(mission)
-        self._on_failure: str = mission.on_failure
+        self._on_failure: str = mission.failure_rule.then
 
     def begin(self) -> list[Order]:
         """Send the plan."""
@@ -31,7 +31,7 @@ class WaypointOperator(Operator):
     def __init__(self, mission: Mission) -> None:
         """Take charge of a mission."""
         super().__init__(mission)
-        self._on_failure: str = mission.on_failure
+        self._on_failure: str = mission.failure_rule.then
         self._sent = 0
 
     def begin(self) -> list[Order]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from waypointctl.log.messages import Ack, GroundControl, Telemetry
 from waypointctl.ops.belief import Belief
-from waypointctl.ops.executive import FALL
+from waypointctl.ops.executive.rules import FALL
 from waypointctl.ops.ground.agenda import Agenda
 from waypointctl.ops.ground.dispatcher import UNANSWERED, Dispatcher
 from waypointctl.ops.ground.operator import Operator

@@ -12,7 +12,7 @@ from typing import Final
 
 from waypointctl.log.messages import Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.executive import FALL, TIMEOUT
+from waypointctl.ops.executive.rules import FALL, TIMEOUT
 from waypointctl.ops.ground.operator import CARROT, Operator, ended_by_robot
 from waypointctl.ops.ground.order import Order
 from waypointctl.units import NS_PER_S
@@ -27,7 +27,7 @@ class HeadingOperator(Operator):
         """Take charge of a mission."""
         super().__init__(mission)
         script = mission.operator
-        self._skips = mission.on_failure == "skip"
+        self._skips = mission.failure_rule.then == "skip"
         self._continuous = script.steering == "continuous"
         self._carrot_m = script.carrot_m
         self._period_ns = round(NS_PER_S / script.update_rate_hz)

@@ -1,0 +1,1 @@
+"""The executive on board: commands in, stages and events out."""

@@ -1,0 +1,94 @@
+"""What the robot watches while it does something else: the link to the ground, and the fence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from waypointctl.log.messages import EventKind, Mode, Severity
+from waypointctl.ops.executive.machine import ON_FOOT, UNDER_WAY, Signal
+from waypointctl.ops.executive.rules import GEOFENCE, LINK_LOST
+from waypointctl.ops.executive.walk import BY_RULE, Walk
+from waypointctl.units import seconds
+
+
+@dataclass(slots=True)
+class LinkWatch:
+    """Whether the ground is still heard.
+
+    What follows when it is heard again: a robot that stands because of the loss goes on with what it was kept from;
+    one that went home because of it is idle there, or walks on until it is, for its plan has been given up.
+
+    Attributes:
+        heard_ns: when anything last arrived; None before the first, when there is no link to lose yet.
+        lost: whether that is too long ago.
+    """
+
+    heard_ns: int | None = None
+    lost: bool = False
+
+    def hear(self, walk: Walk, now_ns: int) -> None:
+        """Take note that something has arrived."""
+        self.heard_ns = now_ns
+        if not self.lost:
+            return
+        self.lost = False
+        walk.tell(now_ns, EventKind.LINK_RESTORED, "the ground is heard again")
+        if walk.mode is Mode.SAFE and walk.cause == LINK_LOST:
+            if walk.can_go_on:
+                walk.go_on(now_ns)
+            else:
+                walk.rest()
+
+    def look(self, walk: Walk, now_ns: int) -> None:
+        """Do what the rules say once nothing has arrived for too long."""
+        deadline_ns = self.deadline_ns(walk)
+        if deadline_ns is None or now_ns <= deadline_ns:
+            return
+        self.lost = True
+        rules = walk.rules
+        text = f"nothing heard for {seconds(rules.link_loss_ns):g} s: {rules.on_link_loss}"
+        walk.tell(now_ns, EventKind.LINK_LOST, text, severity=Severity.WARNING)
+        if rules.on_link_loss == "hold" and walk.mode in UNDER_WAY:
+            walk.suspend(now_ns, Signal.SECURE, LINK_LOST)
+        elif rules.on_link_loss == "return_home" and walk.home_id is None:
+            walk.fail_all(now_ns, LINK_LOST)
+            walk.go_home(now_ns, BY_RULE, LINK_LOST)
+
+    def deadline_ns(self, walk: Walk) -> int | None:
+        """Return until when something has to arrive; None if nothing has to."""
+        if self.lost or self.heard_ns is None or not walk.rules.link_loss_ns:
+            return None
+        return self.heard_ns + walk.rules.link_loss_ns
+
+    def keeps_still(self, walk: Walk) -> bool:
+        """Tell whether commands that were kept for later have to wait for the link."""
+        return self.lost and walk.rules.on_link_loss != "finish"
+
+
+@dataclass(slots=True)
+class FenceWatch:
+    """Whether the robot has walked out of its fence. One that walks back in from outside is let alone.
+
+    Attributes:
+        outside: whether it was out when it last walked.
+    """
+
+    outside: bool = False
+
+    def look(self, walk: Walk, now_ns: int, x_m: float, y_m: float) -> None:
+        """Do what the rules say when a walking robot crosses the fence."""
+        if walk.mode not in ON_FOOT:
+            return
+        breach = walk.rules.fence.breach(x_m, y_m)
+        was_outside, self.outside = self.outside, bool(breach)
+        if not breach or was_outside:
+            return
+        text = f"the robot at ({x_m:.2f}, {y_m:.2f}) {breach}"
+        walk.tell(now_ns, EventKind.GEOFENCE_BREACHED, text, walk.plan.current, Severity.ERROR)
+        if walk.rules.on_breach == "hold":
+            walk.suspend(now_ns, Signal.SECURE, GEOFENCE)
+        elif walk.rules.on_breach == "abort":
+            walk.give_up(now_ns, GEOFENCE, "outside the fence")
+        elif walk.home_id is None:
+            walk.fail_all(now_ns, GEOFENCE)
+            walk.go_home(now_ns, BY_RULE, GEOFENCE)
