@@ -1,45 +1,13 @@
 from __future__ import annotations
 
-from dataclasses import replace
+import json
 from typing import Any
 
-import numpy as np
 import pytest
 
-from waypointctl.log.messages import Clock, Command, CommandKind, Event, EventKind, Mode, PlannedWaypoint, Stage
-from waypointctl.ops.executive import FALL, TIMEOUT, Executive
-
-SECOND = 1_000_000_000
-A = PlannedWaypoint(0, "a", 5.0, 0.0, "box", 0.5, 10 * SECOND, 0)
-B = PlannedWaypoint(1, "b", 5.0, 5.0, "radius", 0.5, 20 * SECOND, 0)
-HOLD = replace(A, hold_ns=2 * SECOND)
-AT = {"start": (0.0, 0.0), "a": (5.0, 0.0), "b": (5.0, 5.0)}
-
-
-class Rig:
-    """An executive and all that it said."""
-
-    def __init__(self) -> None:
-        self.reports: list[tuple[int, int, Stage, str]] = []
-        self.events: list[Event] = []
-        self.executive = Executive(report=lambda *said: self.reports.append(said), announce=self.events.append)
-
-    def command(self, now: float, *plan: PlannedWaypoint, id: int = 1, on_failure: str = "abort") -> None:
-        now_ns = round(now * SECOND)
-        self.executive.obey(now_ns, Command(id, CommandKind.UPLOAD_PLAN, plan, on_failure, 0, now_ns))
-
-    def sense(self, now: float, where: str | tuple[float, float], *, fell: bool = False) -> Mode:
-        position = AT[where] if isinstance(where, str) else where
-        self.executive.sense(round(now * SECOND), np.array([[*position, 0.5]]), fell)
-        return self.executive.mode
-
-    @property
-    def stages(self) -> list[Stage]:
-        return [stage for _, _, stage, _ in self.reports]
-
-    @property
-    def kinds(self) -> list[EventKind]:
-        return [event.kind for event in self.events]
+from tests.ops.executive.rig import HOLD, SECOND, A, B, Rig
+from waypointctl.log.messages import Clock, CommandStage, EventKind, Mode, Stage
+from waypointctl.ops.executive.rules import FALL, TIMEOUT
 
 
 @pytest.fixture
@@ -71,11 +39,11 @@ def test_walks_from_waypoint_to_waypoint_and_is_done_at_the_last(rig: Rig) -> No
     rig.command(0.0, A, B)
     assert rig.sense(1.0, (4.4, 0.0)) is Mode.WALKING
     assert rig.sense(2.0, (4.6, 0.49)) is Mode.WALKING
-    assert (rig.executive.target, rig.executive.reached) == (B, [0])
+    assert (rig.executive.target, rig.executive.reached) == (B, (0,))
     assert rig.executive.goals.tolist() == [[[5.0, 5.0], [5.0, 5.0]]]
     assert rig.sense(3.0, (4.6, 4.6)) is Mode.WALKING, "in the box, but the second waypoint has a radius"
     assert rig.sense(4.0, "b") is Mode.DONE
-    assert (rig.executive.target, rig.executive.reached) == (None, [0, 1])
+    assert (rig.executive.target, rig.executive.reached) == (None, (0, 1))
     assert rig.reports[-1] == (4 * SECOND, 1, Stage.COMPLETED, "")
     assert rig.kinds[1:] == [
         EventKind.LEG_STARTED,
@@ -92,7 +60,7 @@ def test_holds_at_a_waypoint_for_its_time_wherever_it_drifts(rig: Rig) -> None:
     assert rig.sense(1.0, "a") is Mode.HOLDING
     assert rig.executive.target == HOLD
     assert rig.sense(2.98, (7.0, 0.0)) is Mode.HOLDING
-    assert rig.executive.reached == [0]
+    assert rig.executive.reached == (0,)
     assert rig.sense(3.0, (7.0, 0.0)) is Mode.WALKING
     assert rig.executive.target == B
     assert rig.kinds[2:] == [
@@ -127,13 +95,13 @@ def test_a_waypoint_that_is_not_reached_in_time_ends_the_plan(rig: Rig) -> None:
     assert rig.reports[-1] == (15 * SECOND, 1, Stage.FAILED, TIMEOUT)
     assert rig.kinds[-2:] == [EventKind.WAYPOINT_TIMEOUT, EventKind.PLAN_FAILED]
     assert rig.sense(16.0, "a") is Mode.FAILED, "given up is given up"
-    assert rig.executive.reached == []
+    assert rig.executive.reached == ()
 
 
 def test_reaching_a_waypoint_in_the_last_moment_counts(rig: Rig) -> None:
     rig.command(0.0, A, B)
     assert rig.sense(10.0, "a") is Mode.WALKING
-    assert rig.executive.reached == [0]
+    assert rig.executive.reached == (0,)
 
 
 def test_with_skip_the_next_leg_begins(rig: Rig) -> None:
@@ -142,14 +110,14 @@ def test_with_skip_the_next_leg_begins(rig: Rig) -> None:
     assert rig.executive.target == B
     assert rig.kinds[-3:] == [EventKind.WAYPOINT_TIMEOUT, EventKind.WAYPOINT_SKIPPED, EventKind.LEG_STARTED]
     assert rig.sense(12.0, "b") is Mode.DONE
-    assert rig.executive.reached == [1]
+    assert rig.executive.reached == (1,)
     assert rig.stages[-1] is Stage.COMPLETED
 
 
 def test_skipping_the_last_waypoint_completes_the_plan(rig: Rig) -> None:
     rig.command(0.0, A, on_failure="skip")
     assert rig.sense(10.0, "start") is Mode.DONE
-    assert rig.executive.reached == []
+    assert rig.executive.reached == ()
     assert rig.stages[-1] is Stage.COMPLETED
 
 
@@ -197,7 +165,8 @@ def test_an_id_is_obeyed_once_and_a_new_one_replaces_the_plan(rig: Rig, id: int)
     else:
         assert rig.executive.target == B
         assert rig.executive.command_id == 2
-        assert rig.stages[3:] == [Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED]
+        assert rig.stages[3:] == [Stage.RECEIVED, Stage.ACCEPTED, Stage.SUPERSEDED, Stage.STARTED]
+        assert rig.ended(1) == (Stage.SUPERSEDED, "by command 2")
 
 
 @pytest.mark.parametrize("end", [Mode.DONE, Mode.FAILED, Mode.HOLDING])
@@ -215,23 +184,63 @@ def test_its_state_is_plain_data_and_says_all_of_it(rig: Rig) -> None:
     rig.command(1.0, HOLD, B, on_failure="skip")
     rig.sense(2.0, "a")
     state: dict[str, Any] = rig.executive.state()
-    assert state["plan"][1] == {
-        "index": 1,
-        "name": "b",
-        "x_m": 5.0,
-        "y_m": 5.0,
-        "acceptance": "radius",
-        "tolerance_m": 0.5,
-        "timeout_ns": 20 * SECOND,
-        "hold_ns": 0,
+    assert json.loads(json.dumps(state)) == state
+    assert state["plan"]["items"][1] == {
+        "waypoint": {
+            "index": 1,
+            "name": "b",
+            "x_m": 5.0,
+            "y_m": 5.0,
+            "acceptance": "radius",
+            "tolerance_m": 0.5,
+            "timeout_ns": 20 * SECOND,
+            "hold_ns": 0,
+            "task": "",
+        },
+        "command_id": 1,
+        "on_failure": "skip",
+        "released": True,
+        "over": False,
     }
     del state["plan"]
     assert state == {
         "mode": "holding",
         "command_id": 1,
-        "on_failure": "skip",
-        "leg": 0,
-        "since_ns": 2 * SECOND,
+        "leg": {
+            "since_ns": SECOND,
+            "tries": 1,
+            "best_m": None,
+            "best_ns": SECOND,
+            "goals": [[5.0, 0.0], [5.0, 5.0]],
+        },
+        "stood_ns": 2 * SECOND,
         "reached": [0],
-        "obeyed": [1],
+        "suspended": None,
+        "suspended_ns": 0,
+        "cause": "",
+        "home_id": None,
+        "commands": {
+            "records": {"1": {"stage": "started", "reason": "", "attempt": 1, "expires_ns": -1}},
+            "pending": [],
+        },
+        "link": {"heard_ns": SECOND, "lost": False},
+        "fence": {"outside": False},
     }
+
+
+def test_what_arrives_again_is_answered_with_the_stage_it_is_in(rig: Rig) -> None:
+    rig.command(1.0, A)
+    rig.command(2.0, A)
+    rig.sense(3.0, "a")
+    rig.command(4.0, A)
+    assert rig.stages == [Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED, Stage.COMPLETED]
+    assert rig.reminders == [
+        CommandStage(2 * SECOND, 1, Stage.STARTED, "", Clock.ROBOT, 1),
+        CommandStage(4 * SECOND, 1, Stage.COMPLETED, "", Clock.ROBOT, 1),
+    ]
+
+
+def test_a_plan_ends_with_the_flight(rig: Rig) -> None:
+    rig.command(1.0, A, B)
+    rig.executive.close(5 * SECOND)
+    assert rig.reports[-1] == (5 * SECOND, 1, Stage.CANCELLED, "flight ended")
