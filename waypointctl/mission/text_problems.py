@@ -42,7 +42,7 @@ class TextReport:
             column = error.start - source.rfind(b"\n", 0, error.start)
             self.add(Word("", line, column), f"is not UTF-8 text: byte 0x{source[error.start]:02x}")
             return
-        for number, each in enumerate(text.splitlines(), 1):
+        for number, each in enumerate(text.split("\n"), 1):
             words = [Word(match.group(), number, match.start() + 1) for match in _WORD.finditer(each.partition("#")[0])]
             if words:
                 yield words

@@ -37,7 +37,7 @@ class Fate(NamedTuple):
     Attributes:
         departs_ns: when its first bit leaves; NEVER if it does not.
         left_ns: when its last bit has left; NEVER if it does not.
-        arrivals_ns: when it arrives: once, or twice where the link doubles it, or not at all.
+        arrivals_ns: when it arrives, in order: once, or twice where the link doubles it, or not at all.
         lost: why it does not arrive; empty if it does.
     """
 
@@ -123,7 +123,8 @@ class Direction(Generic[T]):
         arrives_ns = self._deliver(left_ns, jitter_ns, make)
         if copies == 1:
             return Fate(departs_ns, left_ns, (arrives_ns,), "")
-        return Fate(departs_ns, left_ns, (arrives_ns, self._deliver(left_ns, second_ns, make)), "")
+        other_ns = self._deliver(left_ns, second_ns, make)
+        return Fate(departs_ns, left_ns, (min(arrives_ns, other_ns), max(arrives_ns, other_ns)), "")
 
     def due(self, now_ns: int) -> Iterator[T]:
         """Take out, one by one, what has arrived by now, in order of arrival."""

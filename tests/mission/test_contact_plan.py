@@ -1,0 +1,184 @@
+"""Contact plans in ION's terms."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from waypointctl.mission.contact_plan import read_contact_plan
+from waypointctl.mission.jitter_file import read_jitter
+
+RANGE = "a range +0 +1000000 1 2 1\n"
+
+# What a node's configuration for several programs looks like; only ionadmin's part speaks of contacts.
+WHOLE_CONFIGURATION = b"""\
+## begin ionadmin
+1 1 /home/ion/config
+s
+m horizon +0
+# both ways
+a contact +1 +3600 1 2 100000
+a contact +1 +3600 2 1 12500 1.0
+a contact -1 -1 19 19 0
+a range   +1 +3600 1 2 1.25   # half a round trip
+l contact
+## end ionadmin
+## begin bpadmin
+1
+a scheme ipn 'ipnfw' 'ipnadminep'
+a contact is not read here
+## end bpadmin
+"""
+
+
+def spans(source: str | bytes, way: tuple[int, int], **options: object) -> tuple[list[object], list[object]]:
+    content = source if isinstance(source, bytes) else source.encode()
+    passage, problems = read_contact_plan(content, "plan", way, **options)  # type: ignore[arg-type]
+    assert problems == ()
+    return tuple(  # type: ignore[return-value]
+        [(each.begin_s, each.end_s, each.value) for each in part] for part in (passage.contacts, passage.ranges)
+    )
+
+
+def problems_of(source: str, way: tuple[int, int] = (1, 2), **options: object) -> list[str]:
+    return [str(problem) for problem in read_contact_plan(source.encode(), "plan", way, **options)[1]]  # type: ignore[arg-type]
+
+
+def test_a_nodes_whole_configuration_is_read() -> None:
+    assert spans(WHOLE_CONFIGURATION, (1, 2)) == ([(1, 3600, 800_000)], [(1, 3600, 1.25)])
+    assert spans(WHOLE_CONFIGURATION, (2, 1)) == ([(1, 3600, 100_000)], [(1, 3600, 1.25)])
+
+
+def test_a_range_from_the_lower_node_holds_back_too_unless_the_way_back_has_its_own() -> None:
+    contacts = "a contact +0 +10 1 2 1\na contact +0 +10 2 1 1\n"
+    one = contacts + "a range +0 +10 1 2 3\n"
+    assert [spans(one, way)[1] for way in ((1, 2), (2, 1))] == [[(0, 10, 3)], [(0, 10, 3)]]
+    both = one + "a range +0 +10 2 1 4\n"
+    assert [spans(both, way)[1] for way in ((1, 2), (2, 1))] == [[(0, 10, 3)], [(0, 10, 4)]]
+    back = contacts + "a range +0 +10 2 1 4\n"
+    assert spans(back, (2, 1))[1] == [(0, 10, 4)]
+    assert problems_of(back) == [
+        "plan:1:1: there is no range from node 1 to node 2 at +0 s of this contact; "
+        "add one, or give the link a delay in the mission"
+    ]
+
+
+def test_an_at_line_moves_what_plus_counts_from() -> None:
+    source = (
+        "@ +100\na contact +0 +10 1 2 1\n@ +50\na contact +0 +10 1 2 1\n@ 2027/01/01-00:00:30\na range +0 +200 1 2 1\n"
+    )
+    contacts, ranges = spans(source, (1, 2), reference="2027/01/01-00:00:00")
+    assert contacts == [(100, 110, 8), (150, 160, 8)]
+    assert ranges == [(30, 230, 1)]
+
+
+def test_absolute_times_count_from_the_missions_reference() -> None:
+    source = "a contact 2027/03/01-00:00:00 2027/03/01-01:00:00 1 2 1\n" + RANGE
+    assert spans(source, (1, 2), reference="2027/02/28-23:00:00")[0] == [(3600, 7200, 8)]
+    assert problems_of(source, reference="2027/03/01-00:30:00") == [
+        "plan:1:11: 2027/03/01-00:00:00 is before mission start"
+    ]
+
+
+def test_contacts_are_put_in_the_order_of_time_and_ranges_may_follow_on_each_other() -> None:
+    source = "a contact +50 +60 1 2 2\na contact +0 +50 1 2 1\na range +20 +60 1 2 2\na range +0 +20 1 2 1\n"
+    assert spans(source, (1, 2)) == ([(0, 50, 8), (50, 60, 16)], [(0, 20, 1), (20, 60, 2)])
+
+
+@pytest.mark.parametrize(
+    ("line", "problem"),
+    [
+        (
+            "a contact +0 +10 1 2",
+            "1:1: has 4 values; wanted are start time, stop time, source node, destination node, rate in bytes/s",
+        ),
+        (
+            "a range +0 +10 1 2 1 1",
+            "1:1: has 6 values; wanted are start time, stop time, one node, other node, light time in s",
+        ),
+        ("a contact 0 +10 1 2 1", "1:11: '0' is not a time: write +seconds"),
+        ("a contact +0 0 1 2 1", "1:14: '0' is not a time: write +seconds"),
+        ("a contact +x +10 1 2 1", "1:11: '+x' is not a number: time"),
+        ("a contact +nan +10 1 2 1", "1:11: +nan is not from 0 to 1e+09: time"),
+        ("a contact +10 +10 1 2 1", "1:15: +10 is not after +10"),
+        ("a contact +0 +10 one 2 1", "1:18: 'one' is not a node number"),
+        ("a contact +0 +10 1 2 0", "1:22: 0 is not from 1 to 1e+09: rate in bytes/s"),
+        ("a range +0 +10 1 2 -1", "1:20: -1 is not from 0 to 1e+09: light time in s"),
+        ("a contact +0 +10 1 2 1 0.8", "1:24: only a contact that is certain can be flown: leave the confidence out"),
+        ("d contact +0 1 2", "1:1: 'd contact' would change the plan; write the plan as it is to be, with 'a contact'"),
+        (
+            "c contact +0 1 2 5",
+            "1:1: 'c contact' would change the plan; write the plan as it is to be, with 'a contact'",
+        ),
+        ("@", "1:1: '@' wants a time"),
+        (
+            "a contact 2027/01/01-00:00:00 +10 1 2 1",
+            "1:11: 2027/01/01-00:00:00 is an absolute time, and the mission has no date; write +seconds after mission "
+            "start, or give the contact_plan in the mission the date of its start as 'reference'",
+        ),
+        (
+            "a contact +0 +10 1 2 1\na contact +5 +15 1 2 1\na range +0 +10 1 2 1\na range +1 +10 1 2 1",
+            "2:1: this contact overlaps that of line 1\nplan:4:1: this range overlaps that of line 3",
+        ),
+        (
+            "a contact +0 +10 1 2 1\na range +0 +5 1 2 1\na range +6 +10 1 2 1",
+            "1:1: there is no range from node 1 to node 2 at +5 s of this contact; add one, or give the link a delay "
+            "in the mission",
+        ),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_place(line: str, problem: str) -> None:
+    assert "\n".join(problems_of(line)) == f"plan:{problem}"
+
+
+def test_a_plan_without_the_contact_says_which_it_has() -> None:
+    assert problems_of("a contact +0 +10 1 3 1\na contact +0 +10 3 2 1") == [
+        "plan: has no contact from node 1 to node 2; its contacts are from 1 to 3, from 3 to 2"
+    ]
+    assert problems_of("# nothing") == ["plan: has no contact from node 1 to node 2; its contacts are none at all"]
+
+
+def test_without_need_of_ranges_there_may_be_none() -> None:
+    assert spans("a contact +0 +10 1 2 1", (1, 2), needs_ranges=False) == ([(0, 10, 8)], [])
+
+
+def test_every_problem_is_told() -> None:
+    assert problems_of("a contact +0 +10 a b -1\nd range +0 1 2") == [
+        "plan:1:18: 'a' is not a node number",
+        "plan:1:20: 'b' is not a node number",
+        "plan:1:22: -1 is not from 1 to 1e+09: rate in bytes/s",
+        "plan:2:1: 'd range' would change the plan; write the plan as it is to be, with 'a range'",
+    ]
+
+
+LINES = st.lists(
+    st.sampled_from([*WHOLE_CONFIGURATION.split(b"\n"), b"a contact", b"@ +1", b"\xff", b"a range +0 +1 1 2"])
+)
+
+
+@given(LINES, st.binary(max_size=20))
+def test_any_bytes_are_read_or_refused_with_their_place(lines: list[bytes], tail: bytes) -> None:
+    source = b"\n".join(lines) + tail
+    for problem in read_contact_plan(source, "plan", (1, 2))[1] + read_jitter(source, "plan")[1]:
+        assert 0 <= problem.line <= source.count(b"\n") + 1
+        assert problem.text
+
+
+def test_jitter_is_one_number_a_line() -> None:
+    assert read_jitter(b"# s\r\n 0.01 # first\n\n-2e-3\n5\n", "j") == ((0.01, -0.002, 5.0), ())
+
+
+@pytest.mark.parametrize(
+    ("source", "problem"),
+    [
+        (b"0.1\n0,2", "j:2:1: '0,2' is not a number of seconds"),
+        (b"0.1 0.2", "j:1:5: '0.2' follows the number; one number of seconds stands on a line"),
+        (b"nan", "j:1:1: nan is not between -86400 and 86400 s"),
+        (b"  1e6", "j:1:3: 1e6 is not between -86400 and 86400 s"),
+        (b"# none", "j: holds no number; a file of jitter has one number of seconds a line"),
+        (b"0.1\n\xff", "j:2:1: is not UTF-8 text: byte 0xff"),
+    ],
+)
+def test_wrong_jitter_is_told_with_its_place(source: bytes, problem: str) -> None:
+    assert [str(each) for each in read_jitter(source, "j")[1]] == [problem]
