@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import itertools
+import textwrap
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -13,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, NullLocator, PercentFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator, PercentFormatter
 
 from waypointctl.study.autonomy import AUTONOMIES
 from waypointctl.study.cell import Cell
@@ -24,7 +25,9 @@ _DPI: Final = 110
 _COLUMN_IN: Final = 6.6
 _HEIGHT_IN: Final = 8.6
 _LINEAR_S: Final = 0.4  # below this the axis of round trips is linear, so that 0 has a place
+_BETWEEN: Final = 50  # points of a line from one round trip to the next
 _SPARE_TICK: Final = 0.045  # of the axis: a round trip nearer to the one before it has no label
+_LETTER_IN: Final = 0.085  # of the note
 _INK: Final = "#222222"
 _FAINT: Final = "#C8C8C8"
 # Colours told apart by the colour-blind (Okabe and Ito), and a mark each.
@@ -54,7 +57,7 @@ def draw(study: DelayStudy) -> bytes:
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(width_in, _HEIGHT_IN), dpi=_DPI)
         FigureCanvasAgg(figure)
-        grid = {"left": 0.75 / width_in, "right": 1 - 0.2 / width_in, "top": 0.88, "bottom": 0.14, "hspace": 0.2}
+        grid = {"left": 0.75 / width_in, "right": 1 - 0.2 / width_in, "top": 0.86, "bottom": 0.14, "hspace": 0.2}
         axes = figure.subplots(2, count, squeeze=False, gridspec_kw={**grid, "height_ratios": (2, 1), "wspace": 0.14})
         for column, route in enumerate(study.routes):
             _draw_times(axes[0, column], study, route)
@@ -83,8 +86,11 @@ def _draw_times(axes: Axes, study: DelayStudy, route: Route) -> None:
         failed += [(cell, color) for cell in cells if cell.successes < cell.flights]
     for cell, color in failed:
         _mark_failures(axes, cell, color)
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set_title(f"{route.name}: {route.waypoints} waypoints, {route.length_m:.0f} m", fontweight="bold", pad=22)
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_title(f"{route.name}: {route.waypoints} waypoints, {route.length_m:.0f} m", fontweight="bold", pad=16)
 
 
 def _draw_standing(axes: Axes, study: DelayStudy, route: Route) -> None:
@@ -101,7 +107,9 @@ def _draw_line(axes: Axes, cells: Sequence[Cell], estimates: Sequence[Estimate |
     shown = [(cell, one) for cell, one in zip(cells, estimates, strict=True) if one is not None]
     for (before, one), (after, other) in itertools.pairwise(shown):
         alpha = 1.0 if before.mostly_succeeds and after.mostly_succeeds else 0.35
-        axes.plot([before.rtt_s, after.rtt_s], [one.value, other.value], color=color, linewidth=1.5, alpha=alpha)
+        part = np.linspace(0.0, 1.0, _BETWEEN)  # straight in seconds, which is bent where the axes are logarithmic
+        rtts_s = before.rtt_s + part * (after.rtt_s - before.rtt_s)
+        axes.plot(rtts_s, one.value + part * (other.value - one.value), color=color, linewidth=1.5, alpha=alpha)
     for cell, one in shown:
         face = color if cell.mostly_succeeds else "white"
         axes.errorbar(
@@ -156,6 +164,7 @@ def _write(figure: Figure, study: DelayStudy, left: float) -> None:
     figure.legend(handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=9)
     seeds = f"{len(study.seeds)} seeds each" if len(study.seeds) > 1 else f"seed {study.seeds[0]}"
     think = f", think time {study.think_s:g} s" if study.think_s else ""
-    figure.text(left, 0.965, f"What a delay costs: {study.policy}", fontsize=13, fontweight="bold", va="center")
+    figure.text(left, 0.972, f"What a delay costs: {study.policy}", fontsize=13, fontweight="bold", va="center")
     note = f"{seeds}{think}; means of the successes, 95 % intervals; 7/20: so many succeeded; open: fewer than half"
-    figure.text(left, 0.935, note, va="center")
+    lines = textwrap.fill(note, round(figure.get_figwidth() / _LETTER_IN))
+    figure.text(left, 0.95, lines, va="top")

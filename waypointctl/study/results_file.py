@@ -44,7 +44,11 @@ class Conditions(BaseModel):
         Raises:
             ValueError: one flight would not go under both as it does under one.
         """
-        for field, what in (("policy_sha256", "policy"), ("think_s", "think time"), ("source", "waypointctl")):
+        for field, what in (
+            ("policy_sha256", "policy"),
+            ("think_s", "think time"),
+            ("source", "version of waypointctl"),
+        ):
             if getattr(self, field) != getattr(others, field):
                 raise ValueError(f"was made with another {what}")
         for name in self.routes.keys() & others.routes.keys():

@@ -127,7 +127,7 @@ def _joint(cells: list[Cell]) -> tuple[Finding, str]:
     told = {cell.rtt_s: f"{cell.successes} of {cell.flights} succeed at {cell.rtt_s:g} s" for cell in cells}
     ends = (limit.mostly_succeeds_s, limit.mostly_fails_s)
     text = ", ".join(told[rtt_s] for rtt_s in ends if rtt_s is not None)
-    return ("holds" if ends[1] is not None and ends[1] < QUARTER_S else "refuted"), text
+    return ("holds" if ends[1] is not None and ends[1] <= QUARTER_S else "refuted"), text
 
 
 def _limit(route: str, cells: list[Cell]) -> JointLimit:

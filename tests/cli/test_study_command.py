@@ -1,0 +1,127 @@
+"""`waypointctl study delay`, of a robot that stands where it shall go."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.cli.flying import Program, start
+from tests.study.standing import HERE
+from waypointctl.cli.study import rtts_of
+from waypointctl.errors import InputError
+
+SMALL = ("study", "delay", "--policy", "still", "--route", "here.yaml", "--jobs", "1")
+FEW = (*SMALL, "--autonomy", "waypoint,mission", "--rtt", "2.56,0", "--seeds", "2")
+
+
+@pytest.fixture
+def field(yard: Path) -> Path:
+    (yard / "here.yaml").write_bytes(HERE)
+    return yard
+
+
+def test_it_flies_tells_and_leaves_its_files(field: Path, program: Program) -> None:
+    code, out, err = program(*FEW)
+    assert code == 0
+    rows = [" ".join(line.split()) for line in out.splitlines()]
+    assert "here mission 0.0 2.6" in rows
+    assert any(row.startswith("waypoint 2.56 2/2 34.2-100.0 7.7") and row.endswith(" 0 3") for row in rows)
+    assert rows[-1] == "runs/study-delay/delay.png: the picture; the tables in tables.md and cells.csv"
+    assert "8 of 8 flights" in err
+    assert (field / "runs/study-delay/delay.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("width", ["80", "120"])
+def test_tables_keep_to_the_terminal(
+    field: Path, program: Program, monkeypatch: pytest.MonkeyPatch, width: str
+) -> None:
+    monkeypatch.setenv("COLUMNS", width)
+    _, out, _ = program(*FEW)
+    assert max(len(line) for line in out.splitlines()[:-1]) <= int(width)
+
+
+def test_json_is_all_that_is_on_stdout(field: Path, program: Program) -> None:
+    code, out, err = program(*FEW, "--json", "--think", "1", "--seed", "5", "--out", "mine")
+    found = json.loads(out)
+    assert code == 0
+    assert out == (field / "mine/study.json").read_text()
+    assert (found["seeds"], found["think_s"], found["policy"]) == ([5, 6], 1.0, "tiny")
+    assert [(cell["autonomy"], cell["rtt_s"]) for cell in found["cells"]] == [
+        ("mission", 0.0), ("mission", 2.56), ("waypoint", 0.0), ("waypoint", 2.56),
+    ]  # fmt: skip
+    thoughts = found["cells"][2]["time_s"]["value"]
+    assert 2.0 < thoughts < 2.2, "between three commands there are two thoughts"
+    assert "What it was to show" in err
+
+
+def test_the_same_command_again_flies_nothing(field: Path, program: Program) -> None:
+    first = program(*FEW)
+    code, out, err = program(*FEW)
+    assert (code, out) == (0, first[1])
+    assert err.splitlines() == ["8 of 8 flights"]
+
+
+def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
+    many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "30", "--seeds", "300")
+    running = start(field, *many, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert running.stderr is not None
+    while b"30 of 300 flights" not in running.stderr.readline():
+        assert running.poll() is None
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=60)
+    assert (running.returncode, out) == (130, b"")
+    assert b"interrupted; runs/study-delay has what was flown, and the same command goes on" in err
+    assert b"Traceback" not in err
+    kept = (field / "runs/study-delay/flights.jsonl").read_bytes().splitlines()
+    assert 30 < len(kept) < 301
+    few = program(*SMALL, "--autonomy", "mission", "--rtt", "30", "--seeds", "20")
+    assert few[0] == 0
+    assert few[2].splitlines() == ["20 of 20 flights"], "those were flown before the interruption"
+
+
+@pytest.mark.parametrize(
+    ("more", "problem"),
+    [
+        (("--rtt", "0,x"), "--rtt: 'x' is no number\n  Give seconds"),
+        (("--rtt", "-1"), "--rtt: -1 is not within 0 and 86400 s"),
+        (("--rtt", "nan"), "--rtt: nan is not within"),
+        (("--rtt", "1,1.0"), "has one of them twice"),
+        (("--autonomy", "steer"), "--autonomy: 'steer' is none; there are mission"),
+        (("--route", "nowhere"), "nowhere: there is no such file"),
+        (("--route", "easy.yaml,easy.yaml"), "'easy' is the name of more than one"),
+        (("--policy", "nobody"), "nobody: no such folder"),
+        (("--out", "here.yaml"), "here.yaml"),
+    ],
+)
+def test_wrong_input_is_one_message_and_flies_nothing(
+    field: Path, program: Program, more: tuple[str, ...], problem: str
+) -> None:
+    code, out, err = program(*SMALL, *more)
+    assert (code, out) == (2, "")
+    assert problem in err
+    assert "Traceback" not in err
+    assert not (field / "runs").exists()
+
+
+def test_another_policy_does_not_go_on_with_a_study(field: Path, program: Program, make_policy: object) -> None:
+    assert program(*FEW)[0] == 0
+    make_policy(field / "still", seed=9, gain=0.0)  # type: ignore[operator]
+    code, _, err = program(*FEW)
+    assert code == 2
+    assert "runs/study-delay/flights.jsonl: was made with another policy\n  Give another --out" in err
+
+
+def test_round_trips_are_sorted() -> None:
+    assert rtts_of("2.56, 0,.4") == (0.0, 0.4, 2.56)
+    with pytest.raises(InputError, match="'' is no number"):
+        rtts_of("1,")
+
+
+def test_help_loads_nothing_heavy_and_names_the_autonomies(program: Program) -> None:
+    code, out, _ = program("study", "delay", "--help")
+    assert code == 0
+    assert "--find-joint-limit" in out
