@@ -28,7 +28,7 @@ def test_it_flies_tells_and_leaves_its_files(field: Path, program: Program) -> N
     code, out, err = program(*FEW)
     assert code == 0
     rows = [" ".join(line.split()) for line in out.splitlines()]
-    assert "here mission 0.0 2.6" in rows
+    assert "here mission 0.1 2.6" in rows
     assert any(row.startswith("waypoint 2.56 2/2 34.2-100.0 7.7") and row.endswith(" 0 3") for row in rows)
     assert rows[-1] == "runs/study-delay/delay.png: the picture; the tables in tables.md and cells.csv"
     assert "8 of 8 flights" in err
@@ -66,10 +66,10 @@ def test_the_same_command_again_flies_nothing(field: Path, program: Program) -> 
 
 
 def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
-    many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "30", "--seeds", "300")
+    many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "10", "--seeds", "100")
     running = start(field, *many, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert running.stderr is not None
-    while b"30 of 300 flights" not in running.stderr.readline():
+    while b"10 of 100 flights" not in running.stderr.readline():
         assert running.poll() is None
     running.send_signal(signal.SIGINT)
     out, err = running.communicate(timeout=60)
@@ -77,10 +77,10 @@ def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
     assert b"interrupted; runs/study-delay has what was flown, and the same command goes on" in err
     assert b"Traceback" not in err
     kept = (field / "runs/study-delay/flights.jsonl").read_bytes().splitlines()
-    assert 30 < len(kept) < 301
-    few = program(*SMALL, "--autonomy", "mission", "--rtt", "30", "--seeds", "20")
+    assert 10 < len(kept) < 101
+    few = program(*SMALL, "--autonomy", "mission", "--rtt", "10", "--seeds", "5")
     assert few[0] == 0
-    assert few[2].splitlines() == ["20 of 20 flights"], "those were flown before the interruption"
+    assert few[2].splitlines() == ["5 of 5 flights"], "those were flown before the interruption"
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from waypointctl.mission.files import MissionFile, parse_mission
@@ -41,7 +41,7 @@ def flight(case: Case, time_s: float | None, exchanges: int = 1) -> Flown:
     )
 
 
-def line(autonomy: str, times_s: dict[float, Sequence[float | None]], exchanges: int = 1) -> list[Flown]:
+def line(autonomy: str, times_s: Mapping[float, Sequence[float | None]], exchanges: int = 1) -> list[Flown]:
     """Return flights of an autonomy: by round trip, the time of each trial."""
     return [
         flight(Case("r", autonomy, rtt_s, seed), time_s, exchanges)
