@@ -120,9 +120,8 @@ def print_table(found: dict[str, float]) -> None:
     print(f"  arrived {found['arrived']:,}, lost {found['lost']:,}")
     print(f"  the link       {found['messages_per_s']:>10,} messages/s (best turn {found['messages_per_s_best']:,})")
     print(f"  heapq alone    {found['messages_per_s_peer']:>10,} messages/s: {found['ratio_to_peer']} times less work")
-    print(
-        f"  memory at most {found['peak_kib']:>10,} KiB, of a tenth of the messages {found['peak_kib_of_a_tenth']:,} KiB"
-    )
+    peak, of_a_tenth = found["peak_kib"], found["peak_kib_of_a_tenth"]
+    print(f"  memory at most {peak:>10,} KiB; with a tenth of the messages {of_a_tenth:,} KiB")
 
 
 def main() -> None:
