@@ -20,8 +20,12 @@ from waypointctl.log.messages import (
     Clock,
     Command,
     CommandKind,
+    CommandStage,
     Event,
     EventKind,
+    GroundControl,
+    LinkFate,
+    LinkRecord,
     Message,
     Mode,
     Observation,
@@ -50,6 +54,19 @@ BY_TYPE: dict[type, st.SearchStrategy[Message]] = {
     Reward: st.builds(Reward, times, whole, st.lists(st.tuples(names, floats), max_size=8).map(tuple), floats),
     Command: st.builds(
         Command, whole, st.sampled_from(CommandKind), st.lists(waypoints, max_size=4).map(tuple), names, times, times
+    ),
+    CommandStage: st.builds(CommandStage, times, whole, st.sampled_from(Stage), names, st.sampled_from(Clock), whole),
+    GroundControl: st.builds(GroundControl, times, whole, times, vectors, vectors),
+    LinkRecord: st.builds(
+        LinkRecord,
+        times,
+        names,
+        names,
+        whole,
+        whole,
+        whole,
+        st.lists(whole, max_size=3).map(tuple),
+        st.sampled_from(LinkFate),
     ),
     Ack: st.builds(Ack, whole, st.sampled_from(Stage), names, times, times),
     Telemetry: st.builds(
