@@ -78,6 +78,7 @@ class Mode(StrEnum):
     PAUSED = "paused"  # standing because it was told to hold
     SAFE = "safe"  # standing because of the link's loss, a fence, or because it got no further
     RETURNING = "returning"  # the policy has the motors, on the way home
+    STEERED = "steered"  # the ground has the motors
     DONE = "done"  # standing, the plan is finished
     FAILED = "failed"  # standing, the plan was given up
     FALLEN = "fallen"  # motors off
@@ -124,6 +125,9 @@ class EventKind(StrEnum):
     GEOFENCE_BREACHED = "geofence_breached"  # robot
     LINK_LOST = "link_lost"  # robot: nothing has arrived for too long
     LINK_RESTORED = "link_restored"  # robot
+    STEERING_STARTED = "steering_started"  # robot: the ground has the motors
+    REST_STARTED = "rest_started"  # robot: it stands so still that physics sleeps until something happens
+    REST_ENDED = "rest_ended"  # robot
     FALL = "fall"  # robot
     PLAN_COMPLETED = "plan_completed"  # robot
     PLAN_FAILED = "plan_failed"  # robot

@@ -70,6 +70,9 @@ class TelemetryRate(FileModel):
     """What the robot reports of itself."""
 
     rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(5.0, description="frames a second")
+    beacon_s: Annotated[float, Quantity("s", ge=1, le=DAY_S)] = Field(
+        60.0, description="between frames while the robot rests: it stands still and nothing happens"
+    )
 
 
 class Expect(FileModel):

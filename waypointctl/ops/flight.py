@@ -10,9 +10,10 @@ from waypointctl.log.messages import Ack, Clock, Command, Event, EventKind, Seve
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, rules_of
 from waypointctl.ops.ground.build import answer_time, station_for
-from waypointctl.ops.ground.pilot import BodyFrame, ControlFrame
 from waypointctl.ops.link.build import direction
+from waypointctl.ops.link.frames import BodyFrame, ControlFrame
 from waypointctl.ops.link.logged import DOWN, UP, LoggedDirection
+from waypointctl.ops.reporter import Downlink, Reporter
 from waypointctl.ops.sink import Sink
 from waypointctl.ops.vehicle import Vehicle
 from waypointctl.policy.protocol import Policy
@@ -59,10 +60,10 @@ class Flight:
         noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
         answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
         self._station = station_for(mission, policy, noise, sink, self._uplink.send, answer_by)
-        period_ns = ns(1 / mission.telemetry.rate_hz)
-        self._vehicle = Vehicle(robot, policy, sink, self._downlink, period_ns, rules_of(mission))
+        self._vehicle = Vehicle(robot, policy, sink, _reporter(mission, self._downlink), rules_of(mission))
         self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
+        self._checkpoint_ns = 0
         self._heard_ns = 0  # when the operator last heard anything
 
     @property
@@ -125,11 +126,22 @@ class Flight:
         self._vehicle.sense(self._now_ns)
 
     def act(self) -> None:
-        """Let the robot act for one control period."""
-        if self._now_ns % CHECKPOINT_PERIOD_NS == 0:
+        """Let the robot act for one control period, or sleep until something happens."""
+        if self._vehicle.rests(self._now_ns):
+            self._sleep()
+            return
+        if self._now_ns >= self._checkpoint_ns:
             self._vehicle.log_checkpoint(self._now_ns, self._link_state())
+            self._checkpoint_ns = self._now_ns - self._now_ns % CHECKPOINT_PERIOD_NS + CHECKPOINT_PERIOD_NS
         self._vehicle.act(self._now_ns)
         self._now_ns += self._period_ns
+
+    def _sleep(self) -> None:
+        """Go on to the next control step at which something can happen."""
+        times = (self._next_on_ground_ns, self._uplink.direction.next_arrival_ns, self._vehicle.next_ns(self._now_ns))
+        next_ns = min(time_ns for time_ns in times if time_ns is not None)
+        ticks = -(-(next_ns - self._now_ns) // self._period_ns)
+        self._now_ns += max(ticks, 1) * self._period_ns
 
     def end(self) -> FlightResult:
         """Close the flight with the outcome that the operator's belief gives it."""
@@ -178,6 +190,12 @@ class Flight:
             "down": {"acks": acks, "frames": frames[:1] + frames[1:][-1:], **down.state()},
             "ground": self._station.state(),
         }
+
+
+def _reporter(mission: Mission, downlink: Downlink) -> Reporter:
+    telemetry = mission.telemetry
+    period_ns, beacon_ns = ns(1 / telemetry.rate_hz), ns(telemetry.beacon_s)
+    return Reporter(downlink, period_ns, beacon_ns, every_state=mission.autonomy == "joint")
 
 
 def start_of(mission: Mission) -> Start:

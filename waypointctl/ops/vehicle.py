@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -12,22 +11,25 @@ from numpy.typing import NDArray
 
 from waypointctl.log.messages import (
     FINAL_STAGES,
-    Ack,
     Action,
     Checkpoint,
+    Clock,
     Command,
     CommandStage,
+    Event,
+    EventKind,
     Mode,
     Observation,
     Reward,
+    Severity,
     Stage,
     State,
-    Telemetry,
 )
 from waypointctl.ops.executive.executive import Executive
 from waypointctl.ops.executive.rules import Rules
-from waypointctl.ops.link.logged import LoggedDirection
+from waypointctl.ops.link.frames import ControlFrame
 from waypointctl.ops.pay import reward_weights
+from waypointctl.ops.reporter import Reporter
 from waypointctl.ops.sink import Sink
 from waypointctl.policy.protocol import Policy
 from waypointctl.sim.robots import Robot
@@ -37,11 +39,15 @@ from waypointctl.task.batched import clip_actions
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.observation import NOISE_SIZE, Goals, layout
 from waypointctl.task.reward import TERMS, JointLimits, progress_speed, reward_terms
+from waypointctl.units import NS_PER_S
 
 FloatArray = NDArray[np.float64]
 
 _STILL: Final = np.zeros(1)
 _NOTHING: Final = np.zeros((1, len(TERMS)))
+
+STILL_SPEED: Final = 1e-2  # [m/s, rad/s] of every part; slower is standing still
+REST_AFTER_NS: Final = 10 * NS_PER_S  # so long, then physics sleeps
 
 # The end of a command is told after a frame of telemetry: the operator hears of the waypoints before the verdict.
 _TOLD_WITH_A_FRAME: Final = FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED}
@@ -55,24 +61,24 @@ class Vehicle:
         robot: Robot,
         policy: Policy,
         sink: Sink,
-        downlink: LoggedDirection[Ack | Telemetry],
-        telemetry_period_ns: int,
+        reporter: Reporter,
         rules: Rules,
     ) -> None:
-        """Make a robot that reports through `downlink` and logs its truth into `sink`; `place` it before flight."""
+        """Make a robot that reports to the ground and logs its truth into `sink`; `place` it before flight."""
         self.robot = robot
         self.plant = SingleRobot(robot)
-        self.executive = Executive(self._report, sink, remind=self._acknowledge, rules=rules)
+        self.executive = Executive(self._report, sink, remind=reporter.acknowledge, rules=rules)
         self.step = 0
         self._policy = policy
         self._layout = layout(policy.observation_layout)
         self._weights = reward_weights(policy)
         self._limits = JointLimits.of_range(robot.joint_low, robot.joint_high)
         self._sink = sink
-        self._downlink = downlink
-        self._telemetry_period_ns = telemetry_period_ns
-        self._next_telemetry_ns = 0
-        self._frame = 0
+        self._reporter = reporter
+        self._control: FloatArray = np.zeros((1, robot.num_joints))  # the newest action from the ground
+        self._control_step = -1  # whose state it was computed from
+        self._moved_ns = 0  # when it last did
+        self._rests = False
         self._body: Body = body_of(self.plant.qpos, self.plant.qvel)
         self._fell = False
         self._closed = False
@@ -84,21 +90,47 @@ class Vehicle:
         self.plant.place(qpos[np.newaxis], qvel[np.newaxis])
         self._look()
 
-    def obey(self, now_ns: int, command: Command) -> None:
-        """Take a command that has arrived."""
-        self.executive.obey(now_ns, command)
-        self._downlink_frame(now_ns)
+    def obey(self, now_ns: int, arrived: Command | ControlFrame) -> None:
+        """Take what has arrived: a command, or an action of a pilot on the ground."""
+        if isinstance(arrived, ControlFrame):
+            if arrived.step > self._control_step:  # one that was overtaken is old
+                self._control, self._control_step = arrived.values[np.newaxis], arrived.step
+            self.executive.steer(now_ns)
+            return
+        self.executive.obey(now_ns, arrived)
+        self._reporter.frame(now_ns, self.executive, self._body)
 
     def sense(self, now_ns: int) -> None:
         """Let the executive look at the world; report at the telemetry rate and whenever its mode changes."""
         before = (self.executive.mode, self.executive.leg, len(self.executive.reached))
         self.executive.sense(now_ns, self._body.position, self._fell, float(self._body.yaw[0]))
-        changed = before != (self.executive.mode, self.executive.leg, len(self.executive.reached))
-        due = now_ns >= self._next_telemetry_ns
-        while now_ns >= self._next_telemetry_ns:
-            self._next_telemetry_ns += self._telemetry_period_ns
-        if changed or due:
-            self._downlink_frame(now_ns)
+        after = (self.executive.mode, self.executive.leg, len(self.executive.reached))
+        if not self._reporter.frame_if_due(now_ns, self.executive, self._body) and before != after:
+            self._reporter.frame(now_ns, self.executive, self._body)
+        self._reporter.state(now_ns, self.step, self.plant)
+
+    def rests(self, now_ns: int) -> bool:
+        """Tell whether the robot has stood still for so long that its physics can sleep until something happens."""
+        executive = self.executive
+        still = (
+            not executive.on_foot and executive.mode is not Mode.STEERED and now_ns - self._moved_ns >= REST_AFTER_NS
+        )
+        if still != self._rests:
+            self._rests = still
+            kind, text = (
+                (EventKind.REST_STARTED, "standing still: physics sleeps until something happens")
+                if still
+                else (EventKind.REST_ENDED, "physics wakes")
+            )
+            self._sink(Event(now_ns, kind, Clock.ROBOT, Severity.INFO, text))
+        if still:
+            self._reporter.put_off(now_ns)
+        return still
+
+    def next_ns(self, now_ns: int) -> int:
+        """Return when a robot that rests has something to do by itself [ns]: a beacon at the latest."""
+        due_ns = self.executive.next_ns(now_ns)
+        return self._reporter.next_ns if due_ns is None else min(due_ns, self._reporter.next_ns)
 
     def act(self, now_ns: int) -> None:
         """Log what is, choose an action, apply it for one control period, log what it was paid."""
@@ -111,6 +143,8 @@ class Vehicle:
         self._look()
         self._log_reward(now_ns + self.robot.control_period_ns, before, applied)
         self.step += 1
+        if np.abs(self.plant.qvel[0]).max() > STILL_SPEED:
+            self._moved_ns = now_ns + self.robot.control_period_ns
 
     def heard(self, now_ns: int) -> None:
         """Take note that something has arrived from the ground that is no command."""
@@ -137,6 +171,8 @@ class Vehicle:
             observation = self._layout.observe(self._body, Goals(self.executive.goals, self._noise))
             self._sink(Observation(now_ns, self.step, observation[0]))
             return "policy", self._policy.act(observation)
+        if self.executive.mode is Mode.STEERED:
+            return "ground", self._control
         if self.executive.mode is Mode.FALLEN:
             return "off", np.zeros((1, self.robot.num_joints))
         return "stance", stance_action(self.robot, self.plant.qpos, self.plant.qvel)
@@ -166,28 +202,5 @@ class Vehicle:
         if self._closed:
             return
         if stage.stage in _TOLD_WITH_A_FRAME:
-            self._downlink_frame(stage.time_ns)
-        self._acknowledge(stage)
-
-    def _acknowledge(self, it: CommandStage) -> None:
-        now_ns = it.time_ns
-        self._downlink.send(now_ns, lambda arrives_ns: Ack(it.command_id, it.stage, it.reason, now_ns, arrives_ns))
-
-    def _downlink_frame(self, now_ns: int) -> None:
-        target = self.executive.target
-        velocity = self._body.velocity[0]
-        frame = Telemetry(
-            frame=self._frame,
-            mode=self.executive.mode,
-            x_m=float(self._body.position[0, 0]),
-            y_m=float(self._body.position[0, 1]),
-            z_m=float(self._body.position[0, 2]),
-            heading_rad=float(self._body.yaw[0]),
-            speed_mps=float(np.hypot(velocity[0], velocity[1])),
-            target=-1 if target is None else target.index,
-            reached=self.executive.reached,
-            issued_ns=now_ns,
-            received_ns=now_ns,
-        )
-        self._frame += 1
-        self._downlink.send(now_ns, lambda arrives_ns: replace(frame, received_ns=arrives_ns))
+            self._reporter.frame(stage.time_ns, self.executive, self._body)
+        self._reporter.acknowledge(stage)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.log.messages import Action, Message, Observation, State, Telemetry
+from waypointctl.log.messages import Action, GroundControl, Message, Observation, State, Telemetry
 from waypointctl.log.topics import BY_KIND
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.difference import difference, different_bits
@@ -44,7 +44,7 @@ class Witness:
     def __init__(self, logged: Iterator[Message], *, bitwise: bool) -> None:
         """Take the logged messages in their order; without `bitwise` let numpy round otherwise."""
         self._logged = logged
-        self._rounded = () if bitwise else (Observation, Telemetry)
+        self._rounded = () if bitwise else (Observation, Telemetry, GroundControl)
         self._next: Message | None = next(logged, None)
         self._step = 0
         self._time_ns = 0
@@ -101,7 +101,7 @@ class AuditedPolicy:
         """Return the logged action (1, nu) for the observation (1, k) of the step under way."""
         computed = self._policy.act(observation)
         logged = self._witness.upcoming
-        if not isinstance(logged, Action) or logged.commanded.shape != computed[0].shape:
+        if not isinstance(logged, Action | GroundControl) or logged.commanded.shape != computed[0].shape:
             return computed  # the comparison that follows says what is wrong
         for i in self._unlike(logged.commanded, computed[0]):
             texts = (repr(float(logged.commanded[i])), repr(float(computed[0, i])))

@@ -121,6 +121,8 @@ def _released_already(walk: Walk, command: Command) -> str:
 def _hold(walk: Walk, now_ns: int, command: Command) -> None:
     if walk.mode in UNDER_WAY or (walk.mode is Mode.SAFE and walk.can_go_on):
         walk.suspend(now_ns, Signal.PAUSE, by(command))
+    elif walk.mode is Mode.STEERED:
+        walk.rest()
 
 
 def _resume(walk: Walk, now_ns: int, command: Command) -> None:

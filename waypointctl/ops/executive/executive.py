@@ -25,7 +25,7 @@ from waypointctl.ops.executive.arguments import wrong_arguments
 from waypointctl.ops.executive.commands import names_of, start, take_back
 from waypointctl.ops.executive.judgement import OBSERVATION_NS, judge
 from waypointctl.ops.executive.life import Life
-from waypointctl.ops.executive.machine import ON_FOOT, Signal
+from waypointctl.ops.executive.machine import ON_FOOT, TRANSITIONS, Signal
 from waypointctl.ops.executive.rules import FALL, Rules
 from waypointctl.ops.executive.walk import Walk
 from waypointctl.ops.executive.watch import FenceWatch, LinkWatch
@@ -96,6 +96,13 @@ class Executive:
     def heard(self, now_ns: int) -> None:
         """Take note that something has arrived from the ground: a heartbeat, or a command."""
         self._link.hear(self._walk, now_ns)
+
+    def steer(self, now_ns: int) -> None:
+        """Take note that an action has arrived from the ground; it gets the motors if nothing is under way on board."""
+        self.heard(now_ns)
+        if (self.mode, Signal.STEER) in TRANSITIONS:
+            self._walk.machine.signal(Signal.STEER)
+            self._walk.tell(now_ns, EventKind.STEERING_STARTED, "the ground has the motors")
 
     def obey(self, now_ns: int, command: Command) -> None:
         """Take a command that has arrived. Each id is obeyed once."""

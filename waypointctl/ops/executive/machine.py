@@ -30,12 +30,14 @@ class Signal(StrEnum):
     GO_HOME = "go_home"  # a command or a rule sends it home
     FINISH = "finish"  # the plan, or the way home, is over
     GIVE_UP = "give_up"  # the plan, or the way home, has failed
+    STEER = "steer"  # an action arrives from the ground
     DROP = "drop"  # nothing is left to do: cancelled, expired or aborted
     FALL = "fall"
 
 
 UPRIGHT: Final = frozenset(Mode) - {Mode.FALLEN}
 UNDER_WAY: Final = frozenset({Mode.WALKING, Mode.HOLDING, Mode.OBSERVING, Mode.WAITING, Mode.RETURNING})
+AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED})  # nothing is under way
 SUSPENDED: Final = frozenset({Mode.PAUSED, Mode.SAFE})  # what was under way may go on
 ON_FOOT: Final = frozenset({Mode.WALKING, Mode.RETURNING})  # the policy has the motors
 
@@ -58,6 +60,7 @@ TRANSITIONS: Final = _table(
     (Signal.GO_HOME, UPRIGHT, Mode.RETURNING),
     (Signal.FINISH, UNDER_WAY | SUSPENDED, Mode.DONE),
     (Signal.GIVE_UP, ON_FOOT, Mode.FAILED),
+    (Signal.STEER, AT_REST, Mode.STEERED),
     (Signal.DROP, UPRIGHT, Mode.IDLE),
     (Signal.FALL, UPRIGHT, Mode.FALLEN),
 )

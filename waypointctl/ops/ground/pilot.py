@@ -8,7 +8,6 @@ bit for bit; with delay it is a robot balanced from afar.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,33 +27,13 @@ from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, TIMEOUT
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.order import Order
+from waypointctl.ops.link.frames import BodyFrame
 from waypointctl.policy.protocol import Policy
 from waypointctl.task.acceptance import Acceptance, reached
 from waypointctl.task.body import body_of
 from waypointctl.task.observation import Goals, layout
 
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class BodyFrame:
-    """The state of the robot's body at a control step, on its way down."""
-
-    step: int
-    qpos: FloatArray  # (nq,) [m, quaternion w x y z, rad]
-    qvel: FloatArray  # (nv,) [m/s, rad/s]
-    issued_ns: int
-    received_ns: int
-
-
-@dataclass(frozen=True, slots=True)
-class ControlFrame:
-    """An action, on its way up."""
-
-    step: int  # whose state it was computed from
-    values: FloatArray  # (nu,) as a fraction of the motors' full torque
-    issued_ns: int
-    received_ns: int
 
 
 class Pilot(Operator):

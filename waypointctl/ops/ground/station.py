@@ -11,7 +11,8 @@ from waypointctl.ops.ground.agenda import Agenda
 from waypointctl.ops.ground.dispatcher import UNANSWERED, Dispatcher
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.order import Order
-from waypointctl.ops.ground.pilot import BodyFrame, Pilot
+from waypointctl.ops.ground.pilot import Pilot
+from waypointctl.ops.link.frames import BodyFrame
 
 
 class Station:
