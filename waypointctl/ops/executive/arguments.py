@@ -53,6 +53,8 @@ def wrong_arguments(command: Command, fence: Fence) -> str:
         return f"{command.kind} takes {wanted} waypoints, and has {count}"
     if 0 <= command.expires_ns < command.not_before_ns:
         return "it expires before it may start"
+    if not math.isfinite(command.value):
+        return f"its value is {command.value:g}"
     if command.on_failure not in FAILURE_WORDS:
         return f"on_failure is {command.on_failure!r:.40}"
     return _wrong_value(command) or next(filter(None, (_wrong_place(w, fence) for w in command.waypoints)), "")

@@ -120,7 +120,8 @@ class Life:
     def state(self) -> dict[str, object]:
         """Return all of it as plain data."""
         records = {str(command_id): asdict(record) for command_id, record in self.records.items()}
-        return {"records": records, "pending": [asdict(command) for command in self.pending]}
+        pending = [{**asdict(command), "waypoints": [asdict(w) for w in command.waypoints]} for command in self.pending]
+        return {"records": records, "pending": pending}
 
     def _stage(self, now_ns: int, command_id: int) -> CommandStage:
         record = self.records[command_id]
