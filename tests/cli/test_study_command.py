@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 from tests.cli.flying import Program, start
 from tests.study.standing import HERE
+from tests.test_architecture import HEAVY, TRAINING, loaded_by
 from waypointctl.cli.study import rtts_of
 from waypointctl.errors import InputError
 
@@ -83,6 +85,22 @@ def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
     assert few[2].splitlines() == ["5 of 5 flights"], "those were flown before the interruption"
 
 
+def test_a_process_that_is_killed_ends_the_study_and_nothing_is_lost(field: Path) -> None:
+    many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "10", "--seeds", "100")
+    running = start(field, *many, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert running.stderr is not None
+    while b"10 of 100 flights" not in running.stderr.readline():
+        assert running.poll() is None
+    children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+    flying = [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    os.kill(int(flying[0]), signal.SIGKILL)
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 1
+    assert b"error: a process that flew was killed; the same command goes on" in err
+    assert b"Traceback" not in err
+    assert len((field / "runs/study-delay/flights.jsonl").read_bytes().splitlines()) > 10
+
+
 @pytest.mark.parametrize(
     ("more", "problem"),
     [
@@ -121,7 +139,15 @@ def test_round_trips_are_sorted() -> None:
         rtts_of("1,")
 
 
-def test_help_loads_nothing_heavy_and_names_the_autonomies(program: Program) -> None:
-    code, out, _ = program("study", "delay", "--help")
+def test_help_names_the_options_and_loads_nothing_heavy(field: Path) -> None:
+    code, loaded, printed = loaded_by(field, "study", "delay", "--help")
     assert code == 0
-    assert "--find-joint-limit" in out
+    assert "--find-joint-limit" in printed
+    assert not loaded & HEAVY
+
+
+def test_a_study_loads_no_torch(field: Path) -> None:
+    code, loaded, _ = loaded_by(field, *SMALL, "--autonomy", "mission", "--rtt", "0", "--seeds", "1")
+    assert code == 0
+    assert {"mujoco", "onnxruntime", "matplotlib"} <= loaded, "it has really been flown and drawn"
+    assert not loaded & TRAINING
