@@ -14,7 +14,18 @@ import pytest
 
 from tests.replay.rewriting import MISSION, Flown, fly_once
 from tests.sim.bare import BareWorld
-from waypointctl.log.messages import Ack, Action, Checkpoint, Command, Event, Observation, Reward, State, Telemetry
+from waypointctl.log.messages import (
+    Ack,
+    Action,
+    Checkpoint,
+    Command,
+    CommandStage,
+    Event,
+    Observation,
+    Reward,
+    State,
+    Telemetry,
+)
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import load_mission
 from waypointctl.ops.header import MJB
@@ -43,6 +54,7 @@ def test_a_flight_is_replayed_exactly(flown: Flown) -> None:
         Action,
         Reward,
         Command,
+        CommandStage,
         Ack,
         Telemetry,
         Event,

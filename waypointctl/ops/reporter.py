@@ -47,6 +47,10 @@ class Reporter:
         periods = -(-self._beacon_ns // self._period_ns)
         self.next_ns = max(self.next_ns, now_ns - now_ns % self._period_ns + periods * self._period_ns)
 
+    def go_on(self, now_ns: int) -> None:
+        """Report at the usual rate again."""
+        self.next_ns = -(-now_ns // self._period_ns) * self._period_ns
+
     def frame(self, now_ns: int, executive: Executive, body: Body) -> None:
         """Send a frame of telemetry."""
         target, velocity = executive.target, body.velocity[0]

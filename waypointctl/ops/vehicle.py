@@ -123,9 +123,16 @@ class Vehicle:
                 else (EventKind.REST_ENDED, "physics wakes")
             )
             self._sink(Event(now_ns, kind, Clock.ROBOT, Severity.INFO, text))
+            if not still:
+                self._reporter.go_on(now_ns)
         if still:
             self._reporter.put_off(now_ns)
         return still
+
+    @property
+    def _driven(self) -> bool:
+        """Whether a policy has the motors, here or on the ground."""
+        return self.executive.on_foot or self.executive.mode is Mode.STEERED
 
     def next_ns(self, now_ns: int) -> int:
         """Return when a robot that rests has something to do by itself [ns]: a beacon at the latest."""
@@ -143,7 +150,7 @@ class Vehicle:
         self._look()
         self._log_reward(now_ns + self.robot.control_period_ns, before, applied)
         self.step += 1
-        if np.abs(self.plant.qvel[0]).max() > STILL_SPEED:
+        if self._driven or np.abs(self.plant.qvel[0]).max() > STILL_SPEED:
             self._moved_ns = now_ns + self.robot.control_period_ns
 
     def heard(self, now_ns: int) -> None:

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.ops.flying import flown, mission_of, only
+from waypointctl.log.messages import Action, Event, EventKind, GroundControl, Observation, State
+from waypointctl.policy.bundle import LoadedPolicy, load_policy
+
+REPOSITORY = Path(__file__).parents[2]
+PLACES = ({"position_m": [2.0, 1.0]}, {"position_m": [1.0, 3.0]})
+
+
+@pytest.fixture(scope="module")
+def policy() -> LoadedPolicy:
+    return load_policy(REPOSITORY / "policies" / "ant-waypoint")
+
+
+def test_without_delay_a_pilot_walks_as_the_policy_on_board_does_bit_for_bit(policy: LoadedPolicy) -> None:
+    on_board = flown(mission_of(*PLACES), policy)
+    from_afar = flown(mission_of(*PLACES, autonomy="joint"), policy)
+    for kind in (State, Action):
+        ours, theirs = only(kind, from_afar[1]), only(kind, on_board[1])
+        assert len(ours) == len(theirs) > 50
+        for one, other in zip(ours, theirs, strict=True):
+            field = "qpos" if kind is State else "applied"
+            assert np.array_equal(getattr(one, field), getattr(other, field))
+    seen = [control.observation for control in only(GroundControl, from_afar[1])]
+    assert np.array_equal(seen, [observation.values for observation in only(Observation, on_board[1])])
+    assert from_afar[0].waypoints_reached == 2
+    assert from_afar[0].sim_time_ns == on_board[0].sim_time_ns
+
+
+def test_each_action_is_a_round_trip_old(policy: LoadedPolicy) -> None:
+    _, messages = flown(mission_of(*PLACES, autonomy="joint", delay_ms=40.0), policy)
+    controls = {control.step: control for control in only(GroundControl, messages)}
+    for control in controls.values():
+        assert control.time_ns - control.issued_ns == 40_000_000
+    driven = [action for action in only(Action, messages) if action.source == "ground"]
+    assert driven[0].step == 4, "four control periods of 20 ms after the first state"
+    for action in driven:
+        assert np.array_equal(action.commanded, controls[action.step - 4].commanded)
+
+
+def test_a_robot_balanced_from_too_far_falls_and_the_operator_hears_of_it(policy: LoadedPolicy) -> None:
+    result, messages = flown(mission_of(*PLACES, autonomy="joint", delay_ms=120.0), policy)
+    assert result.outcome == "failure"
+    assert result.reason.startswith("fall:")
+    (fall,) = [event for event in only(Event, messages) if event.kind is EventKind.FALL]
+    assert result.sim_time_ns >= fall.time_ns + 120_000_000
+
+
+def test_a_hold_is_kept_by_the_robot_itself(policy: LoadedPolicy) -> None:
+    held = PLACES[0] | {"hold_s": 1.0}
+    result, messages = flown(mission_of(held, PLACES[1], autonomy="joint"), policy)
+    assert result.outcome == "success", result.reason
+    sources = [action.source for action in only(Action, messages)]
+    first = sources.index("stance")
+    assert sources[first : first + 50] == ["stance"] * 50
+    assert sources[first + 51] == "ground"
