@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from itertools import pairwise
+
 from tests.ops.flying import OUT_OF_REACH, UNDER_FOOT, flown, mission_of, only, times_ns
 from waypointctl.log.messages import EventKind, State, Telemetry
 from waypointctl.ops.vehicle import REST_AFTER_NS
@@ -37,7 +39,7 @@ def test_a_robot_at_rest_sends_beacons_and_goes_back_to_its_rate() -> None:
     slept, woke = times_ns(EventKind.REST_STARTED, messages)[0], times_ns(EventKind.REST_ENDED, messages)[0]
     asleep = [time for time in issued if slept < time < woke]
     assert 2 <= len(asleep) <= 3
-    assert all(30 * NS_PER_S <= b - a <= 31 * NS_PER_S for a, b in zip(asleep, asleep[1:], strict=False))
+    assert all(30 * NS_PER_S <= b - a <= 31 * NS_PER_S for a, b in pairwise(asleep))
     walking = [time for time in issued if woke < time < woke + 3 * NS_PER_S]
     assert len(walking) >= 5
 
