@@ -8,23 +8,26 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.log.messages import Command
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.ground.dispatcher import Dispatcher, Insistence
+from waypointctl.ops.ground.dispatcher import Dispatcher, Insistence, Uplink
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.pilot import Pilot
 from waypointctl.ops.ground.planner import MissionOperator, WaypointOperator
 from waypointctl.ops.ground.schedule import agenda_of
 from waypointctl.ops.ground.station import Station
 from waypointctl.ops.ground.steering import HeadingOperator
-from waypointctl.ops.link.direction import Direction, Fate
+from waypointctl.ops.link.direction import Direction
 from waypointctl.ops.sink import Sink
 from waypointctl.policy.protocol import Policy
 from waypointctl.units import ns
 
 FloatArray = NDArray[np.float64]
 
-_SCRIPTS: Final = {"mission": MissionOperator, "waypoint": WaypointOperator, "heading": HeadingOperator}
+_SCRIPTS: Final[dict[str, Callable[[Mission], Operator]]] = {
+    "mission": MissionOperator,
+    "waypoint": WaypointOperator,
+    "heading": HeadingOperator,
+}
 _ACK_BYTES: Final = 64  # an acknowledgement with a reason of some words
 
 
@@ -33,7 +36,7 @@ def station_for(
     policy: Policy,
     noise: FloatArray,
     sink: Sink,
-    uplink: Callable[[int, Callable[[int], Command]], Fate],
+    uplink: Uplink,
     answer_by: Callable[[int], int | None],
 ) -> Station:
     """Return the ground at mission start.

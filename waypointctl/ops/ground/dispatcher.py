@@ -12,7 +12,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final, Protocol
+from typing import Final, TypeAlias
 
 from waypointctl.log.messages import (
     FINAL_STAGES,
@@ -34,12 +34,8 @@ UNANSWERED: Final = "no acknowledgement"
 _AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN, Mode.SAFE})
 
 
-class Uplink(Protocol):
-    """What takes a command on its way."""
-
-    def __call__(self, now_ns: int, make: Callable[[int], Command]) -> Fate:
-        """Hand over a command at `now_ns`; `make` is told when it arrives."""
-        ...
+# Takes a command on its way at a time [ns]; it is told when the command arrives, and makes it.
+Uplink: TypeAlias = Callable[[int, Callable[[int], Command]], Fate]
 
 
 @dataclass(frozen=True, slots=True)
