@@ -27,6 +27,9 @@ class OperatorScript(FileModel):
     update_rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(
         1.0, description="autonomy heading, continuous: goals a second"
     )
+    heartbeat_s: Annotated[float, Quantity("s", ge=0.02, le=_DAY_S)] | None = Field(
+        None, description="a sign of life is sent this often, for the robot to tell when the link is lost"
+    )
 
 
 class Commanding(FileModel):

@@ -12,7 +12,7 @@ from waypointctl.ops.executive.rules import FALL, rules_of
 from waypointctl.ops.ground.build import answer_time, station_for
 from waypointctl.ops.link.build import direction
 from waypointctl.ops.link.direction import Direction
-from waypointctl.ops.link.frames import BodyFrame, ControlFrame
+from waypointctl.ops.link.frames import BodyFrame, ControlFrame, Heartbeat
 from waypointctl.ops.link.logged import DOWN, UP, LoggedDirection
 from waypointctl.ops.reporter import Downlink, Reporter
 from waypointctl.ops.sink import Sink
@@ -55,12 +55,12 @@ class Flight:
         self._mission = mission
         self._sink = sink
         self._period_ns = robot.control_period_ns
-        up: Direction[Command | ControlFrame] = direction(link.up, files, seed, "link.up")
+        up: Direction[Command | ControlFrame | Heartbeat] = direction(link.up, files, seed, "link.up")
         down: Direction[Ack | Telemetry | BodyFrame] = direction(link.down, files, seed, "link.down")
         self._uplink, self._downlink = LoggedDirection(up, UP, sink), LoggedDirection(down, DOWN, sink)
         noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
         answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
-        self._station = station_for(mission, policy, noise, sink, self._uplink.send, answer_by)
+        self._station = station_for(mission, policy, noise, sink, self._uplink.send, self._uplink.send, answer_by)
         self._vehicle = Vehicle(robot, policy, sink, _reporter(mission, self._downlink), rules_of(mission))
         self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0

@@ -27,7 +27,7 @@ from waypointctl.log.messages import (
 )
 from waypointctl.ops.executive.executive import Executive
 from waypointctl.ops.executive.rules import Rules
-from waypointctl.ops.link.frames import ControlFrame
+from waypointctl.ops.link.frames import ControlFrame, Heartbeat
 from waypointctl.ops.pay import reward_weights
 from waypointctl.ops.reporter import Reporter
 from waypointctl.ops.sink import Sink
@@ -90,12 +90,15 @@ class Vehicle:
         self.plant.place(qpos[np.newaxis], qvel[np.newaxis])
         self._look()
 
-    def obey(self, now_ns: int, arrived: Command | ControlFrame) -> None:
-        """Take what has arrived: a command, or an action of a pilot on the ground."""
+    def obey(self, now_ns: int, arrived: Command | ControlFrame | Heartbeat) -> None:
+        """Take what has arrived: a command, an action of a pilot on the ground, or a sign of life."""
         if isinstance(arrived, ControlFrame):
             if arrived.step > self._control_step:  # one that was overtaken is old
                 self._control, self._control_step = arrived.values[np.newaxis], arrived.step
             self.executive.steer(now_ns)
+            return
+        if isinstance(arrived, Heartbeat):
+            self.executive.heard(now_ns)
             return
         self.executive.obey(now_ns, arrived)
         self._reporter.frame(now_ns, self.executive, self._body)
@@ -152,10 +155,6 @@ class Vehicle:
         self.step += 1
         if self._driven or np.abs(self.plant.qvel[0]).max() > STILL_SPEED:
             self._moved_ns = now_ns + self.robot.control_period_ns
-
-    def heard(self, now_ns: int) -> None:
-        """Take note that something has arrived from the ground that is no command."""
-        self.executive.heard(now_ns)
 
     def close(self, now_ns: int) -> None:
         """End, in the log, what is still open at the end of the flight; nobody is told any more."""

@@ -13,6 +13,7 @@ from waypointctl.ops.ground.dispatcher import Dispatcher, Insistence, Uplink
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.pilot import Pilot
 from waypointctl.ops.ground.planner import MissionOperator, WaypointOperator
+from waypointctl.ops.ground.pulse import BeatLink, Pulse
 from waypointctl.ops.ground.schedule import agenda_of
 from waypointctl.ops.ground.station import Station
 from waypointctl.ops.ground.steering import HeadingOperator
@@ -37,6 +38,7 @@ def station_for(
     noise: FloatArray,
     sink: Sink,
     uplink: Uplink,
+    beats: BeatLink,
     answer_by: Callable[[int], int | None],
 ) -> Station:
     """Return the ground at mission start.
@@ -47,11 +49,14 @@ def station_for(
         noise: (4,) for layouts that have some.
         sink: takes the ground's own records.
         uplink: takes a command on its way.
+        beats: takes a heartbeat on its way.
         answer_by: by when a command that leaves at a time [ns] has to be acknowledged; None for never.
     """
     commands = mission.commands
     insistence = Insistence(commands.acknowledged, commands.retries, answer_by, ns(commands.margin_s))
-    return Station(_operator(mission, policy, noise, sink), agenda_of(mission), Dispatcher(uplink, insistence, sink))
+    pulse = Pulse(beats, ns(mission.operator.heartbeat_s or 0.0))
+    dispatcher = Dispatcher(uplink, insistence, sink)
+    return Station(_operator(mission, policy, noise, sink), agenda_of(mission), dispatcher, pulse)
 
 
 def answer_time(up: Direction[Any], down: Direction[Any], robot_ns: int, margin_ns: int) -> Callable[[int], int | None]:

@@ -31,7 +31,7 @@ from waypointctl.ops.ground.order import Order
 from waypointctl.ops.link.direction import NEVER, Fate
 
 UNANSWERED: Final = "no acknowledgement"
-_AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN, Mode.SAFE})
+_AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN})  # no command is under way
 
 
 # Takes a command on its way at a time [ns]; it is told when the command arrives, and makes it.

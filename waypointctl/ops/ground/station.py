@@ -12,17 +12,19 @@ from waypointctl.ops.ground.dispatcher import UNANSWERED, Dispatcher
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.order import Order
 from waypointctl.ops.ground.pilot import Pilot
+from waypointctl.ops.ground.pulse import Pulse
 from waypointctl.ops.link.frames import BodyFrame
 
 
 class Station:
     """The operator, the schedule and the dispatcher, in the order of their times."""
 
-    def __init__(self, operator: Operator, schedule: Agenda[Order], dispatcher: Dispatcher) -> None:
+    def __init__(self, operator: Operator, schedule: Agenda[Order], dispatcher: Dispatcher, pulse: Pulse) -> None:
         """Put the ground together."""
         self.operator = operator
         self.dispatcher = dispatcher
         self._schedule = schedule
+        self._pulse = pulse
 
     @property
     def belief(self) -> Belief:
@@ -51,7 +53,7 @@ class Station:
     @property
     def wake_ns(self) -> int | None:
         """When the ground wants to act next, if nothing arrives before [ns]; None for never."""
-        times = (self._schedule.next_ns, self.operator.wake_ns, self.dispatcher.wake_ns)
+        times = (self._schedule.next_ns, self.operator.wake_ns, self.dispatcher.wake_ns, self._pulse.next_ns)
         return min((time for time in times if time is not None), default=None)
 
     def begin(self) -> None:
@@ -73,6 +75,7 @@ class Station:
 
     def wake(self, now_ns: int) -> None:
         """Do what is due now."""
+        self._pulse.beat(now_ns)
         self.issue(now_ns, self._schedule.due(now_ns))
         self.issue(now_ns, [] if self.operator.finished else self.operator.wake(now_ns))
         for command_id in self.dispatcher.wake(now_ns):
@@ -92,4 +95,5 @@ class Station:
             "operator": self.operator.state(),
             "commands": dict(self.dispatcher.state()),
             "scheduled": scheduled,
+            "heartbeats": self._pulse.beats,
         }

@@ -1,4 +1,4 @@
-"""What travels the link beside commands, acknowledgements and telemetry, where the policy sits on the ground."""
+"""What travels the link beside commands, acknowledgements and telemetry."""
 
 from __future__ import annotations
 
@@ -27,5 +27,14 @@ class ControlFrame:
 
     step: int  # whose state it was computed from
     values: FloatArray  # (nu,) as a fraction of the motors' full torque
+    issued_ns: int
+    received_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Heartbeat:
+    """A sign of life from the ground, on its way up."""
+
+    frame: int
     issued_ns: int
     received_ns: int
