@@ -25,6 +25,7 @@ from waypointctl.task.start import Start
 from waypointctl.units import NS_PER_S, ns, seconds
 
 CHECKPOINT_PERIOD_NS: Final = 10 * NS_PER_S
+SILENT: Final = "the robot rests, and nothing is left that the operator could hear or send"
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,17 +66,31 @@ class Flight:
         self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
         self._checkpoint_ns = 0
-        self._heard_ns = 0  # when the operator last heard anything
+        self._ground_ns = 0  # when the operator last heard or did anything
 
     @property
     def over(self) -> bool:
-        """Whether the operator has ended the mission or its time is up."""
-        return self._station.finished or self._out_of_time
+        """Whether the operator has ended the mission, its time is up, or nothing is left that could happen."""
+        return self._station.finished or self._out_of_time or self._is_silent
 
     @property
     def _out_of_time(self) -> bool:
         limit_s = self._mission.expect.max_time_s
         return limit_s is not None and self._now_ns > ns(limit_s)
+
+    @property
+    def _is_silent(self) -> bool:
+        """Whether the robot rests for good, and the operator waits for what will never come: an answer was lost."""
+        if self._next_on_ground_ns is not None and not self._heard_of_rest:
+            return False
+        nothing_sent = self._station.wake_ns is None and self._uplink.direction.next_arrival_ns is None
+        return nothing_sent and self._vehicle.plans_nothing
+
+    @property
+    def _heard_of_rest(self) -> bool:
+        """Whether a frame has arrived that was sent while the robot rested."""
+        frame = self._station.belief.telemetry
+        return frame is not None and frame.issued_ns > self._vehicle.rests_since_ns
 
     def begin(self) -> None:
         """Let the operator send what it sends at mission start."""
@@ -106,11 +121,11 @@ class Flight:
 
     def _live_on_ground(self, at_ns: int) -> None:
         """Let the ground hear what arrives at this moment; if nothing does, let it do what it has planned."""
+        self._ground_ns = at_ns
         heard = next(self._downlink.due(at_ns), None)
         if heard is None:
             self._station.wake(at_ns)
             return
-        self._heard_ns = at_ns
         if not isinstance(heard, BodyFrame):
             self._sink(heard)
             self._station.hear(at_ns, heard)
@@ -150,8 +165,10 @@ class Flight:
         total = len(self._mission.waypoints)
         reached = len(self._station.reached)
         wanted = total if expect.reached == "all" else expect.reached
-        ended_ns = self._heard_ns if self._station.finished else self._now_ns
+        ended_ns = self._ground_ns if self._station.finished else self._now_ns
         facts = f"{reached} of {total} waypoints reached in {seconds(ended_ns):.2f} s"
+        if self._is_silent and not self._station.finished:
+            return self._close("failure", f"{SILENT}: {facts}", ended_ns)
         if not self._station.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
             return self._close("failure", f"longer than {expect.max_time_s:g} s: {facts}", ended_ns)
         if reached < wanted or self._station.verdict == FALL:

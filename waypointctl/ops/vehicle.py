@@ -79,6 +79,8 @@ class Vehicle:
         self._control_step = -1  # whose state it was computed from
         self._moved_ns = 0  # when it last did
         self._rests = False
+        self.rests_since_ns = 0  # when it began to rest last
+        self._beacons = 0  # frames sent in this rest
         self._body: Body = body_of(self.plant.qpos, self.plant.qvel)
         self._fell = False
         self._closed = False
@@ -108,7 +110,9 @@ class Vehicle:
         before = (self.executive.mode, self.executive.leg, len(self.executive.reached))
         self.executive.sense(now_ns, self._body.position, self._fell, float(self._body.yaw[0]))
         after = (self.executive.mode, self.executive.leg, len(self.executive.reached))
-        if not self._reporter.frame_if_due(now_ns, self.executive, self._body) and before != after:
+        if self._reporter.frame_if_due(now_ns, self.executive, self._body):
+            self._beacons += self._rests
+        elif before != after:
             self._reporter.frame(now_ns, self.executive, self._body)
         self._reporter.state(now_ns, self.step, self.plant)
 
@@ -120,17 +124,24 @@ class Vehicle:
         )
         if still != self._rests:
             self._rests = still
+            self.rests_since_ns = now_ns
             kind, text = (
                 (EventKind.REST_STARTED, "standing still: physics sleeps until something happens")
                 if still
                 else (EventKind.REST_ENDED, "physics wakes")
             )
             self._sink(Event(now_ns, kind, Clock.ROBOT, Severity.INFO, text))
+            self._beacons = 0
             if not still:
                 self._reporter.go_on(now_ns)
         if still:
             self._reporter.put_off(now_ns)
         return still
+
+    @property
+    def plans_nothing(self) -> bool:
+        """Whether a robot at rest, which has said so twice, does nothing more by itself however long nothing arrives."""
+        return self._rests and self._beacons > 1 and self.executive.next_ns(0) is None
 
     @property
     def _driven(self) -> bool:
