@@ -140,7 +140,7 @@ class Vehicle:
 
     @property
     def plans_nothing(self) -> bool:
-        """Whether a robot at rest, which has said so twice, does nothing more by itself however long nothing arrives."""
+        """Whether a robot at rest, which has said so twice, does nothing more by itself as long as nothing arrives."""
         return self._rests and self._beacons > 1 and self.executive.next_ns(0) is None
 
     @property
