@@ -38,6 +38,57 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
     assert result.stderr == ""
 
 
+@pytest.mark.parametrize(
+    ("link", "text"),
+    [
+        ("{preset: iss, loss: 1 %}", "link iss: 3.5 s +- 0.5 s with 1 % lost each way"),
+        (
+            "{up: {rate: 1 kbit/s, duplicate: 2 %}, down: {loss: {p: 0.1, r: 0.3}, keep_order: false}}",
+            "link 0 s with 2 % doubled and 1000 bit/s up, 0 s with 25 % lost in bursts and the order not kept down",
+        ),
+        (
+            "{delay_table: [{at: 0 s, delay: 3 s}, {at: 1 h, delay: 4 s}], windows: [{from: 0 s, to: 1 s}]}",
+            "link 3 to 4 s with 1 window each way",
+        ),
+        (
+            "{delay: 1 s, jitter: 2 s, jitter_distribution: normal, windows: [{from: 0 s, to: 1 s}], windows_every: 1 h}",
+            "link 1 s +- 2 s (normal) with 1 window every 3600 s each way",
+        ),
+        (
+            "{contact_plan: {file: plan, from_node: 1, to_node: 2}, jitter_file: j}",
+            "link the delays and contacts of plan + j each way",
+        ),
+        (
+            "{contact_plan: {file: plan, from_node: 1, to_node: 2}, delay: 1 s}",
+            "link 1 s with the contacts of plan each way",
+        ),
+    ],
+)
+def test_an_ok_line_tells_what_the_link_does(tmp_path: Path, link: str, text: str) -> None:
+    (tmp_path / "plan").write_text("a contact +0 +9 1 2 1\na contact +0 +9 2 1 1\na range +0 +9 1 2 1\n")
+    (tmp_path / "j").write_text("0.1\n")
+    path = tmp_path / "m.yaml"
+    path.write_text(f"name: dog\npolicy: .\nwaypoints: [[3, 4]]\nlink: {link}\n")
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    assert f"{text}, autonomy mission" in result.stdout
+
+
+def test_a_mistake_in_a_file_that_a_mission_refers_to_is_told_with_its_place(tmp_path: Path) -> None:
+    (tmp_path / "j").write_text("soon\n")
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: .\nwaypoints: [[3, 4]]\nlink: {jitter_file: j}\n")
+    result = CliRunner().invoke(app, ["validate", "--json", str(path)])
+    assert result.exit_code == 2
+    problem = {
+        "file": str(tmp_path / "j"),
+        "line": 1,
+        "column": 1,
+        "path": "",
+        "problem": "'soon' is not a number of seconds",
+    }
+    assert json.loads(result.stdout)["missions"][0]["problems"] == [problem]
+
+
 def test_a_policy_that_is_not_there_is_a_warning(tmp_path: Path) -> None:
     path = tmp_path / "m.yaml"
     path.write_text("name: dog\npolicy: nowhere\nwaypoints: [[3, 4]]\n")

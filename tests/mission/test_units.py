@@ -11,6 +11,9 @@ from waypointctl.units import (
     ANGLE_UNITS_RAD,
     DISTANCE_UNITS_M,
     DURATION_UNITS_S,
+    RATE_UNITS_BPS,
+    SHARE_UNITS,
+    SIZE_UNITS_BYTES,
     bare_name,
     ns,
     quantity,
@@ -33,6 +36,10 @@ from waypointctl.units import (
         ("0e99999999999999999999 s", DURATION_UNITS_S, 0.0),
         ("-1e99999999999999999999 s", DURATION_UNITS_S, -math.inf),
         ("0.1 rad", ANGLE_UNITS_RAD, 0.1),
+        ("64 kbit/s", RATE_UNITS_BPS, 64_000.0),
+        ("2KiB", SIZE_UNITS_BYTES, 2048.0),
+        ("1.5 MB", SIZE_UNITS_BYTES, 1_500_000.0),
+        ("7 %", SHARE_UNITS, 0.07),
     ],
 )
 def test_reads_a_number_with_its_unit(text: str, units: dict[str, float], value: float) -> None:

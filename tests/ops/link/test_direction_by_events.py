@@ -19,7 +19,7 @@ from waypointctl.seeding import stream
 
 
 @given(settings_of_a_link(), parcels())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=400, deadline=None)
 def test_each_message_fares_as_it_does_event_by_event(setting: Setting, sent: list[Parcel]) -> None:
     slow = SlowLink(setting.gates(), setting.room, setting.delay, setting.ordered)
     slow.run(sent)
@@ -36,7 +36,7 @@ def test_each_message_fares_as_it_does_event_by_event(setting: Setting, sent: li
 
 
 @given(settings_of_a_link(), parcels(), st.integers(1, 50))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=150, deadline=None)
 def test_bytes_are_conserved_at_every_moment(setting: Setting, sent: list[Parcel], tick: int) -> None:
     """Handed over = refused + lost on the way + waiting + being sent or under way + delivered."""
     link = told_direction(setting, sent)
