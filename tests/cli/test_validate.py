@@ -51,7 +51,8 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
             "link 3 to 4 s with 1 window each way",
         ),
         (
-            "{delay: 1 s, jitter: 2 s, jitter_distribution: normal, windows: [{from_s: 0, to_s: 1}], windows_every: 1 h}",
+            "{delay: 1 s, jitter: 2 s, jitter_distribution: normal, "
+            "windows: [{from: 0 s, to: 1 s}], windows_every: 1 h}",
             "link 1 s +- 2 s (normal) with 1 window every 3600 s each way",
         ),
         (
