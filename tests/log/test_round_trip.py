@@ -21,6 +21,7 @@ from waypointctl.log.messages import (
     Command,
     CommandKind,
     CommandStage,
+    ConsoleInput,
     Event,
     EventKind,
     GroundControl,
@@ -79,6 +80,7 @@ BY_TYPE: dict[type, st.SearchStrategy[Message]] = {
         times,
         times,
     ),
+    ConsoleInput: st.builds(ConsoleInput, times, names),
     Event: st.builds(
         Event,
         times,

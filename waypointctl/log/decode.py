@@ -19,6 +19,7 @@ from waypointctl.log.messages import (
     Command,
     CommandKind,
     CommandStage,
+    ConsoleInput,
     Event,
     EventKind,
     FloatArray,
@@ -145,6 +146,12 @@ def link_record(data: bytes) -> LinkRecord:
         arrives_ns=tuple(it.arrives_ns),
         fate=LinkFate(it.fate),
     )
+
+
+def console_input(data: bytes) -> ConsoleInput:
+    """Decode a ConsoleInput."""
+    it = pb.ConsoleInput.FromString(data)
+    return ConsoleInput(it.time_ns, it.text)
 
 
 def event(data: bytes) -> Event:

@@ -7,6 +7,7 @@ from waypointctl.log.messages import (
     Checkpoint,
     Command,
     CommandStage,
+    ConsoleInput,
     Event,
     GroundControl,
     LinkRecord,
@@ -116,6 +117,11 @@ def link_record(message: LinkRecord) -> bytes:
         fate=message.fate,
         delay_s=seconds(message.arrives_ns[0] - message.time_ns) if message.arrives_ns else 0.0,
     ).SerializeToString()
+
+
+def console_input(message: ConsoleInput) -> bytes:
+    """Encode a ConsoleInput."""
+    return pb.ConsoleInput(time_ns=message.time_ns, text=message.text).SerializeToString()
 
 
 def event(message: Event) -> bytes:

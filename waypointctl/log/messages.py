@@ -104,6 +104,8 @@ class EventKind(StrEnum):
     """What can happen."""
 
     MISSION_STARTED = "mission_started"  # operator
+    CONSOLE_OPENED = "console_opened"  # operator: a person commands too
+    CONSOLE_CLOSED = "console_closed"  # operator: nothing more will be typed
     COMMAND_SENT = "command_sent"  # operator
     COMMAND_RECEIVED = "command_received"  # robot
     LEG_STARTED = "leg_started"  # robot
@@ -297,6 +299,14 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True)
+class ConsoleInput:
+    """A line that a person typed at the operator's console and that was obeyed: an order was sent, or it was closed."""
+
+    time_ns: int  # on the operator's clock
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Checkpoint:
     """Everything that a replay needs to start in the middle."""
 
@@ -318,6 +328,7 @@ Message: TypeAlias = (
     | Telemetry
     | GroundControl
     | LinkRecord
+    | ConsoleInput
     | Event
     | Checkpoint
 )

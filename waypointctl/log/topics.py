@@ -18,6 +18,7 @@ from waypointctl.log.messages import (
     Checkpoint,
     Command,
     CommandStage,
+    ConsoleInput,
     Event,
     GroundControl,
     LinkRecord,
@@ -43,7 +44,16 @@ class Topic:
 
 
 def _instant(
-    message: State | Observation | Action | Reward | CommandStage | GroundControl | LinkRecord | Event | Checkpoint,
+    message: State
+    | Observation
+    | Action
+    | Reward
+    | CommandStage
+    | GroundControl
+    | LinkRecord
+    | ConsoleInput
+    | Event
+    | Checkpoint,
 ) -> tuple[int, int]:
     return message.time_ns, message.time_ns
 
@@ -63,6 +73,7 @@ TOPICS: Final = (
     Topic("/telemetry", Telemetry, pb.Telemetry, encode.telemetry, decode.telemetry, _link),
     Topic("/ground_control", GroundControl, pb.GroundControl, encode.ground_control, decode.ground_control, _instant),
     Topic("/link", LinkRecord, pb.LinkRecord, encode.link_record, decode.link_record, _instant),
+    Topic("/console", ConsoleInput, pb.ConsoleInput, encode.console_input, decode.console_input, _instant),
     Topic("/event", Event, pb.Event, encode.event, decode.event, _instant),
     Topic("/checkpoint", Checkpoint, pb.Checkpoint, encode.checkpoint, decode.checkpoint, _instant),
 )

@@ -6,10 +6,12 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Final
 
-from waypointctl.log.messages import Ack, Clock, Command, Event, EventKind, Severity, Telemetry
+from waypointctl.log.messages import Ack, Clock, Command, ConsoleInput, Event, EventKind, Severity, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, rules_of
 from waypointctl.ops.ground.build import answer_time, station_for
+from waypointctl.ops.ground.console import order_from
+from waypointctl.ops.ground.line_source import QUIT, LineSource, Nobody
 from waypointctl.ops.link.build import direction
 from waypointctl.ops.link.direction import Direction
 from waypointctl.ops.link.frames import BodyFrame, ControlFrame, Heartbeat
@@ -50,8 +52,11 @@ class FlightResult:
 class Flight:
     """Everything that changes during a flight, and the steps of its loop."""
 
-    def __init__(self, mission: Mission, policy: Policy, sink: Sink, robot: Robot) -> None:
+    def __init__(
+        self, mission: Mission, policy: Policy, sink: Sink, robot: Robot, console: LineSource | None = None
+    ) -> None:
         """Set the robot at its start; nothing has been sent yet."""
+        self._console = console or Nobody()
         link, files, seed = mission.link, mission.files, mission.seed
         self._mission = mission
         self._sink = sink
@@ -83,6 +88,8 @@ class Flight:
         """Whether the robot rests for good, and the operator waits for what will never come: an answer was lost."""
         if self._next_on_ground_ns is not None and not self._heard_of_rest:
             return False
+        if self._station.console_is_open:
+            return False
         nothing_sent = self._station.wake_ns is None and self._uplink.direction.next_arrival_ns is None
         return nothing_sent and self._vehicle.plans_nothing
 
@@ -95,7 +102,21 @@ class Flight:
     def begin(self) -> None:
         """Let the operator send what it sends at mission start."""
         self._announce(0, EventKind.MISSION_STARTED, f"mission {self._mission.name} started")
+        if self._console.is_open:
+            self._station.console_is_open = True
+            self._announce(0, EventKind.CONSOLE_OPENED, "console opened")
         self._station.begin()
+
+    def listen(self) -> None:
+        """Let the ground take what has been typed at its console by now."""
+        for text in self._console.lines(self._now_ns):
+            self._ground_ns = self._now_ns
+            self._sink(ConsoleInput(self._now_ns, text))
+            if text == QUIT:
+                self._station.console_is_open = False
+                self._announce(self._now_ns, EventKind.CONSOLE_CLOSED, "console closed")
+            else:
+                self._station.issue(self._now_ns, [order_from(text, self._mission)])
 
     def exchange(self) -> None:
         """Let the ground live up to now, and the robot obey what has arrived, until there is silence."""
@@ -156,8 +177,13 @@ class Flight:
         """Go on to the next control step at which something can happen."""
         times = (self._next_on_ground_ns, self._uplink.direction.next_arrival_ns, self._vehicle.next_ns(self._now_ns))
         next_ns = min(time_ns for time_ns in times if time_ns is not None)
-        ticks = -(-(next_ns - self._now_ns) // self._period_ns)
-        self._now_ns += max(ticks, 1) * self._period_ns
+        wake_ns = self._first_step(next_ns)
+        self._now_ns = min(wake_ns, self._first_step(self._console.asleep(self._now_ns, wake_ns)))
+
+    def _first_step(self, time_ns: int) -> int:
+        """Return the first control step to come that is not before a time [ns]."""
+        steps = -(-(time_ns - self._now_ns) // self._period_ns)
+        return self._now_ns + max(steps, 1) * self._period_ns
 
     def end(self) -> FlightResult:
         """Close the flight with the outcome that the operator's belief gives it."""

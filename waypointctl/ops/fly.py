@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.flight import Flight, FlightResult
+from waypointctl.ops.ground.line_source import LineSource
 from waypointctl.ops.sink import Sink
 from waypointctl.policy.protocol import Policy
 from waypointctl.sim.robots import Robot, load_robot
@@ -18,6 +19,7 @@ def fly(
     *,
     robot: Robot | None = None,
     interrupted: Callable[[], bool] = lambda: False,
+    console: LineSource | None = None,
 ) -> FlightResult:
     """Fly a mission to its end and hand every message to the sink.
 
@@ -27,11 +29,13 @@ def fly(
         sink: takes each message as it happens.
         robot: the robot to fly, where it is not the shipped one (a log brings its own).
         interrupted: asked before every control step; True ends the flight.
+        console: where a person's commands come from, if there is a person.
     """
-    flight = Flight(mission, policy, sink, robot or load_robot(mission.robot))
+    flight = Flight(mission, policy, sink, robot or load_robot(mission.robot), console)
     flight.begin()
     while True:
         flight.exchange()
+        flight.listen()
         flight.sense()
         flight.exchange()
         if flight.over:

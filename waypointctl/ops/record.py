@@ -11,6 +11,7 @@ from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile
 from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
+from waypointctl.ops.ground.line_source import LineSource
 from waypointctl.ops.header import flight_header
 from waypointctl.ops.sink import Sink, tee
 from waypointctl.policy.bundle import LoadedPolicy
@@ -43,6 +44,7 @@ def record(
     *,
     watch: Sink | None = None,
     interrupted: Callable[[], bool] = lambda: False,
+    console: LineSource | None = None,
 ) -> Recording:
     """Fly a mission and write its log.
 
@@ -52,6 +54,7 @@ def record(
         out: the log.
         watch: sees every message too, as it happens.
         interrupted: asked before every control step; True ends the flight and closes the log.
+        console: where a person's commands come from, if there is a person.
 
     Raises:
         PolicyError: the policy was made for another robot or another observation layout.
@@ -68,7 +71,12 @@ def record(
     )
     with LogWriter(out, flight_header(mission_file, policy, robot)) as writer:
         sink = writer if watch is None else tee(writer, watch)
-        result = fly(mission, policy, sink, robot=robot, interrupted=interrupted)
+        result = fly(mission, policy, sink, robot=robot, interrupted=interrupted, console=console)
+    return recording_of(result, out, mission.seed)
+
+
+def recording_of(result: FlightResult, out: Path, seed: int) -> Recording:
+    """Return what is said of a flight whose log is closed."""
     with out.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
-    return Recording(result, out, digest, mission.seed)
+    return Recording(result, out, digest, seed)

@@ -549,6 +549,31 @@ class LinkRecord(_message.Message):
 Global___LinkRecord: _TypeAlias = LinkRecord  # noqa: Y015
 
 @_typing.final
+class ConsoleInput(_message.Message):
+    """A line that a person typed at the operator's console."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    TIME_NS_FIELD_NUMBER: _builtins.int
+    TEXT_FIELD_NUMBER: _builtins.int
+    time_ns: _builtins.int
+    """on the operator's clock"""
+    text: _builtins.str
+    def __init__(
+        self,
+        *,
+        time_ns: _builtins.int = ...,
+        text: _builtins.str = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["text", b"text", "time_ns", b"time_ns"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___ConsoleInput: _TypeAlias = ConsoleInput  # noqa: Y015
+
+@_typing.final
 class Event(_message.Message):
     """Something that happened, on the robot's clock or on the operator's."""
 

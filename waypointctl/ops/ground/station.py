@@ -17,12 +17,17 @@ from waypointctl.ops.link.frames import BodyFrame
 
 
 class Station:
-    """The operator, the schedule and the dispatcher, in the order of their times."""
+    """The operator, the schedule and the dispatcher, in the order of their times.
+
+    Attributes:
+        console_is_open: whether a person may still send something.
+    """
 
     def __init__(self, operator: Operator, schedule: Agenda[Order], dispatcher: Dispatcher, pulse: Pulse) -> None:
         """Put the ground together."""
         self.operator = operator
         self.dispatcher = dispatcher
+        self.console_is_open = False
         self._schedule = schedule
         self._pulse = pulse
 
@@ -43,8 +48,11 @@ class Station:
 
     @property
     def finished(self) -> bool:
-        """Whether nothing is left to send or to hear of; after a fall, or without an answer, nothing is."""
-        if not self.operator.finished:
+        """Whether nothing is left to send or to hear of; after a fall, or without an answer, nothing is.
+
+        A person at the console may try again where the script has given up, but nobody can make a fallen robot walk.
+        """
+        if not self.operator.finished or (self.console_is_open and self.verdict != FALL):
             return False
         if self.verdict in (FALL, UNANSWERED):
             return True
