@@ -15,6 +15,7 @@ from waypointctl.log.messages import (
     Clock,
     Command,
     CommandKind,
+    CommandStage,
     Event,
     EventKind,
     Message,
@@ -56,6 +57,12 @@ def ack(stage: Stage, issued_s: float, reason: str = "") -> Ack:
     return Ack(1, stage, reason, ns(issued_s), ns(issued_s + 1.0))
 
 
+def stage(
+    time_s: float, which: Stage, clock: Clock = Clock.ROBOT, reason: str = "", attempt: int = 1, command_id: int = 1
+) -> CommandStage:
+    return CommandStage(ns(time_s), command_id, which, reason, clock, attempt)
+
+
 def frame(number: int, issued_s: float, x_m: float, reached: tuple[int, ...], target: int = 0) -> Telemetry:
     return Telemetry(number, Mode.WALKING, x_m, 0.0, 0.5, 0.0, 2.0, target, reached, ns(issued_s), ns(issued_s + 1.0))
 
@@ -64,16 +71,21 @@ def flight() -> Iterator[Message]:
     """Command at 0, arrived at 1.0, `near` reached at 2.0 and known at 3.0, `far` given up at 4.0, told at 5.0."""
     yield event(0, EventKind.MISSION_STARTED, "mission hand started", Clock.OPERATOR)
     yield event(0, EventKind.COMMAND_SENT, "command 1 sent: upload_plan near, far", Clock.OPERATOR, command_id=1)
+    yield stage(0, Stage.QUEUED, Clock.OPERATOR)
+    yield stage(0, Stage.SENT, Clock.OPERATOR)
     yield from step(0, "stance", 0.0, 0.0, 0.0)
     yield frame(0, 0.0, 0.0, (), -1)
     yield from step(1, "stance", 0.0, 0.0, 0.0)
     yield Command(1, CommandKind.UPLOAD_PLAN, (NEAR, FAR), "abort", 0, ns(1.0))
+    yield stage(1, Stage.RECEIVED)
     yield event(1, EventKind.COMMAND_RECEIVED, "command 1 received", command_id=1)
+    yield stage(1, Stage.ACCEPTED)
+    yield stage(1, Stage.STARTED)
     yield event(1, EventKind.LEG_STARTED, "walking to near", waypoint=0, command_id=1)
     yield from step(2, "policy", 0.0, 2.0, 2.0)
     yield from step(3, "policy", 1.0, 2.0, 2.0)
-    for stage in (Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED):
-        yield ack(stage, 1.0)
+    for told in (Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED):
+        yield ack(told, 1.0)
     yield event(2, EventKind.WAYPOINT_REACHED, "near reached", waypoint=0, command_id=1)
     yield event(2, EventKind.LEG_STARTED, "walking to far", waypoint=1, command_id=1)
     yield from step(4, "policy", 2.0, 2.0, 1.0)
@@ -83,6 +95,7 @@ def flight() -> Iterator[Message]:
     yield from step(7, "policy", 5.0, 2.0, 1.0)
     yield event(4, EventKind.WAYPOINT_TIMEOUT, "far not reached within 2 s", waypoint=1, command_id=1)
     yield event(4, EventKind.PLAN_FAILED, "plan given up at far", waypoint=1, command_id=1)
+    yield stage(4, Stage.FAILED, reason="timeout")
     yield from step(8, "stance", 6.0, 0.0, 0.0)
     yield from step(9, "stance", 6.3, 0.0, 0.0)
     yield ack(Stage.FAILED, 4.0, "timeout")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.replay.hand_made import FAR, NEAR, ack, event, flight, frame, state
+from tests.replay.hand_made import FAR, NEAR, ack, event, flight, frame, stage, state
 from waypointctl.log.messages import (
     Clock,
     Command,
@@ -96,11 +96,11 @@ def test_a_story_can_be_told_while_it_happens() -> None:
 def test_between_arrival_and_hearing_the_robot_is_ahead_of_the_operator() -> None:
     chronicle = Chronicle((NEAR, FAR))
     told = list(flight())
-    upto = next(i for i, m in enumerate(told) if getattr(m, "kind", None) is EventKind.LEG_STARTED)
+    upto = next(i for i, m in enumerate(told) if getattr(m, "kind", None) is EventKind.COMMAND_RECEIVED)
     for message in told[: upto + 1]:
         chronicle(message)
     (command,) = chronicle.commands
-    assert (command.onboard, command.heard) == (Stage.STARTED, Stage.SENT)
+    assert (command.onboard, command.heard) == (Stage.RECEIVED, Stage.SENT)
 
 
 def test_nothing_happened() -> None:
@@ -129,6 +129,7 @@ def test_a_fall_ends_the_leg_and_the_command() -> None:
         event(1, EventKind.COMMAND_RECEIVED, "received", command_id=1),
         event(1, EventKind.LEG_STARTED, "walking to near", waypoint=0, command_id=1),
         event(3, EventKind.FALL, "the robot has fallen", command_id=1),
+        stage(3, Stage.FAILED, reason="fall"),
     ]
     story = tell(messages)
     assert story.falls == 1
@@ -137,14 +138,34 @@ def test_a_fall_ends_the_leg_and_the_command() -> None:
     assert (story.commands[0].onboard, story.commands[0].ended_ns) == (Stage.FAILED, ns(3.0))
 
 
-def test_a_fall_after_the_end_of_a_command_does_not_undo_it() -> None:
+def test_nothing_follows_the_end_of_a_command() -> None:
     messages: list[Message] = [
-        event(0, EventKind.COMMAND_SENT, "command 1 sent: go_to near", Clock.OPERATOR, command_id=1),
-        event(2, EventKind.PLAN_COMPLETED, "command 1 completed", command_id=1),
-        event(3, EventKind.FALL, "the robot has fallen", command_id=1),
+        stage(0, Stage.QUEUED, Clock.OPERATOR),
+        stage(2, Stage.COMPLETED),
+        stage(3, Stage.FAILED, reason="fall"),
     ]
     (command,) = tell(messages).commands
     assert (command.onboard, command.ended_ns) == (Stage.COMPLETED, ns(2.0))
+
+
+def test_a_command_that_was_lost_and_sent_again_says_so() -> None:
+    messages: list[Message] = [
+        stage(0, Stage.QUEUED, Clock.OPERATOR),
+        stage(0, Stage.SENT, Clock.OPERATOR),
+        stage(0, Stage.LOST, Clock.LINK, "lost on the way"),
+        stage(3, Stage.UNKNOWN, Clock.OPERATOR, "no acknowledgement"),
+        stage(3, Stage.QUEUED, Clock.OPERATOR, attempt=2),
+        stage(3, Stage.SENT, Clock.OPERATOR, attempt=2),
+        Command(1, CommandKind.GO_TO, (NEAR,), "abort", ns(3.0), ns(4.0), attempt=2),
+        stage(4, Stage.RECEIVED, attempt=2),
+        ack(Stage.RECEIVED, 4.0),
+    ]
+    (command,) = tell(messages).commands
+    assert (command.attempts, command.losses) == (2, 1)
+    assert (command.issued_ns, command.received_ns) == (0, ns(4.0)), "from the first sending on"
+    assert command.uplink_ns == ns(1.0), "of the one that arrived"
+    assert command.round_trip_ns == ns(5.0)
+    assert command.onboard is Stage.RECEIVED
 
 
 def test_a_rejected_command_is_concluded() -> None:

@@ -11,12 +11,15 @@ from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
     Action,
+    Clock,
     Command,
+    CommandStage,
     Event,
     EventKind,
     Message,
     PlannedWaypoint,
     Reward,
+    Severity,
     Stage,
     State,
     Telemetry,
@@ -24,13 +27,6 @@ from waypointctl.log.messages import (
 from waypointctl.replay.growing_track import GrowingTrack
 from waypointctl.replay.story import CommandStory, Effort, Fate, FloatArray, Story, WaypointStory, is_on_map
 
-_ONBOARD: Final = {
-    EventKind.COMMAND_RECEIVED: Stage.RECEIVED,
-    EventKind.LEG_STARTED: Stage.STARTED,
-    EventKind.PLAN_COMPLETED: Stage.COMPLETED,
-    EventKind.PLAN_FAILED: Stage.FAILED,
-    EventKind.FALL: Stage.FAILED,
-}
 _FATES: Final = {
     EventKind.WAYPOINT_REACHED: Fate.REACHED,
     EventKind.WAYPOINT_TIMEOUT: Fate.TIMED_OUT,
@@ -56,8 +52,11 @@ class _Command:
     what: str = ""
     issued_ns: int = 0
     received_ns: int | None = None
+    carried_ns: int | None = None
     onboard: Stage | None = None
     ended_ns: int | None = None
+    attempts: int = 0
+    losses: int = 0
     acks: list[Ack] = field(default_factory=list)
 
 
@@ -95,8 +94,8 @@ class Chronicle:
         self._reward_total = 0.0
         self._source = ""
         self._steps = 0
-        self._time_ns = {"policy": 0, "stance": 0, "off": 0}
-        self._way_m = {"policy": 0.0, "stance": 0.0, "off": 0.0}
+        self._time_ns = {"policy": 0, "ground": 0, "stance": 0, "off": 0}
+        self._way_m = {"policy": 0.0, "ground": 0.0, "stance": 0.0, "off": 0.0}
 
     def __call__(self, message: Message) -> None:
         """Take one message."""
@@ -115,6 +114,8 @@ class Chronicle:
                 self._command(message.command_id).acks.append(message)
             case Command():
                 self._receive(message)
+            case CommandStage():
+                self._advance(message)
             case Event():
                 self._note(message)
 
@@ -122,7 +123,18 @@ class Chronicle:
     def commands(self) -> tuple[CommandStory, ...]:
         """The commands so far, by id."""
         return tuple(
-            CommandStory(id_, c.what, c.issued_ns, c.received_ns, c.onboard, c.ended_ns, tuple(c.acks))
+            CommandStory(
+                id=id_,
+                what=c.what,
+                issued_ns=c.issued_ns,
+                received_ns=c.received_ns,
+                uplink_ns=c.carried_ns,
+                onboard=c.onboard,
+                ended_ns=c.ended_ns,
+                attempts=c.attempts,
+                losses=c.losses,
+                acks=tuple(c.acks),
+            )
             for id_, c in sorted(self._commands.items())
         )
 
@@ -167,7 +179,8 @@ class Chronicle:
 
     def _effort(self) -> Effort:
         time, way = self._time_ns, self._way_m
-        return Effort(sum(way.values()), way["policy"], time["policy"], time["stance"], time["off"])
+        walked_m, walked_ns = way["policy"] + way["ground"], time["policy"] + time["ground"]
+        return Effort(sum(way.values()), walked_m, walked_ns, time["stance"], time["off"])
 
     def _move(self, state: State) -> None:
         self.now_ns = max(self.now_ns, state.time_ns)
@@ -202,31 +215,37 @@ class Chronicle:
 
     def _receive(self, command: Command) -> None:
         entry = self._command(command.id)
-        entry.issued_ns, entry.received_ns = command.issued_ns, command.received_ns
-        entry.what = f"{command.kind} {', '.join(waypoint.name for waypoint in command.waypoints)}"
+        if entry.received_ns is None:  # what arrives once more is only acknowledged once more
+            entry.received_ns, entry.carried_ns = command.received_ns, command.received_ns - command.issued_ns
+            if not entry.attempts:
+                entry.issued_ns = command.issued_ns
+            entry.what = f"{command.kind} {', '.join(waypoint.name for waypoint in command.waypoints)}".rstrip()
         for waypoint in command.waypoints:
-            self._waypoints.setdefault(waypoint.index, _Waypoint(waypoint))
+            if waypoint.index >= 0:  # else it is a place, none of the mission's waypoints
+                self._waypoints.setdefault(waypoint.index, _Waypoint(waypoint))
+
+    def _advance(self, it: CommandStage) -> None:
+        self.now_ns = max(self.now_ns, it.time_ns)
+        entry = self._command(it.command_id)
+        entry.attempts = max(entry.attempts, it.attempt)
+        if it.stage is Stage.QUEUED and it.attempt == 1:
+            entry.issued_ns = it.time_ns
+        elif it.stage is Stage.LOST:
+            entry.losses += 1
+        elif it.clock is Clock.ROBOT and entry.onboard not in FINAL_STAGES:
+            entry.onboard = it.stage
+            entry.ended_ns = it.time_ns if it.stage in FINAL_STAGES else None
 
     def _note(self, event: Event) -> None:
         self.now_ns = max(self.now_ns, event.time_ns)
         self.events.append(event)
-        if event.kind is EventKind.COMMAND_SENT:
-            entry = self._command(event.command_id)
-            entry.what, entry.issued_ns = event.text.partition(": ")[2], event.time_ns
-        stage = _ONBOARD.get(event.kind)
-        if stage is not None and event.command_id in self._commands:
-            self._advance(self._commands[event.command_id], stage, event.time_ns)
+        if event.kind is EventKind.COMMAND_SENT and event.severity is Severity.INFO:
+            self._command(event.command_id).what = event.text.partition(": ")[2]
         if event.kind is EventKind.FALL:
             self._end_legs(event.time_ns)
         waypoint = self._waypoints.get(event.waypoint)
         if waypoint is not None:
             self._visit(waypoint, event)
-
-    def _advance(self, command: _Command, stage: Stage, time_ns: int) -> None:
-        if command.onboard not in FINAL_STAGES:
-            command.onboard = stage
-            if stage in FINAL_STAGES:
-                command.ended_ns = time_ns
 
     def _visit(self, waypoint: _Waypoint, event: Event) -> None:
         waypoint.fate = _FATES.get(event.kind, waypoint.fate)

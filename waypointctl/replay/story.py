@@ -43,10 +43,13 @@ class CommandStory:
     Attributes:
         id: as it was sent.
         what: its kind and its waypoints, for people.
-        issued_ns: on the operator's clock.
-        received_ns: on the robot's clock; None while it is under way.
+        issued_ns: on the operator's clock, the first time.
+        received_ns: on the robot's clock, the first time; None before it has arrived.
+        uplink_ns: how long the sending that arrived first was under way.
         onboard: the last stage it came to on board, None before it arrived.
         ended_ns: when it ended on board, on the robot's clock.
+        attempts: how often it was sent.
+        losses: how often the link lost it, which the operator is not told.
         acks: what has arrived of it at the operator, in order.
     """
 
@@ -54,14 +57,12 @@ class CommandStory:
     what: str
     issued_ns: int
     received_ns: int | None
+    uplink_ns: int | None
     onboard: Stage | None
     ended_ns: int | None
+    attempts: int
+    losses: int
     acks: tuple[Ack, ...]
-
-    @property
-    def uplink_ns(self) -> int | None:
-        """How old it was when the robot received it."""
-        return None if self.received_ns is None else self.received_ns - self.issued_ns
 
     @property
     def downlink_ns(self) -> int | None:
