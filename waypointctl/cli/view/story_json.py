@@ -103,6 +103,8 @@ def _command(command: CommandStory) -> Plain:
         "round_trip_s": _seconds(command.round_trip_ns),
         "known_as": str(command.heard),
         "on_board": None if command.onboard is None else str(command.onboard),
+        "attempts": command.attempts,
+        "losses": command.losses,
     }
 
 
