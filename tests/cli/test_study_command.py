@@ -30,7 +30,7 @@ def test_it_flies_tells_and_leaves_its_files(field: Path, program: Program) -> N
     code, out, err = program(*FEW)
     assert code == 0
     rows = [" ".join(line.split()) for line in out.splitlines()]
-    assert "here mission 0.1 2.6" in rows
+    assert "mission 0.1 2.6" in rows
     assert any(row.startswith("waypoint 2.56 2/2 34.2-100.0 7.7") and row.endswith(" 0 3") for row in rows)
     assert rows[-1] == "runs/study-delay/delay.png: the picture; the tables in tables.md and cells.csv"
     assert "8 of 8 flights" in err

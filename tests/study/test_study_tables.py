@@ -4,10 +4,9 @@ import csv
 import io
 
 from tests.study.standing import cells, line
-from waypointctl.study.cell import Cell
 from waypointctl.study.delay import DelayStudy, Route
 from waypointctl.study.tables import overview, route_grid, sweep_grid, tables, to_csv, to_markdown
-from waypointctl.study.verdict import Verdict, joint_limits, verdicts
+from waypointctl.study.verdict import joint_limits, verdicts
 
 FLOWN = line("mission", {0.0: [10.0, 11.0], 2.56: [13.0, 13.0]}) + line(
     "joint", {0.0: [10.0, None], 2.56: [None, None]}
@@ -32,10 +31,10 @@ def study(*, swept: bool = True) -> DelayStudy:
 
 
 def test_the_times_at_a_glance() -> None:
-    grid = overview(study())
-    assert grid.title == "Time until the operator knows, walker, 2 seeds, think time 1.5 s"
-    assert [column.heading for column in grid.columns] == ["route", "autonomy", "0 s", "2.56 s"]
-    assert grid.rows == (("r", "mission", "10.5", "13.0"), ("r", "joint", "10.0 (1/2)", "none (0/2)"))
+    grid = overview(study(), study().routes[0])
+    assert grid.title == "r: time until the operator knows, walker, 2 seeds, think time 1.5 s"
+    assert [column.heading for column in grid.columns] == ["autonomy", "0 s", "2.56 s"]
+    assert grid.rows == (("mission", "10.5", "13.0"), ("joint", "10.0 *", "none"))
 
 
 def test_a_routes_table_has_all_that_was_measured() -> None:
@@ -77,16 +76,14 @@ def test_the_values_have_all_digits_and_each_cell_once() -> None:
     assert float(first["time_s"]) == 10.5
     assert float(first["time_s_half95"]) == study().cells[0].time_s.half  # type: ignore[union-attr]
     assert (one["time_s"], one["time_s_half95"], none["time_s"]) == ("10.0", "", "")
-    assert [Cell.model_fields.keys() >= {key} for key in ("rtt_s", "wilson95")] == [True, True]
 
 
 def test_the_markdown_is_every_table() -> None:
     text = to_markdown(tables(study()))
     assert text.startswith("<!-- waypointctl study delay -->\n")
     assert text.count("\n**") == 4
-    assert "| r | joint | 10.0 (1/2) | none (0/2) |" in text
+    assert r"| joint | 10.0 \* | none |" in text
 
 
 def test_a_study_is_read_back_as_it_was() -> None:
     assert DelayStudy.model_validate_json(study().model_dump_json()) == study()
-    assert isinstance(study().verdicts[0], Verdict)

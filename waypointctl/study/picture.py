@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator, PercentFormatter
 
-from waypointctl.study.autonomy import AUTONOMIES
+from waypointctl.study.autonomy import AUTONOMIES, JOINT
 from waypointctl.study.cell import Cell
 from waypointctl.study.delay import DelayStudy, Route
 from waypointctl.study.estimate import Estimate
@@ -26,7 +26,7 @@ _COLUMN_IN: Final = 6.6
 _HEIGHT_IN: Final = 8.6
 _LINEAR_S: Final = 0.4  # below this the axis of round trips is linear, so that 0 has a place
 _BETWEEN: Final = 50  # points of a line from one round trip to the next
-_SPARE_TICK: Final = 0.045  # of the axis: a round trip nearer to the one before it has no label
+_SPARE_TICK: Final = 0.04  # of the axis: a round trip nearer to the one before it has no label
 _LETTER_IN: Final = 0.085  # of the note
 _INK: Final = "#222222"
 _FAINT: Final = "#C8C8C8"
@@ -76,18 +76,18 @@ def _draw_times(axes: Axes, study: DelayStudy, route: Route) -> None:
     last_s = max(cell.rtt_s for cell in study.cells)
     dense_s = np.linspace(0.0, 1.0, 200) ** 3 * last_s  # dense where the axis is
     axes.set_yscale("log")
-    failed = []
     for name, (color, mark) in _LOOKS.items():
         cells = study.cells_of(route.name, name)
         predicted = [study.predicted_s(route.name, name, float(rtt_s)) for rtt_s in dense_s]
         if cells and AUTONOMIES[name].waits and None not in predicted:
             axes.plot(dense_s, np.array(predicted, float), color=color, linestyle=(0, (4, 3)), linewidth=0.9, alpha=0.8)
         _draw_line(axes, cells, [cell.time_s for cell in cells], color, mark)
-        failed += [(cell, color) for cell in cells if cell.successes < cell.flights]
-    for cell, color in failed:
-        _mark_failures(axes, cell, color)
-    low, high = axes.get_ylim()
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,)))
+        for cell in cells:
+            _mark_failures(axes, cell, color)
+    for limit in study.joint_limits:
+        if limit.route == route.name and limit.mostly_fails_s is not None:
+            _mark_limit(axes, limit.mostly_fails_s)
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_title(f"{route.name}: {route.waypoints} waypoints, {route.length_m:.0f} m", fontweight="bold", pad=16)
@@ -119,19 +119,32 @@ def _draw_line(axes: Axes, cells: Sequence[Cell], estimates: Sequence[Estimate |
 
 
 def _mark_failures(axes: Axes, cell: Cell, color: str) -> None:
-    """Say how many failed: at the point, and with a cross above the axes where none came through."""
+    """Say how many succeeded where not all did, and put a cross above the axes where none did.
+
+    Of `joint` the open marks have to do: in its finer sweep numbers would stand on each other.
+    """
     if cell.time_s is None:
-        axes.plot(cell.rtt_s, 1.03, "x", color=color, markersize=6, transform=axes.get_xaxis_transform(), clip_on=False)
-        return
+        axes.plot(cell.rtt_s, 1.03, "x", color=color, markersize=5, transform=axes.get_xaxis_transform(), clip_on=False)
+    elif cell.successes < cell.flights and cell.autonomy != JOINT.name:
+        axes.annotate(
+            f"{cell.successes}/{cell.flights}", (cell.rtt_s, cell.time_s.value), xytext=(4, -11),
+            textcoords="offset points", fontsize=7.5, color=color,
+        )  # fmt: skip
+
+
+def _mark_limit(axes: Axes, rtt_s: float) -> None:
+    """Say from which round trip on `joint` fails more often than not."""
+    color, _ = _LOOKS[JOINT.name]
+    axes.axvline(rtt_s, color=color, linestyle=":", linewidth=1.2)
     axes.annotate(
-        f"{cell.successes}/{cell.flights}", (cell.rtt_s, cell.time_s.value), xytext=(4, -11),
-        textcoords="offset points", fontsize=7.5, color=color,
+        f"joint: fewer than half at {rtt_s:g} s", (rtt_s, 0.96), xycoords=axes.get_xaxis_transform(),
+        xytext=(4, 0), textcoords="offset points", fontsize=8, color=color, va="top",
     )  # fmt: skip
 
 
 def _scale(axes: Axes, study: DelayStudy) -> None:
     rtts_s = sorted({cell.rtt_s for cell in study.cells})
-    axes.set_xscale("symlog", linthresh=_LINEAR_S, linscale=0.6)
+    axes.set_xscale("symlog", linthresh=_LINEAR_S, linscale=1.1)
     axes.set_xlim(-0.03, max(*rtts_s, _LINEAR_S) * 1.25)
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xticks(rtts_s, labels=_labels(axes, rtts_s))

@@ -30,17 +30,16 @@ _COLUMNS: Final = (
 )
 
 
-def overview(study: DelayStudy) -> Grid:
-    """Return the mean times: a row for each route and autonomy, a column for each round trip."""
-    rtts_s = sorted({cell.rtt_s for cell in study.cells})
-    names = dict.fromkeys((cell.route, cell.autonomy) for cell in study.cells)
-    rows = []
-    for route, autonomy in names:
-        own = {cell.rtt_s: cell for cell in study.cells_of(route, autonomy)}
-        rows.append((route, autonomy, *(_time(own.get(rtt_s)) for rtt_s in rtts_s)))
-    columns = (Column("route", is_text=True), Column("autonomy", is_text=True), *(Column(f"{s:g} s") for s in rtts_s))
-    note = "Mean of the successes, in s, by round trip; in brackets how many succeeded, where not all did."
-    return Grid(f"Time until the operator knows, {_flown_by(study)}", columns, tuple(rows), (note,))
+def overview(study: DelayStudy, route: Route) -> Grid:
+    """Return the mean times on a route at a glance: a row for each autonomy, a column for each round trip."""
+    own = {(cell.autonomy, cell.rtt_s): cell for cell in study.cells if cell.route == route.name}
+    rtts_s = sorted({rtt_s for _, rtt_s in own})
+    names = dict.fromkeys(autonomy for autonomy, _ in own)
+    rows = [(name, *(_time(own[name, rtt_s]) for rtt_s in rtts_s)) for name in names]
+    columns = (Column("autonomy", is_text=True), *(Column(f"{rtt_s:g} s") for rtt_s in rtts_s))
+    note = "Mean of the successes, in s, by round trip; *: not all succeeded."
+    title = f"{route.name}: time until the operator knows, {_flown_by(study)}"
+    return Grid(title, columns, tuple(rows), (note,))
 
 
 def route_grid(study: DelayStudy, route: Route) -> Grid:
@@ -82,7 +81,8 @@ def verdict_grid(study: DelayStudy) -> Grid:
 
 def tables(study: DelayStudy) -> list[Grid]:
     """Return all tables: times at a glance, verdicts, each route, the finer sweep."""
-    grids = [overview(study), verdict_grid(study), *(route_grid(study, route) for route in study.routes)]
+    glances = [overview(study, route) for route in study.routes]
+    grids = [*glances, verdict_grid(study), *(route_grid(study, route) for route in study.routes)]
     sweep = sweep_grid(study)
     return grids if sweep is None else [*grids, sweep]
 
@@ -116,11 +116,10 @@ def _flown_by(study: DelayStudy) -> str:
     return f"{study.policy}, {seeds}{think}"
 
 
-def _time(cell: Cell | None) -> str:
-    if cell is None:
-        return ""
-    some = "" if cell.successes == cell.flights else f" ({cell.successes}/{cell.flights})"
-    return f"none{some}" if cell.time_s is None else f"{cell.time_s.value:.1f}{some}"
+def _time(cell: Cell) -> str:
+    if cell.time_s is None:
+        return "none"
+    return f"{cell.time_s.value:.1f}{'' if cell.successes == cell.flights else ' *'}"
 
 
 def _row(cell: Cell) -> tuple[str, ...]:
