@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
@@ -35,9 +36,13 @@ class Rig:
         self.stages_said: list[CommandStage] = []
         self.reminders: list[CommandStage] = []
         self.events: list[Event] = []
-        self.executive = Executive(
-            self.stages_said.append, self.events.append, remind=self.reminders.append, rules=Rules(**rules)
-        )
+        self.on_stage: Callable[[CommandStage], None] = lambda _: None
+        self.executive = Executive(self.report, self.events.append, remind=self.reminders.append, rules=Rules(**rules))
+
+    def report(self, stage: CommandStage) -> None:
+        """Remember a stage."""
+        self.stages_said.append(stage)
+        self.on_stage(stage)
 
     def command(self, now: float, *plan: PlannedWaypoint, id: int = 1, on_failure: str = "abort") -> None:
         """Hand over a plan."""

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, ClassVar, Final
 
 from tests.ops.executive.rig import SECOND, A, B, C, Rig
-from waypointctl.log.messages import FINAL_STAGES, Command, CommandKind, EventKind, Mode, Stage
+from waypointctl.log.messages import FINAL_STAGES, Command, CommandKind, CommandStage, EventKind, Mode, Stage
 from waypointctl.ops.executive.fence import Circle, Fence
 from waypointctl.ops.executive.machine import Machine, Signal
 from waypointctl.ops.executive.rules import home_at
@@ -66,6 +66,8 @@ class Stream:
         self.rig.executive._walk.machine = CountingMachine()
         self.now_ns = 0
         self.place = PLACES[0]
+        self.rig.on_stage = self._note_releases
+        self.commands: dict[int, Command] = {}
         self.released: set[int] = set()
         self.seen: set[int] = set()
         self.arrivals = 0
@@ -81,7 +83,7 @@ class Stream:
         command = replace(command, received_ns=self.now_ns)
         before = self.rig.life(command.id), len(self.rig.reminders)
         self.arrivals += 1
-        self._note_releases(command)
+        self.commands.setdefault(command.id, command)
         self.rig.executive.obey(self.now_ns, command)
         if command.id in self.seen:
             assert (self.rig.life(command.id), len(self.rig.reminders)) == (before[0], before[1] + 1)
@@ -108,7 +110,7 @@ class Stream:
         due_ns = self.rig.executive.next_ns(self.now_ns)
         until_ns = self.now_ns + 500 * SECOND if due_ns is None else due_ns
         at_ns = self.now_ns + int(part * (until_ns - self.now_ns))
-        if not self.rig.executive.on_foot and at_ns > self.now_ns:
+        if at_ns > self.now_ns:
             said = len(self.rig.stages_said), len(self.rig.events), self.rig.executive.mode
             self.now_ns = at_ns
             self.rig.sense(self.now_ns / SECOND, self.place)
@@ -154,11 +156,14 @@ class Stream:
         received = self.rig.kinds.count(EventKind.COMMAND_RECEIVED)
         assert received == len(self.seen) == self.arrivals - len(self.rig.reminders)
 
-    def _note_releases(self, command: Command) -> None:
-        """Remember every waypoint that a command may have released."""
-        indices = [waypoint.index for waypoint in command.waypoints]
-        if command.kind is CommandKind.RELEASE:
+    def _note_releases(self, stage: CommandStage) -> None:
+        """Remember every waypoint that a command releases, when it does."""
+        command = self.commands[stage.command_id]
+        if stage.stage is Stage.STARTED and command.kind is CommandKind.RELEASE:
             plan: Any = self.rig.executive.state()["plan"]
             indices = [item["waypoint"]["index"] for item in plan["items"]]
-        counted = len(indices) if command.released < 0 else command.released
-        self.released.update(indices[:counted])
+        elif stage.stage is Stage.ACCEPTED:
+            indices = [waypoint.index for waypoint in command.waypoints]
+        else:
+            return
+        self.released.update(indices if command.released < 0 else indices[: command.released])

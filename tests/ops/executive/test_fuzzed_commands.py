@@ -166,9 +166,9 @@ def _do_something(stream: Stream, draw: random.Random) -> None:
     if dice < 0.15:
         waypoints = tuple(draw.choices(WAYPOINTS, k=draw.randint(1, 4)))
         kind, released = draw.choice(BRINGING), draw.choice([-1, -1, 0, 1])
-        stream.issue(Command(0, kind, waypoints, draw.choice(["", *THENS]), 0, 0, released=released))
+        stream.issue(Command(0, kind, waypoints, draw.choice(["", "hold", *THENS]), 0, 0, released=released))
     elif dice < 0.4:
-        kind, target = draw.choice(TOUCHING), stream.issued - draw.randrange(4)
+        kind, target = draw.choice([*TOUCHING, CommandKind.SKIP, CommandKind.SKIP]), stream.issued - draw.randrange(4)
         waypoints = (draw.choice(WAYPOINTS),) if kind is CommandKind.GO_TO else ()
         touch = Command(0, kind, waypoints, "", 0, 0, target_id=target, released=draw.randint(-1, 3), value=2.0)
         at_ns = stream.now_ns + draw.randrange(3) * SECOND

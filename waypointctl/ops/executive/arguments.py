@@ -50,7 +50,7 @@ def wrong_arguments(command: Command, fence: Fence) -> str:
     count = len(command.waypoints)
     if not least <= count <= most:
         wanted = f"{least}" if least == most else f"{least} to {most}"
-        return f"{command.kind} takes {wanted} waypoints, and has {count}"
+        return f"{command.kind} takes {wanted} waypoint{'s' * (most != 1)}, and has {count}"
     if 0 <= command.expires_ns < command.not_before_ns:
         return "it expires before it may start"
     if not math.isfinite(command.value):

@@ -159,9 +159,9 @@ class Executive:
     def next_ns(self, now_ns: int) -> int | None:
         """Return when something is due by itself while the robot stands; None if nothing is.
 
-        That is a time to look at the world again, not before `now_ns`; on foot there is always something to look at.
+        That is a time to look at the world again, not before `now_ns`; one that moves always has something to look at.
         """
-        if self.on_foot:
+        if self.on_foot or self.mode is Mode.STEERED:
             return now_ns
         walk, life = self._walk, self._life
         due = [self._link.deadline_ns(walk), life.next_expiry_ns]

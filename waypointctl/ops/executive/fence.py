@@ -95,10 +95,7 @@ class Fence:
         return next((f"is inside keep-out {area.name}" for area in self.keep_out if area.holds(point)), "")
 
     def breach_between(self, start: Point, end: Point) -> str:
-        """Return how the straight way between two places [m] breaks the fence; empty if it does not.
-
-        A way that only touches a border is judged by what is on both sides of the touch.
-        """
+        """Return how the straight way between two places [m] breaks the fence; empty if it does not."""
         areas = (*self.keep_in, *self.keep_out)
         meets = sorted(at for area in areas for at in area.crossings(start, end) if 0 < at < 1)
         cuts = [0.0, *meets, 1.0]

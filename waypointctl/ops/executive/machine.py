@@ -32,7 +32,7 @@ class Signal(StrEnum):
     GIVE_UP = "give_up"  # the plan, or the way home, has failed
     STEER = "steer"  # an action arrives from the ground
     DROP = "drop"  # nothing is left to do: cancelled, expired or aborted
-    FALL = "fall"
+    FALL = "fall"  # the robot lies
 
 
 UPRIGHT: Final = frozenset(Mode) - {Mode.FALLEN}
@@ -52,7 +52,7 @@ TRANSITIONS: Final = _table(
     (Signal.HOLD_BEGUN, {Mode.WALKING}, Mode.HOLDING),
     (Signal.OBSERVATION_BEGUN, {Mode.WALKING, Mode.HOLDING}, Mode.OBSERVING),
     (Signal.PAUSE, UNDER_WAY | {Mode.SAFE}, Mode.PAUSED),
-    (Signal.SECURE, UNDER_WAY, Mode.SAFE),
+    (Signal.SECURE, UNDER_WAY | {Mode.STEERED}, Mode.SAFE),
     (Signal.WALK_ON, SUSPENDED, Mode.WALKING),
     (Signal.HOLD_ON, SUSPENDED, Mode.HOLDING),
     (Signal.OBSERVE_ON, SUSPENDED, Mode.OBSERVING),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from waypointctl.log.messages import Clock, Event, EventKind, Mode, PlannedWaypoint, Severity, Stage
 from waypointctl.ops.executive.leg import Leg
 from waypointctl.ops.executive.life import Life
-from waypointctl.ops.executive.machine import SUSPENDED, Machine, Signal
+from waypointctl.ops.executive.machine import SUSPENDED, UNDER_WAY, Machine, Signal
 from waypointctl.ops.executive.plan import Item, Plan
 from waypointctl.ops.executive.rules import Rules
 
@@ -100,7 +100,7 @@ class Walk:
 
     def suspend(self, now_ns: int, signal: Signal, cause: str) -> None:
         """Stand, and keep what was under way for later; from a stand for one reason into one for another."""
-        if self.mode not in SUSPENDED:
+        if self.mode in UNDER_WAY:
             self.suspended, self.suspended_ns = self.mode, now_ns
         self.machine.signal(signal)
         self.cause = cause

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from waypointctl.log.messages import EventKind, Mode, Severity
-from waypointctl.ops.executive.machine import ON_FOOT, UNDER_WAY, Signal
+from waypointctl.ops.executive.machine import ON_FOOT, TRANSITIONS, Signal
 from waypointctl.ops.executive.rules import GEOFENCE, LINK_LOST
 from waypointctl.ops.executive.walk import BY_RULE, Walk
 from waypointctl.units import seconds
@@ -48,7 +48,7 @@ class LinkWatch:
         rules = walk.rules
         text = f"nothing heard for {seconds(rules.link_loss_ns):g} s: {rules.on_link_loss}"
         walk.tell(now_ns, EventKind.LINK_LOST, text, severity=Severity.WARNING)
-        if rules.on_link_loss == "hold" and walk.mode in UNDER_WAY:
+        if rules.on_link_loss == "hold" and (walk.mode, Signal.SECURE) in TRANSITIONS:
             walk.suspend(now_ns, Signal.SECURE, LINK_LOST)
         elif rules.on_link_loss == "return_home" and walk.home_id is None:
             walk.fail_all(now_ns, LINK_LOST)
@@ -76,8 +76,12 @@ class FenceWatch:
     outside: bool = False
 
     def look(self, walk: Walk, now_ns: int, x_m: float, y_m: float) -> None:
-        """Do what the rules say when a walking robot crosses the fence."""
-        if walk.mode not in ON_FOOT:
+        """Do what the rules say when a robot that moves crosses the fence.
+
+        One that the ground steers has no plan to abort: it stands until a command, not an action, says otherwise.
+        """
+        steered = walk.mode is Mode.STEERED
+        if walk.mode not in ON_FOOT and not steered:
             return
         breach = walk.rules.fence.breach(x_m, y_m)
         was_outside, self.outside = self.outside, bool(breach)
@@ -85,7 +89,7 @@ class FenceWatch:
             return
         text = f"the robot at ({x_m:.2f}, {y_m:.2f}) {breach}"
         walk.tell(now_ns, EventKind.GEOFENCE_BREACHED, text, walk.plan.current, Severity.ERROR)
-        if walk.rules.on_breach == "hold":
+        if walk.rules.on_breach == "hold" or (walk.rules.on_breach == "abort" and steered):
             walk.suspend(now_ns, Signal.SECURE, GEOFENCE)
         elif walk.rules.on_breach == "abort":
             walk.give_up(now_ns, GEOFENCE, "outside the fence")

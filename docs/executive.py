@@ -1,0 +1,91 @@
+"""Draw the executive's state machine from its table, as docs/executive.md.
+
+python docs/executive.py
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from waypointctl.log.messages import Mode
+from waypointctl.ops.executive.machine import TRANSITIONS, UPRIGHT, Signal
+
+PAGE = Path(__file__).resolve().parent / "executive.md"
+
+TEXT = """\
+# The executive on board
+
+<!-- Written by `python docs/executive.py` from waypointctl/ops/executive/machine.py: do not edit. -->
+
+The robot is in one mode at a time. A signal changes it; a mode that has no row for a signal cannot get it, and
+the program stops on one that it does, for that is a bug. What each command does is in [commands.md](commands.md); what
+the robot does by itself is in a mission's `onboard` block.
+
+`upright` stands for every mode but fallen: from each of them the arrow is there.
+
+```mermaid
+stateDiagram-v2
+    [*] --> idle
+{arrows}
+```
+
+| mode | the robot is |
+|---|---|
+{modes}
+
+| signal | given when | from | to |
+|---|---|---|---|
+{signals}
+"""
+
+
+def page() -> str:
+    """Return the page as the table has it now."""
+    modes, signals = _meanings(Mode), _meanings(Signal)
+    return TEXT.format(
+        arrows="\n".join(_arrows()),
+        modes="\n".join(f"| {mode} | {modes[mode.name]} |" for mode in Mode),
+        signals="\n".join(_row(signal, signals[signal.name]) for signal in Signal),
+    )
+
+
+def _meanings(kind: type[Mode] | type[Signal]) -> dict[str, str]:
+    """Return what the source says beside each member."""
+    source = inspect.getsource(kind)
+    found = re.findall(r"^    ([A-Z_]+) = \"(\w+)\"  # (.+)$", source, re.MULTILINE)
+    assert len(found) == len(kind)
+    return {name: meaning for name, _, meaning in found}
+
+
+def _row(signal: Signal, meaning: str) -> str:
+    (after,) = {mode for (_, given), mode in TRANSITIONS.items() if given is signal}
+    return f"| {signal} | {meaning} | {_sources(_from(signal))} | {after} |"
+
+
+def _sources(modes: Iterable[Mode]) -> str:
+    chosen = set(modes)
+    return "upright" if chosen == UPRIGHT else ", ".join(mode for mode in Mode if mode in chosen)
+
+
+def _from(signal: Signal) -> set[Mode]:
+    return {mode for mode, given in TRANSITIONS if given is signal}
+
+
+def _arrows() -> Iterable[str]:
+    """Yield the arrows: one for all signals that lead from one mode to another."""
+    labels: dict[tuple[str, str], list[str]] = {}
+    for (mode, signal), after in TRANSITIONS.items():
+        origin = "upright" if _from(signal) == UPRIGHT else mode.value
+        names = labels.setdefault((origin, after.value), [])
+        if signal.value not in names:
+            names.append(signal.value)
+    order = ["upright", *(mode.value for mode in Mode)]
+    for (origin, after), names in sorted(labels.items(), key=lambda entry: [order.index(end) for end in entry[0]]):
+        yield f"    {origin} --> {after}: {', '.join(names)}"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
