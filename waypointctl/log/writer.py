@@ -14,6 +14,7 @@ from waypointctl.log.channels import ChannelWriter
 from waypointctl.log.foxglove.layout import layout
 from waypointctl.log.foxglove.view import VIEW_TOPICS, FoxgloveView, Frame
 from waypointctl.log.header import LAYOUT_NAME, METADATA_NAME, SCHEMA_VERSION, Attachment, LogHeader
+from waypointctl.log.lock import lock
 from waypointctl.log.messages import Message
 from waypointctl.log.topics import BY_KIND, TOPICS
 from waypointctl.units import NS_PER_S
@@ -30,18 +31,32 @@ class LogWriter:
     killed. close() gives it its name. An exception that leaves the `with` block closes the file too, so that it can
     be read, but leaves it at `<path>.part`: what stands at `path` is the log of a flight that came to its end.
 
+    Attributes:
+        path: of the log.
+        part: where it stands until it is closed.
+        flushes: how often all messages before the newest have been handed to the operating system.
+
     Raises:
         OutputError: `path` cannot be written, at the beginning or, when the disk is full, on the way.
     """
 
-    def __init__(self, path: Path, header: LogHeader) -> None:
-        """Create the file and write all that stands before the first message."""
+    def __init__(self, path: Path, header: LogHeader, *, part: Path | None = None) -> None:
+        """Create the file and write all that stands before the first message.
+
+        Args:
+            path: of the log.
+            header: what stands before the messages.
+            part: where the log stands until it takes its place, if another log is at `<path>.part` until then.
+        """
         self.path = path
-        self.part = path.with_name(f"{path.name}.part")
+        self._place = path.with_name(f"{path.name}.part")
+        self.part = part or self._place
+        self.flushes = 0
         self._view = FoxgloveView(header.kinematics, header.waypoints)
         self._waiting: deque[Message] = deque()
         self._second_ends_ns = NS_PER_S
         self._stream = _create(path, self.part)
+        lock(self._stream)  # so that nobody takes it for the log of a flight that was killed
         try:
             self._file = ChannelWriter(self._stream)
             self._begin(header)
@@ -64,7 +79,14 @@ class LogWriter:
         """Write the end of the file and give it its name; closing twice is closing once."""
         if not self._stream.closed:
             self._finish()
+            self.take_place()
             os.replace(self.part, self.path)
+
+    def take_place(self) -> None:
+        """Stand at `<path>.part` from now on, in the place of what stood there."""
+        if self.part != self._place:
+            os.replace(self.part, self._place)
+            self.part = self._place
 
     def __enter__(self) -> Self:
         """Return the sink."""
@@ -95,6 +117,7 @@ class LogWriter:
         try:
             self._write_waiting()
             self._file.flush()
+            self.flushes += 1
         except OSError as error:
             raise self._refusal(error) from error
 

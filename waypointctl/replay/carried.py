@@ -1,0 +1,126 @@
+"""What a log carries to fly its flight again, found to be what was recorded: mission, robot, policy, seed."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from pydantic import ValidationError
+
+from waypointctl.errors import LogError
+from waypointctl.log.header import LogHeader
+from waypointctl.log.reader import Log
+from waypointctl.mission.files import MissionFile, parse_mission
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.header import (
+    MISSION,
+    MISSION_FILE_HASH,
+    MISSION_FOLDER,
+    MJB,
+    MJCF,
+    POLICY_FOLDER,
+    files_of_mission,
+    flight_header,
+    platform_facts,
+)
+from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
+from waypointctl.policy.manifest import MANIFEST, Manifest
+from waypointctl.replay.verdict import Divergence
+from waypointctl.sim.robots import Robot, compile_mjb, robot_from_mjb
+
+KERNELS: Final = {
+    "version_numpy": "numpy",
+    "version_onnxruntime": "onnxruntime",
+    "processor": "the processor",
+}
+PROGRAM: Final = {**KERNELS, "version_waypointctl": "waypointctl", "source": "waypointctl's source"}
+_DECISIVE: Final = {"version_mujoco": "MuJoCo", "architecture": "the architecture"}
+_SEED_DIGITS: Final = 19  # of 2**63
+_MANIFEST: Final = f"{POLICY_FOLDER}{MANIFEST}"
+_HASHED: Final = {"sha256_mission": MISSION, "sha256_mjcf": MJCF, "sha256_mjb": MJB, "sha256_policy": _MANIFEST}
+
+
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """What flies the flight of a log again."""
+
+    mission_file: MissionFile
+    robot: Robot
+    policy: LoadedPolicy
+
+    @property
+    def mission(self) -> Mission:
+        """The mission, with the seed it was flown with."""
+        return self.mission_file.mission
+
+    def header(self) -> LogHeader:
+        """Return the header of a log of this flight that is made here."""
+        return flight_header(self.mission_file, self.policy, self.robot)
+
+
+def carried_by(log: Log) -> Carried:
+    """Return what a log carries.
+
+    Raises:
+        InputError: it cannot be used.
+    """
+    attachments = log.attachments
+    mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}", files_of_mission(attachments))
+    seed = log.metadata.get("seed", "")
+    if not seed.isdecimal() or len(seed) > _SEED_DIGITS:
+        raise LogError(f"the seed is {seed[:40]!r}, which is none", where=str(log.path))
+    mission = mission.model_copy(update={"seed": int(seed)})
+    robot = robot_from_mjb(mission.robot, attachments[MJCF].decode(), attachments[MJB])
+    policy = load_policy_bytes(_policy_files(attachments), f"{log.path}/{POLICY_FOLDER}")
+    return Carried(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
+
+
+def differing(log: Log, facts: Mapping[str, str]) -> list[str]:
+    """Return which of the facts, key to name, are not here as they were where the log was made."""
+    here = platform_facts()
+    return [f"{name} differs" for key, name in facts.items() if log.metadata.get(key) != here[key]]
+
+
+def unverifiable(log: Log) -> str:
+    """Return why no replay of a log can be exact here; nothing if one can."""
+    here = platform_facts()
+    for key, name in _DECISIVE.items():
+        there = log.metadata.get(key, "unknown")
+        if there != here[key]:
+            return f"{name} differs: the log was made with {there}, this is {here[key]}; no replay is exact across them"
+    missing = [name for name in _HASHED.values() if name not in log.attachments]
+    return f"the log does not carry {', '.join(missing)}" if missing else ""
+
+
+def altered(log: Log) -> Divergence | None:
+    """Return what the log carries that is not what its metadata says, or not what its model's source compiles to."""
+    for name, recorded in _recorded_hashes(log):
+        found = hashlib.sha256(log.attachments.get(name, b"")).hexdigest()
+        if found != recorded:
+            return Divergence(-1, 0, "attachment", name, recorded, found)
+    recorded = log.metadata["sha256_mjb"]  # as the attachment's has just been found to be
+    compiled = hashlib.sha256(compile_mjb(log.attachments[MJCF].decode())).hexdigest()
+    return None if compiled == recorded else Divergence(-1, 0, "attachment", MJB, recorded, compiled)
+
+
+def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
+    """Yield what was recorded of each attachment; that of the policy's manifest before those of its files."""
+    for key, name in _HASHED.items():
+        yield name, log.metadata.get(key, "no hash")
+    named = (key.removeprefix(MISSION_FILE_HASH) for key in log.metadata if key.startswith(MISSION_FILE_HASH))
+    for name in sorted({*named, *files_of_mission(log.attachments)}):
+        yield f"{MISSION_FOLDER}{name}", log.metadata.get(f"{MISSION_FILE_HASH}{name}", "no hash")
+    try:
+        manifest = Manifest.model_validate_json(log.attachments[_MANIFEST])
+    except ValidationError:
+        return  # loading the policy says what is wrong with it
+    for name, record in manifest.files.items():
+        yield f"{POLICY_FOLDER}{name}", record.sha256
+
+
+def _policy_files(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
+    return {
+        name.removeprefix(POLICY_FOLDER): data for name, data in attachments.items() if name.startswith(POLICY_FOLDER)
+    }

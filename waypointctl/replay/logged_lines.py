@@ -1,0 +1,59 @@
+"""What was done by hand in a flight, for flying it again: the lines typed at its console, and its interruption."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from waypointctl.log.messages import ConsoleInput
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.ground.console import order_from
+from waypointctl.ops.ground.line_source import QUIT
+from waypointctl.replay.milestones import Milestones
+from waypointctl.replay.witness import Witness
+
+
+class LoggedLines:
+    """The console of a flight that is flown again: each line comes when it came.
+
+    Attributes:
+        is_open: whether the flight had one.
+        has_closed: whether it was closed by now.
+    """
+
+    def __init__(self, witness: Witness, mission: Mission, milestones: Milestones) -> None:
+        """Take the lines from the log that `witness` holds against the replay."""
+        self.is_open = milestones.had_console
+        self.has_closed = False
+        self._witness = witness
+        self._mission = mission
+        self._interrupted_ns = milestones.interrupted_ns
+        self._now_ns = -1
+
+    def lines(self, now_ns: int) -> Iterator[str]:
+        """Yield the lines that were typed at this moment."""
+        self._now_ns = now_ns
+        while (line := self._upcoming) is not None and line.time_ns == now_ns:
+            self.has_closed = self.has_closed or line.text == QUIT
+            yield self._understood(line.text)
+
+    def asleep(self, now_ns: int, until_ns: int) -> int:
+        """Return when the next line comes, or the flight is interrupted, if that is before `until_ns`."""
+        line = self._upcoming
+        return min(until_ns, self._interrupted_ns, until_ns if line is None else line.time_ns)
+
+    def interrupted(self) -> bool:
+        """Tell whether the flight was interrupted by now."""
+        return self._now_ns >= self._interrupted_ns
+
+    @property
+    def _upcoming(self) -> ConsoleInput | None:
+        upcoming = self._witness.upcoming
+        return upcoming if isinstance(upcoming, ConsoleInput) else None
+
+    def _understood(self, text: str) -> str:
+        if text != QUIT:
+            try:
+                order_from(text, self._mission)
+            except ValueError as error:
+                raise self._witness.diverged("/console", "text", repr(text), f"not understood: {error}") from error
+        return text

@@ -1,0 +1,203 @@
+"""A flight that was killed goes on: it is flown again to where its log ends, and from there it is flown.
+
+The first part is a replay, every message compared with the log's, bit for bit. A flight is the same every time, so what
+follows is what would have followed, and the finished log is that of a flight that nobody killed, byte for byte.
+
+No moment of it can lose anything. The flight is written into a log of its own, `<name>.resumed.part`; once that has
+all that the old one has, it takes the old one's place, and at the end the name `<name>`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from waypointctl.errors import InputError, LogError
+from waypointctl.log.lock import lock
+from waypointctl.log.messages import Message
+from waypointctl.log.reader import Log, open_log
+from waypointctl.log.scan import open_file
+from waypointctl.log.writer import LogWriter
+from waypointctl.ops.flight import FlightResult
+from waypointctl.ops.fly import fly
+from waypointctl.ops.ground.line_source import QUIT, LineSource
+from waypointctl.ops.record import Recording, recording_of
+from waypointctl.ops.sink import Sink
+from waypointctl.replay.carried import PROGRAM, Carried, altered, carried_by, differing, unverifiable
+from waypointctl.replay.logged_lines import LoggedLines
+from waypointctl.replay.milestones import Milestones, milestones_of
+from waypointctl.replay.verdict import Divergence
+from waypointctl.replay.witness import AuditedPolicy, Diverged, Witness
+
+PART: Final = ".part"
+_KEPT: Final = "The log stays as it is: `waypointctl info` shows what there is. To fly the mission anew, run it."
+
+
+@dataclass(frozen=True, slots=True)
+class Unfinished:
+    """A flight that was killed.
+
+    Attributes:
+        log: what is left of it.
+        path: of the finished log.
+        carried: what flies it.
+        milestones: what is known of it.
+    """
+
+    log: Log
+    path: Path
+    carried: Carried
+    milestones: Milestones
+
+
+class Interrupted(Exception):
+    """Somebody ended it before it was where the log ends; the log is as it was."""
+
+
+@contextmanager
+def unfinished(path: Path) -> Iterator[Unfinished | None]:
+    """Yield the flight of a log, for nobody else to go on with it meanwhile; None if the flight came to its end.
+
+    Args:
+        path: of the log: its .part, or the name that it was to have.
+
+    Raises:
+        LogError: it cannot be read, carries nothing that can be flown, is altered, or is being written.
+    """
+    final = path.with_name(path.name.removesuffix(PART))
+    part = final.with_name(f"{final.name}{PART}")
+    found = part if part.exists() else final
+    with open_file(found) as stream:
+        if not lock(stream):
+            raise LogError("is being written: its flight is not over", where=str(found), mend="Wait for its end.")
+        log = open_log(found, allow_truncated=True)
+        milestones = milestones_of(log)
+        if log.is_complete and milestones.ending:
+            if found == part:
+                part.replace(final)  # it was killed when all was written, just before this
+            yield None
+            return
+        yield Unfinished(log, final, _carried(log), milestones)
+
+
+def go_on(
+    flight: Unfinished,
+    *,
+    again: Sink,
+    watch: Sink,
+    interrupted: Callable[[], bool] = lambda: False,
+    console: LineSource | None = None,
+) -> Recording:
+    """Fly a flight again to where its log ends, and from there to its end.
+
+    Args:
+        flight: which.
+        again: sees every message of the first part.
+        watch: sees every message of the second part, as it happens.
+        interrupted: asked before every control step; True ends the flight and closes the log.
+        console: where a person's commands come from in the second part; without it a console that is open is closed.
+
+    Raises:
+        Interrupted: in the first part.
+        LogError: the flight is not the same again, or the log is damaged.
+        OutputError: the log cannot be written.
+    """
+    carried = flight.carried
+    beside = flight.path.with_name(f"{flight.path.name}.resumed{PART}")
+    witness = Witness(flight.log.messages(), bitwise=True)
+    lines = _Lines(LoggedLines(witness, carried.mission, flight.milestones), witness, console)
+
+    def asked() -> bool:
+        if interrupted() and witness.upcoming is not None:
+            raise Interrupted
+        return witness.upcoming is None and interrupted()
+
+    try:
+        with LogWriter(flight.path, carried.header(), part=beside) as writer:
+            sink = _passage(witness, writer, again, watch)
+            policy = AuditedPolicy(carried.policy, witness, bitwise=True)
+            result = fly(carried.mission, policy, sink, robot=carried.robot, interrupted=asked, console=lines)
+            _require_all_seen(witness, result)
+    except Diverged as error:
+        raise _not_the_same(flight.log, error.where) from None
+    finally:
+        beside.unlink(missing_ok=True)  # after an error in the first part; later it has its place
+    return recording_of(result, flight.path, carried.mission.seed)
+
+
+def _passage(witness: Witness, writer: LogWriter, again: Sink, watch: Sink) -> Sink:
+    """Return a sink that leads from the old log to the new one."""
+
+    def take(message: Message) -> None:
+        is_new = witness.upcoming is None
+        if not is_new:
+            witness(message)
+        (watch if is_new else again)(message)
+        flushes = writer.flushes
+        writer(message)
+        if is_new and writer.flushes > flushes:
+            writer.take_place()  # all that came before this message is in the file
+
+    return take
+
+
+class _Lines:
+    """The console: what the log has of it, then a person, or the end of it."""
+
+    def __init__(self, logged: LoggedLines, witness: Witness, person: LineSource | None) -> None:
+        self.is_open = logged.is_open
+        self._logged = logged
+        self._witness = witness
+        self._person = person
+
+    def lines(self, now_ns: int) -> Iterator[str]:
+        yield from self._logged.lines(now_ns)
+        if self._witness.upcoming is not None or not self._is_listening:
+            return
+        if self._person is not None:
+            yield from self._person.lines(now_ns)
+        else:
+            self._logged.has_closed = True
+            yield QUIT
+
+    def asleep(self, now_ns: int, until_ns: int) -> int:
+        woken_ns = self._logged.asleep(now_ns, until_ns)
+        if self._witness.upcoming is not None or self._person is None or not self._is_listening:
+            return woken_ns
+        return self._person.asleep(now_ns, woken_ns)
+
+    @property
+    def _is_listening(self) -> bool:
+        return self.is_open and not self._logged.has_closed
+
+
+def _carried(log: Log) -> Carried:
+    where = str(log.path)
+    if reason := unverifiable(log):
+        raise LogError(f"cannot be gone on with: {reason}", where=where, mend=_KEPT)
+    if wrong := altered(log):
+        raise LogError(f"cannot be gone on with: {wrong.component} is not what was recorded", where=where, mend=_KEPT)
+    try:
+        return carried_by(log)
+    except InputError as error:
+        problem = f"cannot be gone on with: what it carries cannot be used: {error.problem}"
+        raise LogError(problem, where=where, mend=_KEPT) from error
+
+
+def _require_all_seen(witness: Witness, result: FlightResult) -> None:
+    if witness.upcoming is not None:
+        raise witness.diverged("/event", "end", type(witness.upcoming).__name__, f"the flight is over: {result.reason}")
+
+
+def _not_the_same(log: Log, where: Divergence) -> LogError:
+    """Return the error for a flight that is another one when it is flown again."""
+    problem = (
+        f"cannot be gone on with: flown again, the flight parts from it at step {where.step} on {where.topic}, "
+        f"{where.component}: logged {where.logged}, now {where.replayed}"
+    )
+    others = differing(log, PROGRAM)
+    why = f"It was made elsewhere: {', '.join(others)}. " if others else "It has been altered. "
+    return LogError(problem, where=str(log.path), mend=f"{why}{_KEPT}")
