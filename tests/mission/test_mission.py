@@ -27,7 +27,7 @@ def refusal(text: str) -> str:
 def test_what_is_left_out_has_a_default() -> None:
     mission = parse(MINIMAL)
     assert mission == Mission(name="n", policy="p", waypoints=(Waypoint(position_m=(7, 12)),))
-    assert (mission.seed, mission.robot, mission.autonomy, mission.on_failure) == (0, "ant", "mission", "abort")
+    assert (mission.seed, mission.robot, mission.autonomy, mission.failure_rule.then) == (0, "ant", "mission", "abort")
     assert (mission.start.position_m, mission.start.heading_deg) == ((0, 0), 0)
     assert mission.link == Link(up=Way(delay_s=0, jitter_s=0), down=Way(delay_s=0, jitter_s=0))
     assert (mission.telemetry.rate_hz, mission.expect.reached, mission.expect.max_time_s) == (5, "all", None)
@@ -128,8 +128,11 @@ def test_a_mission_cannot_be_changed() -> None:
         (MINIMAL + "seed: '3'", "4:7: seed: '3' is not a whole number"),
         (MINIMAL + f"seed: {2**63}", f"4:7: seed: {2**63} is not < {2**63}"),
         (MINIMAL + "robot: atn", "4:8: robot: 'atn' is not 'ant'"),
-        (MINIMAL + "autonomy: joint", "4:11: autonomy: 'joint' is not 'mission' or 'waypoint'"),
-        (MINIMAL + "on_failure: retry", "4:13: on_failure: 'retry' is not 'abort' or 'skip'"),
+        (
+            MINIMAL + "autonomy: alone",
+            "4:11: autonomy: 'alone' is not 'mission', 'waypoint', 'heading' or 'joint'",
+        ),
+        (MINIMAL + "on_failure: retry", "4:13: on_failure: 'retry' is not 'abort', 'skip', 'hold' or 'return_home'"),
         (MINIMAL + "link: 1.28 s", "4:7: link: '1.28 s' is not a mapping of keys to values"),
         (MINIMAL + "link: {delay: -1 s}", "4:15: link.delay: -1 s is not >= 0 s"),
         (MINIMAL + "link: {delay: 11 d}", "4:15: link.delay: 11 d is not <= 864000 s"),

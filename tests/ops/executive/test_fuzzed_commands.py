@@ -173,6 +173,8 @@ def _do_something(stream: Stream, draw: random.Random) -> None:
         touch = Command(0, kind, waypoints, "", 0, 0, target_id=target, released=draw.randint(-1, 3), value=2.0)
         at_ns = stream.now_ns + draw.randrange(3) * SECOND
         stream.issue(replace(touch, not_before_ns=at_ns, expires_ns=at_ns + draw.choice([0, 2, 50]) * SECOND))
+    elif dice < 0.5:
+        _pause(stream, draw)
     elif dice < 0.7:
         stream.arrive()
     elif dice < 0.8:
@@ -185,3 +187,11 @@ def _do_something(stream: Stream, draw: random.Random) -> None:
         stream.rig.executive.steer(stream.now_ns)
     else:
         stream.look(fell=draw.random() < 0.1)
+
+
+def _pause(stream: Stream, draw: random.Random) -> None:
+    """Send a hold and what may follow it, with time between."""
+    after = draw.choice([CommandKind.RESUME, CommandKind.RESUME, CommandKind.SKIP, CommandKind.ABORT])
+    for kind in (CommandKind.HOLD, after):
+        stream.issue(Command(0, kind, (), "", 0, 0))
+        stream.look(draw.choice([1, 50]))

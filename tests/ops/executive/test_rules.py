@@ -211,6 +211,16 @@ def test_a_robot_that_is_steered_stands_when_no_action_comes() -> None:
     assert rig.executive.mode is Mode.STEERED
 
 
+def test_nothing_is_added_to_a_plan_that_the_ground_steered_away_from() -> None:
+    rig = Rig()
+    rig.command(0.0, A)
+    rig.sense(1.0, "a")
+    rig.executive.steer(2 * SECOND)
+    rig.send(3.0, CommandKind.APPEND_PLAN, B, id=2)
+    assert rig.ended(2) == (Stage.REJECTED, "there is no plan")
+    assert rig.executive.mode is Mode.STEERED
+
+
 # The fence
 
 

@@ -101,6 +101,7 @@ class Executive:
         """Take note that an action has arrived from the ground; it gets the motors if nothing is under way on board."""
         self.heard(now_ns)
         if (self.mode, Signal.STEER) in TRANSITIONS:
+            self._walk.clear()  # nothing is added to a plan that the ground has steered away from
             self._walk.machine.signal(Signal.STEER)
             self._walk.tell(now_ns, EventKind.STEERING_STARTED, "the ground has the motors")
 
