@@ -108,9 +108,12 @@ def go_on(
     carried = flight.carried
     beside = flight.path.with_name(f"{flight.path.name}.resumed{PART}")
     witness = Witness(flight.log.messages(), bitwise=True)
-    lines = _Lines(LoggedLines(witness, carried.mission, flight.milestones), witness, console)
+    by_hand = LoggedLines(witness, carried.mission, flight.milestones)
+    lines = _Lines(by_hand, witness, console)
 
     def asked() -> bool:
+        if by_hand.interrupted():
+            return True  # it was killed while its interrupted log was being closed
         if interrupted() and witness.upcoming is not None:
             raise Interrupted
         return witness.upcoming is None and interrupted()

@@ -8,7 +8,7 @@ from typing import Final
 
 from waypointctl.log.messages import Message, State
 from waypointctl.ops.sink import Sink
-from waypointctl.units import seconds
+from waypointctl.units import ns, seconds
 
 _NAP_S: Final = 0.05  # how long a wait may go without looking whether it is still wanted
 
@@ -26,6 +26,11 @@ class Pace:
         self._idle = idle
         self._simulated_s = 0.0
         self._wall_s = time.monotonic()
+
+    @property
+    def now_ns(self) -> int:
+        """The simulation time that it is, whether or not the simulation has come to it [ns]."""
+        return ns(self._simulated_s + (time.monotonic() - self._wall_s) * self.rate)
 
     def restart(self, time_ns: int) -> None:
         """Say that now is the simulation time `time_ns`."""

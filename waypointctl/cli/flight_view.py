@@ -1,0 +1,84 @@
+"""How a flight under way is shown and paced, and where a person's commands come from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from waypointctl.cli.view.watch import Watch
+    from waypointctl.log.messages import Message
+    from waypointctl.mission.mission import Mission
+    from waypointctl.ops.ground.line_source import LineSource
+    from waypointctl.ops.sink import Sink
+
+
+@dataclass(frozen=True, slots=True)
+class FlightView:
+    """What a flight is connected to.
+
+    Attributes:
+        watch: what shows it.
+        sink: takes each message as it happens, no sooner than it is time for it.
+        learn: takes messages that were shown before, without a word.
+        console: where a person's commands come from, if there is a person.
+    """
+
+    watch: Watch
+    sink: Sink
+    learn: Sink
+    console: LineSource | None
+
+
+@contextmanager
+def flight_view(
+    mission: Mission, rate: float | None, interrupted: Callable[[], bool], *, console: bool
+) -> Iterator[FlightView]:
+    """Yield the view of a flight on stderr: live, as lines, or with a console.
+
+    Args:
+        mission: what is flown.
+        rate: simulated seconds in a second; without it as fast as it goes, with a console in real time.
+        interrupted: whether somebody has asked for the end.
+        console: whether a person commands too.
+    """
+    from waypointctl.cli.view.watch import watch
+    from waypointctl.ops.ground.operator import planned_waypoints
+
+    plan = planned_waypoints(mission)
+    if console:
+        from waypointctl.cli.console import console as people
+        from waypointctl.cli.console import is_live
+        from waypointctl.cli.view.prompt import Prompt
+        from waypointctl.cli.view.typed_lines import TypedLines
+
+        typed = TypedLines(echo=is_live(people(stderr=True)))
+        with Prompt(mission, plan, typed, rate, interrupted) as prompt:
+            yield FlightView(prompt, prompt, prompt.learn, prompt)
+        return
+    with watch(mission.name, plan) as view:
+        if rate is not None:
+            view.say(f"at {rate:g} times real time")
+        sink = view if rate is None else _from_first_state(view, rate, interrupted)
+        yield FlightView(view, sink, lambda message: view.chronicle(message), None)
+
+
+def _from_first_state(view: Sink, rate: float, interrupted: Callable[[], bool]) -> Sink:
+    """Return a sink that keeps to `rate` from the first state that it is given, whenever that is."""
+    from waypointctl.cli.view.pace import Pace, paced
+    from waypointctl.log.messages import State
+
+    pace = Pace(rate)
+    let_through = paced(view, pace, interrupted)
+    has_begun = False
+
+    def take(message: Message) -> None:
+        nonlocal has_begun
+        if not has_begun and isinstance(message, State):
+            pace.restart(message.time_ns)
+            has_begun = True
+        let_through(message)
+
+    return take

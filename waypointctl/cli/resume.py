@@ -1,0 +1,105 @@
+"""`waypointctl run --resume`: a flight that was killed goes on from its log."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from waypointctl.replay.resume import Unfinished
+
+_INTERRUPTED = 130
+
+
+@dataclass(frozen=True, slots=True)
+class Resumption:
+    """What was asked for.
+
+    Attributes:
+        log: the log, or its .part.
+        rate: simulated seconds in a second, from where the log ends.
+        console: whether a person commands on, from where the log ends.
+        json: whether the answer is one JSON object.
+    """
+
+    log: Path
+    rate: float | None
+    console: bool
+    json: bool
+
+
+def refuse_beside_resume(given: Mapping[str, object]) -> None:
+    """Refuse what would make another flight of it; None is what was not given."""
+    names = [name for name, value in given.items() if value is not None]
+    if names:
+        problem = (
+            f"{', '.join(names)} cannot be given with --resume: mission, policy, seed and place are the log's own."
+        )
+        raise typer.BadParameter(problem)
+
+
+def resume_flight(asked: Resumption) -> int:
+    """Go on with a flight; return the exit code."""
+    from waypointctl.replay.resume import unfinished
+
+    with unfinished(asked.log) as flight:
+        if flight is None:
+            return _say_complete(asked)
+        return _go_on(flight, asked)
+
+
+def _go_on(flight: Unfinished, asked: Resumption) -> int:
+    from waypointctl.cli.flight_answer import EXIT_CODES, answer
+    from waypointctl.cli.flight_view import flight_view
+    from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.view.summary import print_flight
+    from waypointctl.replay.resume import Interrupted, go_on
+
+    mission = flight.carried.mission
+    if asked.console and not flight.milestones.had_console:
+        raise typer.BadParameter("--console: the flight had none, and with one it would be another flight.")
+    typer.echo(f"{mission.name}: flown again up to {_end_s(flight):.2f} s, then on", err=True)
+    began_s = time.monotonic()
+    try:
+        with (
+            interruption() as interrupted,
+            flight_view(mission, asked.rate, interrupted, console=asked.console) as view,
+        ):
+            recording = go_on(flight, again=view.learn, watch=view.sink, interrupted=interrupted, console=view.console)
+    except Interrupted:
+        typer.echo(f"interrupted before it was where {flight.log.path} ends; that log is as it was", err=True)
+        return _INTERRUPTED
+    print_flight(view.watch.chronicle.story(), recording, time.monotonic() - began_s, stderr=asked.json)
+    if asked.json:
+        sys.stdout.write(answer(mission.name, recording))
+    return EXIT_CODES[recording.result.outcome]
+
+
+def _say_complete(asked: Resumption) -> int:
+    """Say that there is nothing to do."""
+    from waypointctl.cli.flight_answer import answer
+    from waypointctl.log.reader import open_log
+    from waypointctl.ops.flight import FlightResult
+    from waypointctl.ops.record import recording_of
+    from waypointctl.replay.logged import mission_name, story_of
+    from waypointctl.replay.resume import PART
+
+    path = asked.log.with_name(asked.log.name.removesuffix(PART))
+    log = open_log(path)
+    story = story_of(log)
+    typer.echo(f"{path} is complete: {story.outcome}: {story.reason}", err=True)
+    if asked.json:
+        learned = sum(waypoint.learned_ns is not None for waypoint in story.waypoints)
+        result = FlightResult(story.outcome, story.reason, learned, len(story.waypoints), story.ended_ns)
+        sys.stdout.write(answer(mission_name(log), recording_of(result, path, int(log.metadata["seed"]))))
+    return 0
+
+
+def _end_s(flight: Unfinished) -> float:
+    return (flight.log.end_ns or 0) / 1e9

@@ -1,0 +1,72 @@
+"""What the operator has heard, for whoever asks at the console: nothing that has not arrived."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from waypointctl.cli.view.words import printable
+from waypointctl.log.messages import Ack, Clock, CommandStage, Event, EventKind, Message, Stage, Telemetry
+from waypointctl.units import seconds
+
+
+@dataclass(slots=True)
+class _Sent:
+    what: str
+    issued_ns: int
+    stage: Stage | None = None
+    reason: str = ""
+    told_ns: int = 0  # on the clock of whoever came to that stage
+
+
+class Heard:
+    """A sink that keeps what the ground knows."""
+
+    def __init__(self) -> None:
+        """Know nothing."""
+        self._frame: Telemetry | None = None
+        self._sent: dict[int, _Sent] = {}
+
+    def __call__(self, message: Message) -> None:
+        """Take one message; what happens on board or on the link is not listened to."""
+        match message:
+            case Telemetry():
+                if self._frame is None or message.issued_ns >= self._frame.issued_ns:
+                    self._frame = message
+            case Event(kind=EventKind.COMMAND_SENT):
+                what = printable(message.text.partition(": ")[2])
+                self._sent.setdefault(message.command_id, _Sent(what, message.time_ns))
+            case CommandStage(clock=Clock.OPERATOR):
+                self._reach(message.command_id, message.stage, message.reason, message.time_ns)
+            case Ack():
+                self._reach(message.command_id, message.stage, message.reason, message.issued_ns)
+
+    def status(self, now_ns: int) -> list[str]:
+        """Return what is known at a time on the operator's clock [ns], a line each."""
+        return [*self._robot(now_ns), *(self._command(command_id, now_ns) for command_id in self._sent)]
+
+    def _reach(self, command_id: int, stage: Stage, reason: str, time_ns: int) -> None:
+        sent = self._sent.get(command_id)
+        if sent is not None:
+            sent.stage, sent.reason, sent.told_ns = stage, printable(reason), time_ns
+
+    def _robot(self, now_ns: int) -> list[str]:
+        frame = self._frame
+        if frame is None:
+            return ["robot: nothing heard yet"]
+        age_s = seconds(now_ns - frame.issued_ns)
+        target = "" if frame.target < 0 else f", waypoint {frame.target}"
+        reached = ", ".join(map(str, frame.reached)) or "none"
+        heading_deg = math.degrees(frame.heading_rad)
+        return [
+            f"robot, {age_s:.2f} s ago: at ({frame.x_m:.2f}, {frame.y_m:.2f}) m, heading {heading_deg:.0f} deg, "
+            f"{frame.speed_mps:.2f} m/s, {frame.mode}{target}; waypoints reached: {reached}"
+        ]
+
+    def _command(self, command_id: int, now_ns: int) -> str:
+        sent = self._sent[command_id]
+        reason = f" ({sent.reason})" if sent.reason else ""
+        stage = (
+            "no word yet" if sent.stage is None else f"{sent.stage}{reason} {seconds(now_ns - sent.told_ns):.2f} s ago"
+        )
+        return f"command {command_id} {sent.what}: {stage}"

@@ -1,0 +1,167 @@
+"""The console of a flight: a person's lines go to the operator, what the operator hears comes back.
+
+Only what the ground knows is shown: that the robot has done something is told when the downlink has brought it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from types import TracebackType
+from typing import Final, Self
+
+from waypointctl.cli.view.heard import Heard
+from waypointctl.cli.view.pace import Pace
+from waypointctl.cli.view.typed_lines import TypedLines
+from waypointctl.cli.view.words import happening
+from waypointctl.log.messages import Clock, Message, PlannedWaypoint
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.ground.console import USAGE, order_from
+from waypointctl.ops.ground.line_source import QUIT
+from waypointctl.replay.chronicle import Chronicle
+from waypointctl.units import seconds
+
+_SIGN: Final = "> "
+_CLEAR_LINE: Final = "\r\x1b[K"
+HELP: Final = f"commands: {USAGE}"
+
+
+class Prompt:
+    """Watches a flight, and is where its lines come from; use it in a `with` block.
+
+    Attributes:
+        chronicle: the flight so far, the truth of it too: it is shown when the flight is over.
+        is_open: whether there is somebody: always, at mission start.
+    """
+
+    is_open = True
+
+    def __init__(
+        self,
+        mission: Mission,
+        waypoints: Iterable[PlannedWaypoint],
+        typed: TypedLines,
+        rate: float | None,
+        interrupted: Callable[[], bool],
+    ) -> None:
+        """Talk on stdin and stderr. Without a `rate` time is real until the console is closed, then it flies."""
+        self._mission = mission
+        self._waypoints = tuple(waypoints)
+        self._typed = typed
+        self._keeps_pace = rate is not None
+        self._pace = Pace(rate or 1.0, idle=self._listen)
+        self._interrupted = interrupted
+        self._taken: deque[str] = deque()
+        self._has_begun = self._has_quit = False
+        self._readers = True
+        self.restart()
+
+    def __call__(self, message: Message) -> None:
+        """Take one message of the flight, and tell what the operator learns from it."""
+        self.chronicle(message)
+        self._heard(message)
+        told = happening(message)
+        if told is not None and told.clock is Clock.OPERATOR:
+            self.say(told.line)
+
+    def __enter__(self) -> Self:
+        """Begin to read."""
+        self._typed.__enter__()
+        self.say(f"{HELP}\neach goes over the link; `status` tells what has been heard, `quit` ends the console")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Leave the terminal as it was."""
+        if self._typed.is_terminal:
+            self._write(_CLEAR_LINE)
+        self._typed.__exit__(kind, error, traceback)
+
+    def restart(self) -> None:
+        """Forget the flight, to be told it again."""
+        self.chronicle = Chronicle(self._waypoints)
+        self._heard = Heard()
+
+    def learn(self, message: Message) -> None:
+        """Take one message without a word: it was told before."""
+        self.chronicle(message)
+        self._heard(message)
+
+    def say(self, status: str) -> None:
+        """Print a line above what is being typed."""
+        if not self._typed.is_terminal or self._has_quit:
+            self._write(f"{status}\n")
+        else:
+            self._write(f"{_CLEAR_LINE}{status}\n{_SIGN}{self._typed.draft}")
+
+    def lines(self, now_ns: int) -> Iterator[str]:
+        """Wait until it is time for `now_ns`; yield what has been typed for the operator to do."""
+        if self._has_quit:
+            self._keep_pace(now_ns)
+            return
+        if not self._has_begun:
+            self._pace.restart(now_ns)
+            self._has_begun = True
+        self._pace.wait_for(now_ns, self._interrupted)
+        self._listen(0.0)
+        while self._taken and not self._has_quit:
+            line = self._taken.popleft()
+            self._has_quit = line == QUIT
+            yield line
+
+    def asleep(self, now_ns: int, until_ns: int) -> int:
+        """Return when something is typed or somebody ends the flight; at the latest, and on time, `until_ns`."""
+        if self._has_quit:
+            return until_ns
+        self._pace.wait_for(until_ns, lambda: bool(self._taken) or self._interrupted())
+        return min(until_ns, max(now_ns, self._pace.now_ns)) if self._taken or self._interrupted() else until_ns
+
+    def _keep_pace(self, now_ns: int) -> None:
+        if self._keeps_pace:
+            self._pace.wait_for(now_ns, self._interrupted)
+
+    def _listen(self, timeout_s: float) -> None:
+        """Take what is typed; what needs no operator is answered at once."""
+        before = self._typed.draft
+        for line in self._typed.read(timeout_s):
+            if self._typed.is_terminal:
+                self._write(f"{_CLEAR_LINE}{_SIGN}{line}\n")
+            self._answer(line)
+        if not self._typed.is_open and QUIT not in self._taken and not self._has_quit:
+            self._taken.append(QUIT)
+        elif self._typed.is_terminal and self._typed.draft != before:
+            self._write(f"{_CLEAR_LINE}{_SIGN}{self._typed.draft}")
+
+    def _answer(self, line: str) -> None:
+        now_ns = self._pace.now_ns
+        match line:
+            case "":
+                self._write(_SIGN if self._typed.is_terminal else "")
+            case "help":
+                self.say(HELP)
+            case "time":
+                self.say(f"time {seconds(now_ns):.2f} s, at {self._pace.rate:g} times real time")
+            case "status":
+                self.say("\n".join([f"time {seconds(now_ns):.2f} s", *self._heard.status(now_ns)]))
+            case _:
+                self._send(line)
+
+    def _send(self, line: str) -> None:
+        try:
+            if line != QUIT:
+                order_from(line, self._mission)
+        except ValueError as error:
+            self.say(f"not sent: {error}")
+            return
+        self._taken.append(line)
+
+    def _write(self, text: str) -> None:
+        if not self._readers:
+            return
+        try:
+            sys.stderr.write(text)
+            sys.stderr.flush()
+        except BrokenPipeError:
+            self._readers = False  # whoever read has gone; that is no reason to end the flight
