@@ -10,6 +10,8 @@ import typer
 
 from waypointctl import __version__
 from waypointctl.cli.eval import evaluate_policy
+from waypointctl.cli.fmt import fmt
+from waypointctl.cli.import_mission import import_mission
 from waypointctl.cli.import_policy import import_policy
 from waypointctl.cli.info import info
 from waypointctl.cli.policies import policies
@@ -48,6 +50,8 @@ app.command()(run)
 app.command()(replay)
 app.command()(info)
 app.command()(validate)
+app.command()(fmt)
+app.command("import")(import_mission)
 app.command()(schema)
 app.command("train")(train_policy)
 app.command("eval")(evaluate_policy)

@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cli.flying import Program
+from waypointctl.mission.files import load_mission
+
+LINE = {"type": "LineString", "coordinates": [[8.5456, 47.3977], [8.5457, 47.3977]]}
+
+
+@pytest.fixture
+def line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "line.geojson"
+    path.write_text(json.dumps(LINE))
+    monkeypatch.chdir(tmp_path)
+    return path
+
+
+def test_a_line_goes_to_stdout_or_to_a_file_beside_which_the_policy_is_named(line: Path, program: Program) -> None:
+    code, told, _ = program("import", "line.geojson")
+    assert code == 0
+    assert 'policy: "policies/ant-waypoint"' in told
+    (line.parent / "missions").mkdir()
+    code, said, _ = program("import", "line.geojson", "--out", "missions/line.yaml", "--policy", "mine")
+    assert (code, said) == (
+        0,
+        "missions/line.yaml: 1 waypoint; `waypointctl validate missions/line.yaml` says what to expect\n",
+    )
+    assert load_mission(line.parent / "missions" / "line.yaml").policy_path.resolve() == line.parent / "mine"
+    assert program("fmt", "--check", "missions/line.yaml")[0] == 0
+
+
+def test_a_file_that_is_there_is_replaced_on_request_alone(line: Path, program: Program) -> None:
+    (line.parent / "m.yaml").write_text("mine")
+    code, _, said = program("import", "line.geojson", "--out", "m.yaml")
+    assert (code, said) == (2, "error: m.yaml: is there already\n  --force replaces it; or give another --out.\n")
+    assert (line.parent / "m.yaml").read_text() == "mine"
+    assert program("import", "line.geojson", "--out", "m.yaml", "--force")[0] == 0
+    assert load_mission(line.parent / "m.yaml").mission.name == "line"
+
+
+def test_an_origin_is_taken_from_the_command_line(line: Path, program: Program) -> None:
+    code, told, _ = program("import", "line.geojson", "--origin", "47.3976,8.5456")
+    assert code == 0
+    assert "x is east and y is north of 47.3976000, 8.5456000." in told
+    assert "start:\n  position: [0 m, 11.1" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (["line.geojson", "--origin", "47"], "--origin: '47' is not two numbers"),
+        (["line.geojson", "--origin", "97,8"], "--origin: '97,8' is not a latitude within -89 and 89"),
+        (["line.geojson", "--origin", "nan,8"], "--origin: 'nan,8' is not a latitude within -89 and 89"),
+        (["line.geojson", "--out", "no/such/m.yaml"], "no/such/m.yaml: the mission cannot be written"),
+        (["missing.plan"], "missing.plan: there is no such file"),
+        (["line.kml"], "line.kml: ends in '.kml'; .plan (QGroundControl) and .geojson are read"),
+    ],
+)
+def test_what_is_wrong_is_said_and_exits_with_2(
+    line: Path, program: Program, arguments: list[str], problem: str
+) -> None:
+    code, told, said = program("import", *arguments)
+    assert (code, told) == (2, "")
+    assert said.startswith(f"error: {problem}")

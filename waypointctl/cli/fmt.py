@@ -1,0 +1,70 @@
+"""`waypointctl fmt`: mission files in their one layout."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from waypointctl.errors import MissionError
+
+
+def fmt(
+    missions: Annotated[list[Path], typer.Argument(metavar="MISSION.yaml...", help="Mission files.")],
+    check: Annotated[bool, typer.Option("--check", help="Change nothing; exit with 1 if a file would change.")] = False,
+    diff: Annotated[bool, typer.Option("--diff", help="Change nothing; print what would.")] = False,
+) -> None:
+    """Lay mission files out: keys in order, two spaces a level; comments, spellings and units stay as written.
+
+    A file with mistakes is left alone, with its messages; then the exit code is 2.
+    """
+    from waypointctl.mission.layout.layout import laid_out
+    from waypointctl.mission.yaml_source import read_source
+
+    changed, wrong = 0, 0
+    for path in missions:
+        try:
+            source = read_source(path, MissionError)
+            written = laid_out(source, str(path))
+        except MissionError as error:
+            wrong += 1
+            typer.echo(str(error), err=True)
+            continue
+        if written == source:
+            continue
+        changed += 1
+        if diff:
+            sys.stdout.write(_difference(source, written, path))
+        if not check and not diff:
+            _replace(path, written)
+        elif not diff:
+            typer.echo(f"{path}: would be laid out anew")
+    typer.echo(_sum(len(missions), changed, wrong, check or diff), err=True)
+    if wrong:
+        raise typer.Exit(2)
+    if check and changed:
+        raise typer.Exit(1)
+
+
+def _replace(path: Path, written: bytes) -> None:
+    from waypointctl.paths import write_whole
+
+    write_whole(path.resolve(), written, "the mission")  # a link stays one
+    typer.echo(f"{path}: laid out")
+
+
+def _difference(source: bytes, written: bytes, path: Path) -> str:
+    import difflib
+
+    before, after = (text.decode("utf-8-sig").splitlines(keepends=True) for text in (source, written))
+    return "".join(difflib.unified_diff(before, after, str(path), f"{path} (laid out)"))
+
+
+def _sum(count: int, changed: int, wrong: int, only_told: bool) -> str:
+    verb = "would change" if only_told else "changed"
+    parts = [f"{changed} {verb}", f"{count - changed - wrong} as they should be"]
+    if wrong:
+        parts.append(f"{wrong} left alone, with mistakes")
+    return f"{count} mission{'s' if count > 1 else ''}: {', '.join(parts)}"
