@@ -135,7 +135,7 @@ class Prompt:
             self._write(f"{_CLEAR_LINE}{_SIGN}{self._typed.draft}")
 
     def _answer(self, line: str) -> None:
-        now_ns = self._pace.now_ns
+        now_ns = max(self._pace.now_ns, self.chronicle.now_ns)  # it simulates a step ahead of its time
         match line:
             case "":
                 self._write(_SIGN if self._typed.is_terminal else "")
