@@ -26,7 +26,9 @@ def bad(tmp_path: Path) -> Path:
 def test_says_ok_of_every_shipped_mission() -> None:
     result = CliRunner().invoke(app, ["validate", *SHIPPED])
     assert result.exit_code == 0
-    assert [line.split(":")[0] for line in result.stdout.splitlines()] == [f"OK {path}" for path in SHIPPED]
+    lines = result.stdout.splitlines()
+    assert [line.split(":")[0] for line in lines[::2]] == [f"OK {path}" for path in SHIPPED]
+    assert all(line.startswith("   expected ") and "ant-waypoint in the suite region" in line for line in lines[1::2])
 
 
 def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
@@ -34,7 +36,11 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
     path = tmp_path / "m.yaml"
     path.write_text("name: dog\npolicy: p\nwaypoints: [[3, 4], [3, 10]]\nlink: {up: {delay: 2 s, jitter: 10 ms}}\n")
     result = CliRunner().invoke(app, ["validate", str(path)])
-    assert result.stdout == f"OK {path}: dog, 2 waypoints, 11.0 m, link 2 s +- 0.01 s up, 0 s down, autonomy mission\n"
+    assert result.stdout == (
+        f"OK {path}: dog, 2 waypoints, 11.0 m, link 2 s +- 0.01 s up, 0 s down, autonomy mission\n"
+        "   expected 7.5 s (waypoint 9.5 s, heading 35.5 s, joint 7.5 s) at 2.00 m/s, assumed, since no evaluation "
+        "of p tells its speed\n"
+    )
     assert result.stderr == ""
 
 
@@ -95,7 +101,8 @@ def test_a_policy_that_is_not_there_is_a_warning(tmp_path: Path) -> None:
     path.write_text("name: dog\npolicy: nowhere\nwaypoints: [[3, 4]]\n")
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.exit_code == 0
-    assert result.stdout == f"OK {path}: dog, 1 waypoint, 5.0 m, link without delay, autonomy mission\n"
+    ok, _ = result.stdout.splitlines()
+    assert ok == f"OK {path}: dog, 1 waypoint, 5.0 m, link without delay, autonomy mission"
     assert result.stderr == f"warning: {path}:2:9: policy: there is no folder {tmp_path / 'nowhere'}\n"
 
 
@@ -109,7 +116,35 @@ def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:
         f"{bad}:5:37: waypoints[0].timeout: 20 has no unit; write 'timeout: 20 s' or 'timeout_s: 20'",
     ]
     assert lines[2].startswith(f"OK {SHIPPED[0]}: ")
-    assert lines[3:] == [f"{missing}: there is no such file"]
+    assert lines[4:] == [f"{missing}: there is no such file"]
+
+
+def test_what_may_go_wrong_is_a_warning_with_its_place(tmp_path: Path) -> None:
+    (tmp_path / "p").mkdir()
+    path = tmp_path / "m.yaml"
+    path.write_text(
+        "name: dog\npolicy: p\nexpect: {max_time: 2 s}\nwaypoints:\n  - [3, 4]\n"
+        "  - {position: [3 m, 40 m], timeout: 9 s}\nlink:\n  rate: 1 kbit/s\n"
+    )
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    assert result.exit_code == 0
+    assert result.stderr.splitlines() == [
+        f"warning: {path}:3:10: expect.max_time: 2 s are allowed, and about 13.4 s are expected",
+        f"warning: {path}:6:29: waypoints[1].timeout: WP2 is 36.0 m away: 18.0 s at 2.00 m/s, and has 9 s",
+        f"warning: {path}:8:3: link.rate: telemetry comes to 3160 bit/s, and the link down carries 1000: they wait, "
+        "and are lost",
+    ]
+    assert CliRunner().invoke(app, ["validate", "--strict", str(path)]).exit_code == 1
+    (record,) = json.loads(CliRunner().invoke(app, ["validate", "--json", str(path)]).stdout)["missions"]
+    assert [warning["kind"] for warning in record["warnings"]] == ["max_time", "timeout", "rate"]
+    assert record["warnings"][0]["place"] == f"{path}:3:10"
+
+
+def test_strict_minds_only_warnings(tmp_path: Path) -> None:
+    (tmp_path / "p").mkdir()
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: p\nwaypoints: [[3, 4]]\n")
+    assert CliRunner().invoke(app, ["validate", "--strict", str(path)]).exit_code == 0
 
 
 def test_json_is_one_object_and_nothing_else(bad: Path) -> None:
@@ -144,6 +179,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
     assert result.exit_code == 0
     way = Way(delay_s=2.0).model_dump(mode="json")
     assert {"delay_s": 2.0, "jitter_s": 0.0, "loss": 0.0, "rate_bps": None}.items() <= way.items()
+    times = {"mission": (6.5, 1), "waypoint": (6.5, 1), "heading": (30.5, 7), "joint": (6.5, 1)}
     assert json.loads(result.stdout) == {
         "ok": True,
         "missions": [
@@ -158,6 +194,13 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "autonomy": "mission",
                 "policy": str(tmp_path / "p"),
                 "policy_found": True,
+                "speed": {"mps": 2.0, "source": "assumed, since no evaluation of p tells its speed"},
+                "expected_time_s": 6.5,
+                "expected": [
+                    {"autonomy": autonomy, "time_s": pytest.approx(time_s), "exchanges": exchanges}
+                    for autonomy, (time_s, exchanges) in times.items()
+                ],
+                "warnings": [],
             }
         ],
     }

@@ -1,9 +1,10 @@
-"""`waypointctl validate`: are these mission files fit to be flown, and if not, why not."""
+"""`waypointctl validate`: are these mission files fit to be flown, if not, why not, and what to expect of them."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,24 +15,38 @@ from waypointctl.paths import folder_fault
 if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
+    from waypointctl.ops.forecast.forecast import Forecast
+
+
+@dataclass(frozen=True, slots=True)
+class Warned:
+    """Something to think about, and where the file says so: "file:line:column", or the file alone."""
+
+    kind: str
+    place: str
+    path: str
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
 class _Checked:
-    """What checking a file came to: a mission, or problems."""
+    """What checking a file came to: a mission with what to expect of it, or problems."""
 
     path: Path
     file: MissionFile | None
     problems: tuple[Problem, ...]
+    forecast: Forecast | None = None
+    warnings: tuple[Warned, ...] = ()
 
 
 def validate(
     missions: Annotated[list[Path], typer.Argument(metavar="MISSION.yaml...", help="Mission files.")],
+    strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 if there is a warning.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Check mission files and list every problem.
+    """Check mission files, list every problem, and say what to expect without flying: how long, and what may go wrong.
 
-    Exits with 2 if there is one.
+    Exits with 2 if there is a problem; what may go wrong are warnings.
     """
     checked = [_check(path) for path in missions]
     good = all(result.file is not None for result in checked)
@@ -42,6 +57,8 @@ def validate(
             _show(result)
     if not good:
         raise typer.Exit(2)
+    if strict and any(result.warnings for result in checked):
+        raise typer.Exit(1)
 
 
 def _check(path: Path) -> _Checked:
@@ -58,10 +75,37 @@ def _check(path: Path) -> _Checked:
     reading = examine_mission(source, str(path), beside(path))
     if reading.model is None:
         return _Checked(path, None, reading.problems)
-    return _Checked(path, MissionFile(reading.model, source, path), ())
+    file = MissionFile(reading.model, source, path)
+    found = _forecast(file)
+    return _Checked(path, file, (), found, (*_policy_warnings(file), *_warnings(file, found)))
+
+
+def _forecast(file: MissionFile) -> Forecast:
+    from waypointctl.evaluation.walking_speed import walking_speed
+    from waypointctl.ops.forecast.forecast import forecast
+
+    return forecast(file.mission, walking_speed(file.policy_path))
+
+
+def _policy_warnings(file: MissionFile) -> tuple[Warned, ...]:
+    if not folder_fault(file.policy_path):
+        return ()
+    return (Warned("policy", file.policy_place, "policy", f"there is no folder {file.policy_path}"),)
+
+
+def _warnings(file: MissionFile, found: Forecast) -> Iterator[Warned]:
+    """Yield what may go wrong, in the order of the file's lines."""
+    from waypointctl.mission.written import written_at
+    from waypointctl.mission.yaml_tree import read_tree
+
+    tree = read_tree(file.source)
+    placed = [(written_at(tree, finding.path), finding) for finding in found.findings]
+    for (path, mark), finding in sorted(placed, key=lambda each: (each[0][1].line, each[0][1].column)):
+        yield Warned(finding.kind, f"{file.path}:{mark.line}:{mark.column}", path, finding.text)
 
 
 def _show(result: _Checked) -> None:
+    from waypointctl.cli.view.expectation import expectation
     from waypointctl.cli.view.link import link_text
 
     for problem in result.problems:
@@ -74,10 +118,10 @@ def _show(result: _Checked) -> None:
         f"OK {result.path}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
         f"{mission.path_length_m():.1f} m, {link_text(mission.link)}, autonomy {mission.autonomy}"
     )
-    if folder_fault(result.file.policy_path):
-        typer.echo(
-            f"warning: {result.file.policy_place}: policy: there is no folder {result.file.policy_path}", err=True
-        )
+    if result.forecast is not None:
+        typer.echo(f"   {expectation(result.forecast)}")
+    for warning in result.warnings:
+        typer.echo(f"warning: {warning.place}: {warning.path}: {warning.text}", err=True)
 
 
 def _record(result: _Checked) -> dict[str, Any]:
@@ -98,7 +142,8 @@ def _record(result: _Checked) -> dict[str, Any]:
     }
     if result.file is None:
         return record
-    mission = result.file.mission
+    mission, found = result.file.mission, result.forecast
+    assert found is not None
     return record | {
         "name": mission.name,
         "waypoints": len(mission.waypoints),
@@ -107,4 +152,8 @@ def _record(result: _Checked) -> dict[str, Any]:
         "autonomy": mission.autonomy,
         "policy": str(result.file.policy_path),
         "policy_found": folder_fault(result.file.policy_path) is None,
+        "speed": asdict(found.speed),
+        "expected_time_s": found.own.time_s,
+        "expected": [asdict(each) for each in found.expected],
+        "warnings": [asdict(warning) for warning in result.warnings],
     }

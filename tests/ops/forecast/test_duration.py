@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from waypointctl.mission.files import parse_mission
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.duration import AUTONOMIES, Autonomy, expected, walks_of
+from waypointctl.ops.forecast.traffic import traffic_of, upload_bytes
+
+BASE = "name: n\npolicy: p\nwaypoints: [[8, 6], [8, 16]]\n"  # 10 m and 10 m
+
+
+def parse(more: str = "", text: str = BASE) -> Mission:
+    return parse_mission((text + more).encode(), "m.yaml")
+
+
+def time_s(mission: Mission, autonomy: Autonomy, speed_mps: float = 2.0) -> float | None:
+    return expected(mission, speed_mps, traffic_of(mission), autonomy).time_s
+
+
+@pytest.mark.parametrize(("autonomy", "exchanges"), [("mission", 1), ("waypoint", 2), ("joint", 1)])
+def test_the_formula_of_move_and_wait(autonomy: Autonomy, exchanges: int) -> None:
+    mission = parse("link: {up: {delay: 1 s}, down: {delay: 2 s}}\noperator: {think: 5 s}\n")
+    found = expected(mission, 2.0, traffic_of(mission), autonomy)
+    # L / v + N RTT, and a thought before all but the first
+    assert found.time_s == pytest.approx(20 / 2 + exchanges * 3 + (exchanges - 1) * 5)
+    assert found.exchanges == exchanges
+
+
+def test_steering_waits_for_each_short_goal() -> None:
+    mission = parse("link: {delay: 1 s}\noperator: {carrot: 2 m}\n")
+    found = expected(mission, 2.0, traffic_of(mission), "heading")
+    goals = math.ceil((10 - 2) / (2 - 0.5)) + 1  # each 2 m ahead and reached within a quarter of that
+    assert found.exchanges == 2 * goals
+    assert found.time_s == pytest.approx(10 + 2 * goals * 2)
+
+
+def test_steering_at_a_rate_is_as_fast_as_its_goals_are_fresh() -> None:
+    fast = parse("operator: {steering: continuous, update_rate: 10 Hz}\n")
+    slow = parse("link: {delay: 2 s}\noperator: {steering: continuous, update_rate: 1 Hz}\n")
+    assert time_s(fast, "heading") == pytest.approx(10)
+    assert time_s(slow, "heading") == pytest.approx(20 / (1 / 5) + 4)  # 1 m in 4 s of link and 1 s of update
+
+
+def test_holds_are_in_it_and_what_is_too_far_for_its_time_is_left_behind() -> None:
+    assert time_s(parse("defaults: {hold: 3 s}\n"), "mission") == pytest.approx(10 + 6)
+    skips = parse("defaults: {timeout: 3 s}\non_failure: skip\n")
+    assert time_s(skips, "mission") == pytest.approx(6)
+    assert [walk.duration_s for walk in walks_of(skips, 2.0)] == [None, None]
+    assert walks_of(skips, 2.0)[1].way_m == pytest.approx(math.dist((4.8, 3.6), (8, 16)))
+    aborts = parse("defaults: {timeout: 3 s}\n")
+    assert time_s(aborts, "mission") == pytest.approx(3)
+    assert len(walks_of(aborts, 2.0)) == 1
+    retries = parse("defaults: {timeout: 3 s}\non_failure: {retry: 1}\n")
+    assert [walk.duration_s for walk in walks_of(retries, 2.0)] == [5, 5]
+
+
+def test_contacts_and_rates_count_when_their_time_comes() -> None:
+    windows = "windows: [{from: 10 s, to: 20 s}], windows_every: 100 s"
+    mission = parse(f"link: {{up: {{{windows}, rate: 1000 bit/s}}, down: {{{windows}}}}}\n")
+    # sent at 10 s, there once all of it has left, walked in 10 s, and heard of in the next contact
+    left_s = 10 + upload_bytes(mission) * 8 / 1000
+    heard_s = left_s + 10 if left_s + 10 <= 20 else 110
+    assert time_s(mission, "mission") == pytest.approx(heard_s)
+    # the second leg is sent in the first contact too, and ends after it
+    assert time_s(mission, "waypoint") == pytest.approx(110)
+    assert time_s(mission, "waypoint", speed_mps=0.9) == pytest.approx(210)
+
+
+def test_without_a_contact_it_is_never() -> None:
+    mission = parse("link: {up: {windows: [{from: 0 s, to: 10 ms}], rate: 100 bit/s}}\n")
+    assert [time_s(mission, autonomy) for autonomy in AUTONOMIES[:3]] == [None, None, None]
+    late = parse("link: {down: {windows: [{from: 0 s, to: 5 s}]}}\n")
+    assert time_s(late, "mission") is None
+
+
+def test_very_many_goals_are_told_from_some_of_them() -> None:
+    mission = parse("operator: {carrot: 0.1 m}\nlink: {delay: 1 s}\n", BASE.replace("8, 16", "8, 9999"))
+    found = expected(mission, 2.0, traffic_of(mission), "heading")
+    assert found.exchanges > 100_000
+    assert found.time_s == pytest.approx(found.exchanges * 2, rel=0.1)

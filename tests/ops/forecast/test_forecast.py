@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from waypointctl.evaluation.walking_speed import walking_speed
+from waypointctl.mission.files import load_mission, parse_mission
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.fly import fly
+from waypointctl.ops.forecast.forecast import Forecast, WalkingSpeed, forecast
+from waypointctl.policy.bundle import LoadedPolicy, load_policy
+
+ROOT = Path(__file__).parents[3]
+NAMES = ("optional-stop", "paper-two-point-moon", "paper-two-point-moon-waypoint", "sample-stops", "ten-second")
+BASE = "name: n\npolicy: p\n"
+ONE = BASE + "waypoints: [[8, 6]]\n"
+
+# How far a flight may be off its forecast: robots accelerate, overshoot and turn, which no formula of L / v knows.
+BAND = 0.08
+STEERED_BAND = (0.8, 1.5)  # each short goal begins from standing
+
+
+@pytest.fixture(scope="module")
+def policy() -> LoadedPolicy:
+    return load_policy(ROOT / "policies" / "ant-waypoint")
+
+
+def told(text: str) -> Forecast:
+    return forecast(parse_mission(text.encode(), "m.yaml"), WalkingSpeed(2.0, "assumed"))
+
+
+def kinds(text: str) -> list[tuple[str, tuple[str | int, ...]]]:
+    return [(finding.kind, finding.path) for finding in told(text).findings]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("autonomy", ["mission", "waypoint"])
+def test_a_flight_takes_about_as_long_as_was_told(name: str, autonomy: str, policy: LoadedPolicy) -> None:
+    mission = load_mission(ROOT / "missions" / f"{name}.yaml").mission.model_copy(update={"autonomy": autonomy})
+    flown = fly(mission, policy, lambda _: None)
+    found = forecast(mission, walking_speed(ROOT / "policies" / "ant-waypoint"))
+    assert flown.outcome == "success"
+    assert found.own.time_s == pytest.approx(flown.sim_time_ns / 1e9, rel=BAND)
+
+
+def test_a_steered_flight_too(policy: LoadedPolicy) -> None:
+    mission = load_mission(ROOT / "missions" / "ten-second.yaml").mission.model_copy(update={"autonomy": "heading"})
+    flown = fly(mission, policy, lambda _: None)
+    found = forecast(mission, walking_speed(ROOT / "policies" / "ant-waypoint"))
+    assert flown.outcome == "success"
+    assert found.own.time_s is not None
+    assert STEERED_BAND[0] < flown.sim_time_ns / 1e9 / found.own.time_s < STEERED_BAND[1]
+
+
+def test_of_a_good_mission_nothing_is_said() -> None:
+    assert told(ONE + "link: {delay: 1 s}\nexpect: {max_time: 10 s}\n").findings == ()
+
+
+FENCE = "onboard: {geofence: {keep_out: [{name: pit, center: [4 m, 3 m], radius: 1 m}]}}\n"
+
+
+@pytest.mark.parametrize(
+    ("more", "found"),
+    [
+        (FENCE, [("fence", ("waypoints", 0))]),
+        (FENCE.replace("4 m, 3 m", "8 m, 6 m"), [("fence", ("waypoints", 0))]),
+        (FENCE.replace("4 m, 3 m", "0 m, 0 m"), [("fence", ("start",))]),
+        (FENCE.replace("4 m, 3 m", "40 m, 3 m"), []),
+        (
+            FENCE.replace("4 m, 3 m", "40 m, 3 m").replace("}}", "}, home: {position: [40 m, 3 m]}}"),
+            [("fence", ("onboard", "home", "position_m"))],
+        ),
+        ("defaults: {timeout: 4 s}\n", [("timeout", ("waypoints", 0, "timeout_s"))]),
+        ("defaults: {timeout: 4 s}\non_failure: {retry: 1}\n", [("timeout", ("waypoints", 0, "timeout_s"))]),
+        ("expect: {max_time: 4 s}\n", [("max_time", ("expect", "max_time_s"))]),
+        ("onboard: {link_loss: {after: 5 s}}\n", [("heartbeat", ("onboard", "link_loss"))]),
+        ("onboard: {link_loss: {after: 5 s}}\noperator: {heartbeat: 1 s}\n", []),
+        ("onboard: {link_loss: {after: 5 s}}\noperator: {heartbeat: 5 s}\n", [("heartbeat", ("onboard", "link_loss"))]),
+        ("link: {down: {rate: 1 kbit/s}}\n", [("rate", ("link", "down", "rate_bps"))]),
+        ("link: {down: {rate: 10 kbit/s}}\n", []),
+        ("link: {delay: 200 ms}\nautonomy: joint\n", [("delay", ("autonomy",))]),
+        ("link: {down: {rate: 50 kbit/s}}\nautonomy: joint\n", [("rate", ("link", "down", "rate_bps"))]),
+        ("link: {up: {rate: 10 kbit/s}}\nautonomy: joint\n", [("rate", ("link", "up", "rate_bps"))]),
+    ],
+)
+def test_what_may_go_wrong_is_found(more: str, found: list[tuple[str, tuple[str | int, ...]]]) -> None:
+    assert kinds(ONE + more) == found
+
+
+@pytest.mark.parametrize(
+    ("up", "found"),
+    [
+        ("windows: [{from: 1 s, to: 3 s}, {from: 5 s, to: 50 s}], rate: 200 bit/s", ["contact"]),
+        ("windows: [{from: 5 s, to: 50 s}], rate: 200 bit/s", []),
+        ("windows: [{from: 1 s, to: 3 s}], rate: 200 bit/s", ["contact"]),
+        ("windows: [{from: 5 s, to: 50 s}], queue: 10 B", ["queue"]),
+        ("queue: 10 B", []),
+    ],
+)
+def test_contacts_that_are_too_short_are_found(up: str, found: list[str]) -> None:
+    assert [kind for kind, _ in kinds(ONE + f"link: {{up: {{{up}}}}}\n")] == found
+
+
+def test_windows_further_apart_than_a_loss_of_the_link_are_found() -> None:
+    rules = "onboard: {link_loss: {after: 5 s}}\noperator: {heartbeat: 1 s}\n"
+    windows = "link: {{up: {{windows: [{{from: 0 s, to: {} s}}], windows_every: 10 s}}}}\n"
+    assert kinds(ONE + rules + windows.format(6)) == []
+    assert kinds(ONE + rules + windows.format(4)) == [("heartbeat", ("onboard", "link_loss"))]
+
+
+@pytest.mark.parametrize(
+    ("waypoints", "found"),
+    [
+        ("[[0.4, 0.4]]", [0]),
+        ("[{position: [0.4 m, 0.4 m], acceptance: radius}]", []),
+        ("[[5, 5], [5.9, 5]]", [1]),
+        ("[[5, 5], [6.1, 5]]", []),
+        ("[[5, 5], {position: [6.1 m, 5 m], tolerance: 70 cm}]", [1]),
+    ],
+)
+def test_waypoints_that_are_one_place_are_found(waypoints: str, found: list[int]) -> None:
+    assert kinds(f"{BASE}waypoints: {waypoints}\n") == [("near", ("waypoints", index)) for index in found]
+
+
+def test_a_steered_leg_needs_time_for_its_goals() -> None:
+    text = ONE + "autonomy: heading\nlink: {delay: 1 s}\noperator: {think: 1 s}\n"
+    (finding,) = told(text).findings
+    assert finding.text == "WP1 takes 13 short-range goals: 44.0 s with 3 s of waiting for each, and has 30 s"
+    assert kinds(text + "defaults: {timeout: 1 min}\n") == []
+
+
+def test_the_speed_is_that_of_the_evaluation_beside_the_policy(tmp_path: Path) -> None:
+    shipped = walking_speed(ROOT / "policies" / "ant-waypoint")
+    assert shipped.mps == pytest.approx(2.07, abs=0.05)
+    assert shipped.source == "the mean of ant-waypoint in the suite region"
+    assert walking_speed(tmp_path / "mine") == WalkingSpeed(2.0, "assumed, since no evaluation of mine tells its speed")
+    kept = (ROOT / "policies" / "ant-waypoint" / "evaluation.json").read_bytes()
+    (tmp_path / "evaluation.json").write_bytes(kept)
+    (tmp_path / "evaluation-region.json").write_text("{}")
+    assert walking_speed(tmp_path).source == "the mean of ant-waypoint in the suite paper"
+
+
+def test_a_faster_robot_is_told_to_be_there_sooner() -> None:
+    mission: Mission = parse_mission(ONE.encode(), "m.yaml")
+    times = [forecast(mission, replace(WalkingSpeed(1.0, "x"), mps=mps)).own.time_s for mps in (1.0, 2.0)]
+    assert times == [10, 5]

@@ -1,0 +1,146 @@
+"""How long a mission takes under each autonomy: T = L / v + N (RTT + think), with each exchange at its own time.
+
+L is the way and v the policy's mean speed; N is how often the operator has to hear before it can say what is next. A
+round trip is what the link makes of it when its time comes, with its windows and rates, without jitter and loss. What a
+schedule of commands adds is not in it, nor that an operator who steers gives a leg up when its time is out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+from waypointctl.log.messages import PlannedWaypoint
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.traffic import Traffic, go_to_bytes, upload_bytes
+from waypointctl.ops.ground.operator import planned_waypoints
+from waypointctl.units import NS_PER_S, ns, seconds
+
+Autonomy: TypeAlias = Literal["mission", "waypoint", "heading", "joint"]
+AUTONOMIES: Final[tuple[Autonomy, ...]] = ("mission", "waypoint", "heading", "joint")
+
+_NEAR_CARROT: Final = 0.25  # of its distance: within this a short-range goal counts as reached
+_MOST_CARROTS: Final = 20_000  # that are worked out one by one
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """A leg as it is expected.
+
+    Attributes:
+        waypoint: that it leads to.
+        way_m: how far that is.
+        duration_s: from setting out to having held there; None where its time is out before it is reached.
+    """
+
+    waypoint: PlannedWaypoint
+    way_m: float
+    duration_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """How long a mission is expected to take.
+
+    Attributes:
+        autonomy: who decides what.
+        time_s: from the first command to the operator's knowing of the end; None for never.
+        exchanges: how often the operator has to hear before it can say what is next.
+    """
+
+    autonomy: Autonomy
+    time_s: float | None
+    exchanges: int
+
+
+def walks_of(mission: Mission, speed_mps: float) -> tuple[Walk, ...]:
+    """Return the legs that the robot sets out on, from where it is expected to be.
+
+    One whose time is too short is given up on its way; unless the mission goes on then, it is the last.
+    """
+    place, rule = mission.start.position_m, mission.failure_rule
+    walks = []
+    for waypoint in planned_waypoints(mission):
+        way_m = math.dist(place, (waypoint.x_m, waypoint.y_m))
+        walked_m = seconds(waypoint.timeout_ns) * (1 + rule.retry) * speed_mps
+        if way_m <= walked_m:
+            walks.append(Walk(waypoint, way_m, way_m / speed_mps + seconds(waypoint.hold_ns)))
+            place = (waypoint.x_m, waypoint.y_m)
+            continue
+        walks.append(Walk(waypoint, way_m, None))
+        if rule.then != "skip":
+            break
+        part = walked_m / way_m
+        place = (place[0] + part * (waypoint.x_m - place[0]), place[1] + part * (waypoint.y_m - place[1]))
+    return tuple(walks)
+
+
+def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Autonomy) -> Expected:
+    """Return how long a mission takes under an autonomy, its own or another."""
+    walks = walks_of(mission, speed_mps)
+    retry = 1 + mission.failure_rule.retry
+    spent_s = [
+        seconds(walk.waypoint.timeout_ns) * retry if walk.duration_s is None else walk.duration_s for walk in walks
+    ]
+    if autonomy == "mission":
+        return _at_once(autonomy, sum(spent_s), upload_bytes(mission), traffic)
+    if autonomy == "joint":
+        return _at_once(autonomy, sum(spent_s), 1, traffic)
+    steered = autonomy == "heading"
+    if steered and mission.operator.steering == "continuous":
+        return _continuous(mission, walks, spent_s, speed_mps, traffic)
+    think_ns = ns(mission.operator.think_s)
+    moves = [
+        [spent / (n := moves_of(walk, mission) if steered else 1)] * n
+        for walk, spent in zip(walks, spent_s, strict=True)
+    ]
+    count = sum(len(each) for each in moves)
+    sizes = [go_to_bytes(walk.waypoint) for walk in walks]
+    flat = [(move_s, size) for each, size in zip(moves, sizes, strict=True) for move_s in each]
+    if count > _MOST_CARROTS:
+        return Expected(autonomy, _extrapolated(flat, traffic, think_ns), count)
+    return Expected(autonomy, _in_turn(flat, traffic, think_ns), count)
+
+
+def _at_once(autonomy: Autonomy, walking_s: float, size: int, traffic: Traffic) -> Expected:
+    return Expected(autonomy, _in_turn([(walking_s, size)], traffic, 0), 1)
+
+
+def _in_turn(moves: list[tuple[float, int]], traffic: Traffic, think_ns: int) -> float | None:
+    """Return when the operator hears of the last of some moves (duration [s], command [bytes]); None for never."""
+    now_ns = 0
+    for place, (move_s, size) in enumerate(moves):
+        arrives_ns = traffic.arrives_up_ns(now_ns + think_ns * (place > 0), size)
+        heard_ns = None if arrives_ns is None else traffic.heard_ns(arrives_ns + ns(move_s))
+        if heard_ns is None:
+            return None
+        now_ns = heard_ns
+    return seconds(now_ns)
+
+
+def _extrapolated(moves: list[tuple[float, int]], traffic: Traffic, think_ns: int) -> float | None:
+    """Return the same for very many moves, from as many as can be worked out."""
+    some = _in_turn(moves[:_MOST_CARROTS], traffic, think_ns)
+    return None if some is None else some * len(moves) / _MOST_CARROTS
+
+
+def moves_of(walk: Walk, mission: Mission) -> int:
+    """Return of how many short moves a leg is made, steering by move and wait."""
+    carrot_m = mission.operator.carrot_m
+    step_m = carrot_m - min(walk.waypoint.tolerance_m, carrot_m * _NEAR_CARROT)
+    return max(math.ceil((walk.way_m - carrot_m) / step_m), 0) + 1
+
+
+def _continuous(
+    mission: Mission, walks: tuple[Walk, ...], spent_s: list[float], speed_mps: float, traffic: Traffic
+) -> Expected:
+    """Return the time of steering at a rate: a goal that is `carrot` ahead of an old pose bounds the speed."""
+    arrives_ns = traffic.arrives_up_ns(0, go_to_bytes(walks[0].waypoint))
+    heard_ns = None if arrives_ns is None else traffic.heard_ns(arrives_ns)
+    if heard_ns is None:
+        return Expected("heading", None, 1)
+    age_s = heard_ns / NS_PER_S + 1 / mission.operator.update_rate_hz
+    slower = max(speed_mps * age_s / mission.operator.carrot_m, 1.0)
+    holds_s = sum(seconds(walk.waypoint.hold_ns) for walk in walks)
+    return _at_once("heading", (sum(spent_s) - holds_s) * slower + holds_s, 1, traffic)

@@ -1,0 +1,58 @@
+"""A mission's forecast: how long it takes under each autonomy, and what may go wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.duration import AUTONOMIES, Expected, expected
+from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.link import link_findings
+from waypointctl.ops.forecast.route import route_findings
+from waypointctl.ops.forecast.traffic import traffic_of
+
+
+@dataclass(frozen=True, slots=True)
+class WalkingSpeed:
+    """How fast a policy walks, and who says so."""
+
+    mps: float
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Forecast:
+    """What a mission comes to.
+
+    Attributes:
+        speed: that it was worked out with.
+        expected: for each autonomy.
+        own: of them, the mission's.
+        findings: what may go wrong, in no order of weight.
+    """
+
+    speed: WalkingSpeed
+    expected: tuple[Expected, ...]
+    own: Expected
+    findings: tuple[Finding, ...]
+
+
+def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
+    """Work out what a mission comes to, without flying it.
+
+    Args:
+        mission: with the files that it refers to.
+        speed: of the policy.
+
+    Raises:
+        MissionError: something is wrong with a file that it refers to.
+    """
+    traffic = traffic_of(mission)
+    times = tuple(expected(mission, speed.mps, traffic, autonomy) for autonomy in AUTONOMIES)
+    own = next(each for each in times if each.autonomy == mission.autonomy)
+    findings = [*route_findings(mission, speed.mps, traffic), *link_findings(mission, traffic)]
+    limit_s = mission.expect.max_time_s
+    if limit_s is not None and own.time_s is not None and own.time_s > limit_s:
+        text = f"{limit_s:g} s are allowed, and about {own.time_s:.1f} s are expected"
+        findings.append(Finding("max_time", ("expect", "max_time_s"), text))
+    return Forecast(speed, times, own, tuple(findings))

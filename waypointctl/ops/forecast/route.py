@@ -1,0 +1,91 @@
+"""What may go wrong on the way: the fence, waypoints that are one, legs that have too little time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+from waypointctl.mission.mission import Leg, Mission
+from waypointctl.ops.executive.rules import rules_of
+from waypointctl.ops.forecast.duration import moves_of, walks_of
+from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.traffic import Traffic
+from waypointctl.units import seconds
+
+
+def route_findings(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
+    """Yield what may go wrong between the start and the last waypoint."""
+    yield from _fence(mission)
+    yield from _nearness(mission)
+    yield from _time(mission, speed_mps)
+    if mission.autonomy == "heading" and mission.operator.steering == "move_and_wait":
+        yield from _steered_time(mission, speed_mps, traffic)
+
+
+def _fence(mission: Mission) -> Iterator[Finding]:
+    fence = rules_of(mission).fence
+    x_m, y_m = mission.start.position_m
+    if breach := fence.breach(x_m, y_m):
+        yield Finding("fence", ("start",), f"the start {breach}")
+    places = [("the start", (x_m, y_m)), *((leg.name, (leg.x_m, leg.y_m)) for leg in mission.legs())]
+    for index, ((before, start), (name, end)) in enumerate(pairwise(places)):
+        path = ("waypoints", index)
+        if breach := fence.breach(*end):
+            yield Finding("fence", path, f"{name} {breach}: the robot will reject it")
+        elif not fence.breach(*start) and (breach := fence.breach_between(start, end)):
+            yield Finding("fence", path, f"the straight way from {before} to {name} {breach.replace('is', 'leads', 1)}")
+    if (home := mission.onboard.home.position_m) is not None and (breach := fence.breach(*home)):
+        yield Finding("fence", ("onboard", "home", "position_m"), f"home {breach}")
+
+
+def _nearness(mission: Mission) -> Iterator[Finding]:
+    legs = mission.legs()
+    first = legs[0]
+    if _reaches(first, mission.start.position_m):
+        distance_m = math.dist(mission.start.position_m, (first.x_m, first.y_m))
+        text = f"{first.name} is {distance_m:.2f} m from the start, within its tolerance: reached at once"
+        yield Finding("near", ("waypoints", 0), text)
+    for before, leg in pairwise(legs):
+        distance_m = math.dist((before.x_m, before.y_m), (leg.x_m, leg.y_m))
+        if distance_m < before.tolerance_m + leg.tolerance_m:
+            text = (
+                f"{leg.name} is {distance_m:.2f} m from {before.name}, and their tolerances are {leg.tolerance_m:g} m "
+                f"and {before.tolerance_m:g} m: one place can be both"
+            )
+            yield Finding("near", ("waypoints", leg.index), text)
+
+
+def _reaches(leg: Leg, place: tuple[float, float]) -> bool:
+    dx_m, dy_m = abs(leg.x_m - place[0]), abs(leg.y_m - place[1])
+    if leg.acceptance == "box":
+        return dx_m < leg.tolerance_m and dy_m < leg.tolerance_m
+    return math.hypot(dx_m, dy_m) < leg.tolerance_m
+
+
+def _time(mission: Mission, speed_mps: float) -> Iterator[Finding]:
+    """Yield the legs whose time is out before they can be walked."""
+    tries = 1 + mission.failure_rule.retry
+    legs = mission.legs()
+    for walk in walks_of(mission, speed_mps):
+        leg = legs[walk.waypoint.index]
+        needed_s = walk.way_m / speed_mps
+        if needed_s > leg.timeout_s:
+            given = f"{leg.timeout_s:g} s" + (f", {tries} times" if tries > 1 else "")
+            text = f"{leg.name} is {walk.way_m:.1f} m away: {needed_s:.1f} s at {speed_mps:.2f} m/s, and has {given}"
+            yield Finding("timeout", ("waypoints", leg.index, "timeout_s"), text)
+
+
+def _steered_time(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
+    """Yield the legs whose time is out before they can be steered, on the operator's clock."""
+    waits_s = seconds(traffic.up.delay(0) + traffic.down.delay(0)) + mission.operator.think_s
+    legs = mission.legs()
+    for walk in walks_of(mission, speed_mps):
+        leg, moves = legs[walk.waypoint.index], moves_of(walk, mission)
+        needed_s = walk.way_m / speed_mps + moves * waits_s
+        if walk.duration_s is not None and needed_s > leg.timeout_s:
+            text = (
+                f"{leg.name} takes {moves} short-range goals: {needed_s:.1f} s with {waits_s:g} s of waiting for each, "
+                f"and has {leg.timeout_s:g} s"
+            )
+            yield Finding("timeout", ("waypoints", leg.index, "timeout_s"), text)

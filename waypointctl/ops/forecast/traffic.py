@@ -1,0 +1,102 @@
+"""What a mission sends over its link: the sizes of its messages, and when each would arrive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from waypointctl.log.messages import Command, CommandKind, Mode, PlannedWaypoint, Telemetry
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.ground.operator import planned_waypoints
+from waypointctl.ops.ground.order import Order
+from waypointctl.ops.link.build import direction
+from waypointctl.ops.link.direction import Direction
+from waypointctl.ops.link.frames import BodyFrame, ControlFrame
+from waypointctl.ops.link.size import size_bytes
+
+ACK_BYTES: Final = 64  # an acknowledgement with a reason of some words
+
+# The ant's, known without loading its model.
+CONTROL_HZ: Final = 50.0
+_QPOS: Final = 15
+_QVEL: Final = 14
+_MOTORS: Final = 8
+
+_SOME_NS: Final = 100_000_000_000  # a time like those of a flight, for the sizes of messages
+
+
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """Both ways of a link that nothing else is on.
+
+    Attributes:
+        up: of commands.
+        down: of telemetry and acknowledgements.
+    """
+
+    up: Direction[Any]
+    down: Direction[Any]
+
+    def arrives_up_ns(self, now_ns: int, size: int) -> int | None:
+        """Return when a command that is sent now arrives [ns], without jitter and loss; None for never."""
+        return _arrives_ns(self.up, now_ns, size)
+
+    def heard_ns(self, now_ns: int) -> int | None:
+        """Return when an acknowledgement that is sent now is heard [ns], without jitter and loss; None for never."""
+        return _arrives_ns(self.down, now_ns, ACK_BYTES)
+
+
+def traffic_of(mission: Mission) -> Traffic:
+    """Return the link of a mission, with nothing in it."""
+    link, files, seed = mission.link, mission.files, mission.seed
+    return Traffic(direction(link.up, files, seed, "link.up"), direction(link.down, files, seed, "link.down"))
+
+
+def command_bytes(mission: Mission) -> int:
+    """Return the size of the largest command that the mission's operator sends [bytes]."""
+    plan = planned_waypoints(mission)
+    if mission.autonomy == "mission":
+        return size_bytes(_command(CommandKind.UPLOAD_PLAN, plan))
+    return max(go_to_bytes(waypoint) for waypoint in plan)
+
+
+def go_to_bytes(waypoint: PlannedWaypoint) -> int:
+    """Return the size of the command to walk to one waypoint [bytes]."""
+    return size_bytes(_command(CommandKind.GO_TO, (waypoint,)))
+
+
+def upload_bytes(mission: Mission) -> int:
+    """Return the size of the whole plan as one command [bytes]."""
+    return size_bytes(_command(CommandKind.UPLOAD_PLAN, planned_waypoints(mission)))
+
+
+def frame_bytes(mission: Mission) -> int:
+    """Return the size of a frame of telemetry near the end of the mission [bytes]."""
+    count = len(mission.waypoints)
+    places = (1.5, 2.5, 0.55, 0.75, 2.0)
+    frame = Telemetry(1000, Mode.WALKING, *places, count, tuple(range(count)), _SOME_NS, _SOME_NS)
+    return size_bytes(frame)
+
+
+def body_bytes() -> int:
+    """Return the size of the robot's state, as it comes down each control step under autonomy joint [bytes]."""
+    return size_bytes(BodyFrame(0, np.zeros(_QPOS), np.zeros(_QVEL), 0, 0))
+
+
+def action_bytes() -> int:
+    """Return the size of an action, as it goes up each control step under autonomy joint [bytes]."""
+    return size_bytes(ControlFrame(0, np.zeros(_MOTORS), 0, 0))
+
+
+def _command(kind: CommandKind, waypoints: tuple[PlannedWaypoint, ...]) -> Command:
+    return Order(kind, waypoints).command(1, 1, _SOME_NS, _SOME_NS)
+
+
+def _arrives_ns(way: Direction[Any], now_ns: int, size: int) -> int | None:
+    placed = way.contacts.place(now_ns, size)
+    if placed is None:
+        return None
+    _, left_ns = placed
+    return left_ns + way.delay(left_ns)
