@@ -89,6 +89,7 @@ def test_every_topic_of_the_contract_is_there_with_its_schema(log_path: Path) ->
         "/telemetry": "waypointctl.Telemetry",
         "/ground_control": "waypointctl.GroundControl",
         "/link": "waypointctl.LinkRecord",
+        "/console": "waypointctl.ConsoleInput",
         "/event": "waypointctl.Event",
         "/checkpoint": "waypointctl.Checkpoint",
         "/tf": "foxglove.FrameTransforms",
