@@ -64,7 +64,7 @@ def started(news: StartedFrom) -> str:
 def outcome(selection: Selection, total_steps: int) -> str:
     """Return how a training with a selection ended: whether its target was met, and what was chosen."""
     best, plan = selection.best, selection.recipe
-    score = f"{exact_percent(best.success_rate)} of {best.trials} trials in {plan.suite}, seed {plan.seed}"
+    score = f"{exact_percent(best.success_rate)} of {best.trials} trials in {selection.suite_name}, seed {plan.seed}"
     if selection.met:
         return f"target met after {best.steps} steps in {span(best.wall_time_s)}: {score}"
     chosen = f"the checkpoint at step {best.steps} of {selection.last_steps} was chosen: {score}"
