@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +15,11 @@ from waypointctl.errors import PolicyError, RecipeError
 from waypointctl.policy.bundle import load_policy
 from waypointctl.policy.manifest import SelectionRecord
 from waypointctl.policy.write import copy_bundle
+from waypointctl.training.checkpoint import ARRAYS, FACTS, load_checkpoint
 from waypointctl.training.export import weights
 from waypointctl.training.origin import load_origin
 from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.run_folder import newest_checkpoint
 from waypointctl.training.selection import with_record
 from waypointctl.training.start_from import start_from
 from waypointctl.training.status import News, StartedFrom
@@ -160,6 +163,24 @@ def test_a_source_that_is_not_there_or_damaged_is_refused(shelf: Shelf, tmp_path
     shutil.rmtree(shelf.source)
     with pytest.raises(PolicyError, match=r"\.\./source: no such folder"):
         trained(shelf.recipe_file, tmp_path / "run")
+
+
+def test_a_checkpoint_from_before_the_sources_selection_was_kept_is_read(shelf: Shelf, tmp_path: Path) -> None:
+    trained(shelf.recipe_file, tmp_path / "run", rollouts=1)
+    folder = newest_checkpoint(tmp_path / "run")
+    assert folder is not None
+    content, arrays = json.loads((folder / FACTS).read_bytes()), (folder / ARRAYS).read_bytes()
+
+    def sha256(facts: object) -> str:
+        return hashlib.sha256(json.dumps(facts, separators=(",", ":")).encode() + arrays).hexdigest()
+
+    assert sha256(content["facts"]) == content["sha256"]
+    assert content["facts"]["start"].pop("selection") is None
+    (folder / FACTS).write_text(json.dumps(content | {"sha256": sha256(content["facts"])}))
+    learner = new_learner(shelf.recipe_file)
+    load_checkpoint(learner, shelf.recipe_file, folder)
+    assert learner.start is not None
+    assert (learner.start.policy, learner.start.selection) == ("source", None)
 
 
 def test_without_one_there_is_none(tmp_path: Path) -> None:
