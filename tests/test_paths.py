@@ -48,6 +48,35 @@ def test_a_file_that_cannot_be_written_says_why(tmp_path: Path) -> None:
     assert refusal(tmp_path / TOO_LONG) == "the picture cannot be written: File name too long"
 
 
+def test_what_permissions_allow_and_the_system_does_not_is_refused() -> None:
+    for place in ("/proc/x.png", "/proc/version"):
+        assert refusal(Path(place)).startswith("the picture cannot be written: no")
+
+
+def test_a_full_disk_is_found_before_the_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(self: Path) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "touch", full)
+    assert refusal(tmp_path / "a.png") == "the picture cannot be written: No space left on device"
+
+
+def test_a_device_passes_and_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "touch", None)
+    refuse_unwritable_file(Path(os.devnull), "the picture")
+
+
+def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "file").write_bytes(b"old")
+    (tmp_path / "link").symlink_to(tmp_path / "there" / "file")
+    refuse_unwritable_file(tmp_path / "link", "the letter")
+    write_whole(tmp_path / "link", b"new", "the letter")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "there" / "file").read_bytes() == b"new"
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["file", "link", "there"]
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
 def test_a_file_without_permission(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)

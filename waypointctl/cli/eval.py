@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from waypointctl.evaluation.evaluate import Progress
+    from waypointctl.evaluation.grid import Grid
     from waypointctl.evaluation.result import Evaluation
     from waypointctl.evaluation.suite import Suite
 
@@ -49,7 +50,9 @@ def evaluate_policy(
     from waypointctl.cli.evaluation_files import EvaluationFiles
     from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders
     from waypointctl.cli.selection_trials import refuse_selection_trials
+    from waypointctl.evaluation.names import names_of
     from waypointctl.evaluation.result import evaluations_json
+    from waypointctl.evaluation.tables import tables
 
     chosen = chosen_suite(suite, acceptance)
     loaded = load_folders(policies)
@@ -59,34 +62,32 @@ def evaluate_policy(
     with _progress(chosen.walked, trials or chosen.own.trials, len(policies)) as progress:
         found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress)
     evaluations = [one.evaluation for one in found]
-    _print_tables(chosen.own, evaluations, to_stderr=json)
+    names = names_of(evaluations, policies)
+    _print_tables(tables(chosen.own, evaluations, names), to_stderr=json)
     files.write(found)
     if json:
         sys.stdout.write(evaluations_json(evaluations))
-    _require(evaluations, require)
+    _require(names, evaluations, require)
 
 
-def _print_tables(suite: Suite, evaluations: Sequence[Evaluation], *, to_stderr: bool) -> None:
+def _print_tables(grids: Sequence[Grid], *, to_stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.evaluation import grid_table
-    from waypointctl.evaluation.tables import tables
+    from waypointctl.cli.view.grid_view import GridView
 
     people = console(stderr=to_stderr)
-    for number, grid in enumerate(tables(suite, evaluations)):
+    for number, grid in enumerate(grids):
         if number:
             people.print()
-        people.print(grid_table(grid, people.width))
+        people.print(GridView(grid, ("--json", "--markdown")))
 
 
-def _require(evaluations: Sequence[Evaluation], rate: float | None) -> None:
+def _require(names: Sequence[str], evaluations: Sequence[Evaluation], rate: float | None) -> None:
     if rate is None:
         return
-    from waypointctl.evaluation.results_grid import names_of
-
     several = len(evaluations) > 1
     below = [
         f"{name} {case.name}" if several else case.name
-        for name, evaluation in zip(names_of(evaluations), evaluations, strict=True)
+        for name, evaluation in zip(names, evaluations, strict=True)
         for case in evaluation.cases
         if case.rate < rate
     ]
