@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from waypointctl.cli.options import rate_from
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
@@ -31,7 +33,10 @@ def evaluate_policy(
         typer.Option(metavar="SHAPE:SIZE", help="In place of the suite's, such as radius:0.2 or box:0.5."),
     ] = None,
     require: Annotated[
-        float | None, typer.Option(min=0.0, max=1.0, help="Exit with 1 if the rate of any case is below this.")
+        float | None,
+        typer.Option(
+            metavar="RATE", callback=rate_from(0), help="Exit with 1 if the rate of any case is below this, 0 to 1."
+        ),
     ] = None,
     save: Annotated[
         bool, typer.Option("--save", help="Write evaluation.json, or evaluation-SUITE.json, into each policy's folder.")
