@@ -33,7 +33,7 @@ _STYLE: Final[dict[Any, Any]] = {
 
 
 def picture(
-    draw: Callable[[Figure], None], size_in: tuple[float, float], dpi: int, style: dict[Any, Any] | None = None
+    draw: Callable[[Figure], object], size_in: tuple[float, float], dpi: int, style: dict[Any, Any] | None = None
 ) -> bytes:
     """Return a figure as PNG; the same drawing gives the same bytes.
 
