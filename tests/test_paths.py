@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -141,3 +143,19 @@ def test_a_folder_that_permissions_allow_and_the_system_does_not_is_refused(plac
 def test_a_name_that_leaves_no_room_for_the_staging_folders_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="File name too long"):
         refuse_unwritable_folder(tmp_path / ("x" * 250))
+
+
+def test_the_file_that_the_output_goes_into_is_no_target(tmp_path: Path) -> None:
+    program = (
+        "import sys; from pathlib import Path\n"
+        "from waypointctl.paths import refuse_unwritable_file\n"
+        "try: refuse_unwritable_file(Path(sys.argv[1]), 'the picture')\n"
+        "except Exception as error: print(error, file=sys.stderr)\n"
+    )
+    out = tmp_path / "out.json"
+    for name in ("/dev/stdout", str(out)):
+        with out.open("wb") as stdout:
+            done = subprocess.run(
+                [sys.executable, "-c", program, name], stdout=stdout, stderr=subprocess.PIPE, text=True, check=False
+            )
+        assert "the picture cannot be written: standard output or error goes into this very file" in done.stderr

@@ -47,6 +47,8 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
             fault = f"{str(folder)!r} is not a folder"
         elif path.exists() and not os.access(path, os.W_OK):
             fault = "no permission"
+        elif _is_standard_stream(path):
+            fault = "standard output or error goes into this very file, and would be lost"
         elif path.exists() and not path.is_file():  # a device is written as it is
             return
         else:
@@ -149,6 +151,15 @@ def _part(path: Path) -> Path:
     """Return the name that a file is written under before it is moved into place: beside it, where a link leads."""
     real = Path(os.path.realpath(path))
     return real.with_name(f".{real.name}.{os.getpid()}.tmp")
+
+
+def _is_standard_stream(path: Path) -> bool:
+    """Tell whether a regular file is the one that this program's own output goes into, as with `> file`."""
+    for descriptor in (1, 2):
+        with suppress(OSError):
+            if path.is_file() and os.path.samestat(path.stat(), os.fstat(descriptor)):
+                return True
+    return False
 
 
 def _trial_fault(make: Callable[[], None], remove: Callable[[], None]) -> str | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -40,7 +41,7 @@ def shown(width: int, name: str = "to-6-6") -> str:
     )
     out = Console(file=io.StringIO(), width=width)
     with out.capture() as capture:
-        out.print(evaluation_table(evaluation, width))
+        out.print(evaluation_table(evaluation, Path("runs/walker/evaluation.json")))
     text = capture.get()
     assert max(map(len, text.splitlines())) <= width
     assert "…" not in text
@@ -90,7 +91,7 @@ def test_what_is_left_out_is_said(width: int, left_out: tuple[str, ...]) -> None
     table, _, told = " ".join(shown(width).split()).partition(" left out: ")
     heads, _, how = told.partition("; ")
     assert heads == ", ".join(left_out)
-    assert how.startswith("a wider terminal or --json shows ") == bool(left_out)
+    assert how.startswith("a wider terminal or runs/walker/evaluation.json shows ") == bool(left_out)
     assert all(heading not in table.partition("─")[0] for heading in left_out if heading != "paper")
 
 

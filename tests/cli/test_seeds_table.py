@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -30,7 +31,9 @@ RESULTS = tuple(
 )
 def test_no_number_is_cut_and_what_is_left_out_is_said(width: int, left_out: str) -> None:
     screen = io.StringIO()
-    Console(file=screen, width=width).print(seeds_table("ant", SeedsResult(RESULTS, spreads(RESULTS))))
+    Console(file=screen, width=width).print(
+        seeds_table("ant", SeedsResult(RESULTS, spreads(RESULTS)), Path("seeds.json"))
+    )
     text = screen.getvalue()
     assert max(map(len, text.splitlines())) <= width
     assert "…" not in text
@@ -38,4 +41,4 @@ def test_no_number_is_cut_and_what_is_left_out_is_said(width: int, left_out: str
     assert (rows["0"], rows["7"], rows["mean"]) == ("98.6%", "100.0%", "99.3%")
     told, _, how = " ".join(text.split()).partition("left out: ")[2].partition("; ")
     assert told == left_out
-    assert how.startswith("a wider terminal or --json shows ") == bool(left_out)
+    assert how.startswith("a wider terminal or seeds.json shows ") == bool(left_out)

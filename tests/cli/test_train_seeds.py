@@ -141,7 +141,9 @@ def test_what_cannot_be_done_is_refused_before_anything_is_written(
 def test_the_table_fits_and_cuts_no_number(width: int, selected: bool) -> None:
     results = tuple(result(seed, rate, rate if selected else None) for seed, rate in ((0, 0.986), (4294967295, 1.0)))
     screen = io.StringIO()
-    Console(file=screen, width=width).print(seeds_table("ant", SeedsResult(results, spreads(results))))
+    Console(file=screen, width=width).print(
+        seeds_table("ant", SeedsResult(results, spreads(results)), Path("seeds.json"))
+    )
     lines = screen.getvalue().splitlines()
     assert max(map(len, lines)) <= width
     cells = [line.split() for line in lines if line.split()[:1] in (["0"], ["4294967295"], ["mean"], ["std"])]

@@ -48,6 +48,7 @@ def offered(problems: list[str]) -> list[str]:
         ("corner: [2, true]", "write 'corner: [2 m, 2 m]'"),
         ("corner: [2]", "write 'corner: [2 m, 2 m]'"),
         ("corner: [2, 3]", "write 'corner: [2 m, 3 m]' or 'corner_m: [2, 3]'"),
+        ("corner: [2, 300]", "write 'corner: [2 m, 300 cm]'"),
         ("corner: [2, 30 cm]", "write 'corner: [2 m, 30 cm]'"),
         ("corners: [1, .nan, 3]", "write 'corners: [1 m, 1 m, 3 m]'"),
         ("size: -5", "write 'size: 1 m' or 'size_m: 1'"),

@@ -65,7 +65,7 @@ def how_to_write_list(field: str, values: list[object], length: int | None, fits
     filler = next((part for part in parts if part is not None), f"1 {unit_of(field)}")
     written = [part or filler for part in parts] + [filler] * (length - len(parts))
     mend = f"write '{bare_name(field)}: [{', '.join(written)}]'"
-    alike = len(values) == length and None not in parts and not any(isinstance(value, str) for value in values)
+    alike = len(values) == length and parts == [f"{value} {unit_of(field)}" for value in values]
     return f"{mend} or '{field}: {values}'" if alike else mend
 
 
@@ -83,4 +83,7 @@ def _with_unit(field: str, value: object, fits: Callable[[float], bool]) -> str 
         return text if fits(in_base) else None
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    return f"{value} {unit}" if fits(value) else None
+    # 40 where at most 1 s is allowed is 40 ms, more likely than a mistake in the number.
+    smaller = sorted((factor, name) for name, factor in units_of(field).items() if factor < 1.0)
+    names = {unit: 1.0} | {name: factor for factor, name in reversed(smaller)}
+    return next((f"{value} {name}" for name, factor in names.items() if fits(value * factor)), None)

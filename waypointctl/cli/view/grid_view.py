@@ -26,17 +26,15 @@ class GridView:
 
     Attributes:
         grid: the table.
-        options: that show all columns, for that line.
+        options: that show all columns, or files that have them, for that line.
         ruled: rows with a line below them, by index.
         striking: rows that are to be seen first, by index.
-        width: of the terminal; None: of what it is printed on.
     """
 
     grid: Grid
     options: tuple[str, ...] = ("--json",)
     ruled: tuple[int, ...] = ()
     striking: tuple[int, ...] = ()
-    width: int | None = None
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         """Give rich what there is to print."""
@@ -44,7 +42,7 @@ class GridView:
 
         from waypointctl.cli.view.fitting import fitted
 
-        fit = fitted(self.grid, self.width or options.max_width)
+        fit = fitted(self.grid, options.max_width)
         if self.grid.title:
             yield Text(self.grid.title, style="table.title")
         yield self._table(fit)

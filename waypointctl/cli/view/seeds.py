@@ -8,6 +8,7 @@ from waypointctl.cli.view.training_words import count, exact_percent, span
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from waypointctl.cli.view.grid_view import GridView
     from waypointctl.evaluation.grid import Grid
@@ -26,11 +27,11 @@ _COLUMNS: Final[dict[str, tuple[str, Callable[[float], str], int]]] = {
 }
 
 
-def seeds_table(name: str, compared: SeedsResult) -> GridView:
-    """Return a row for each seed, and mean, standard deviation, lowest and highest over them; 75 columns wide."""
+def seeds_table(name: str, compared: SeedsResult, kept: Path) -> GridView:
+    """Return a row for each seed, and mean, standard deviation, lowest and highest over them; `kept` has all."""
     from waypointctl.cli.view.grid_view import GridView
 
-    return GridView(_grid(name, compared), ruled=(len(compared.results) - 1,))
+    return GridView(_grid(name, compared), (str(kept),), ruled=(len(compared.results) - 1,))
 
 
 def _grid(name: str, compared: SeedsResult) -> Grid:

@@ -20,10 +20,11 @@ def tell_trained(trained: Trained, recipe_file: RecipeFile, go_on: str, *, stder
     from waypointctl.cli.console import console
     from waypointctl.cli.view.evaluation import evaluation_table
     from waypointctl.cli.view.training_words import outcome, span
+    from waypointctl.evaluation.result import EVALUATION
 
     if trained.evaluation is not None:
         people = console(stderr=stderr)
-        people.print(evaluation_table(trained.evaluation, people.width))
+        people.print(evaluation_table(trained.evaluation, trained.folder / EVALUATION))
         if trained.selection is not None:
             typer.echo(outcome(trained.selection, recipe_file.recipe.total_steps), err=stderr)
         typer.echo(f"{trained.folder}: trained in {span(trained.wall_time_s)}", err=stderr)

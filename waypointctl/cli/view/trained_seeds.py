@@ -37,13 +37,14 @@ def tell_seeds(trained: SeedsTrained, go_on: str, *, stderr: bool) -> None:
 
     from waypointctl.cli.console import console
     from waypointctl.cli.view.seeds import seeds_table
-    from waypointctl.training.seeds import CURVES, PICTURE
+    from waypointctl.training.seeds import CURVES, PICTURE, RESULTS
 
     if trained.compared is None:
         typer.echo(f"interrupted with {len(trained.complete)} of {len(trained.seeds)} seeds trained", err=stderr)
         typer.echo(f"  to go on:   {go_on}", err=stderr)
         return
-    console(stderr=stderr).print(seeds_table(trained.recipe_file.recipe.name, trained.compared))
+    table = seeds_table(trained.recipe_file.recipe.name, trained.compared, trained.group / RESULTS)
+    console(stderr=stderr).print(table)
     typer.echo(f"{trained.group / PICTURE}: the learning curves; as numbers in {CURVES}", err=stderr)
 
 
