@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -46,6 +48,35 @@ def test_a_file_that_cannot_be_written_says_why(tmp_path: Path) -> None:
     assert refusal(tmp_path) == "the picture cannot be written: this is a folder"
     assert refusal(tmp_path / "none" / "a.png") == f"the picture cannot be written: '{tmp_path}/none' is not a folder"
     assert refusal(tmp_path / TOO_LONG) == "the picture cannot be written: File name too long"
+
+
+def test_what_permissions_allow_and_the_system_does_not_is_refused() -> None:
+    for place in ("/proc/x.png", "/proc/version"):
+        assert refusal(Path(place)).startswith("the picture cannot be written: no")
+
+
+def test_a_full_disk_is_found_before_the_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(self: Path) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "touch", full)
+    assert refusal(tmp_path / "a.png") == "the picture cannot be written: No space left on device"
+
+
+def test_a_device_passes_and_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "touch", None)
+    refuse_unwritable_file(Path(os.devnull), "the picture")
+
+
+def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "file").write_bytes(b"old")
+    (tmp_path / "link").symlink_to(tmp_path / "there" / "file")
+    refuse_unwritable_file(tmp_path / "link", "the letter")
+    write_whole(tmp_path / "link", b"new", "the letter")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "there" / "file").read_bytes() == b"new"
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["file", "link", "there"]
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
@@ -112,3 +143,19 @@ def test_a_folder_that_permissions_allow_and_the_system_does_not_is_refused(plac
 def test_a_name_that_leaves_no_room_for_the_staging_folders_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="File name too long"):
         refuse_unwritable_folder(tmp_path / ("x" * 250))
+
+
+def test_the_file_that_the_output_goes_into_is_no_target(tmp_path: Path) -> None:
+    program = (
+        "import sys; from pathlib import Path\n"
+        "from waypointctl.paths import refuse_unwritable_file\n"
+        "try: refuse_unwritable_file(Path(sys.argv[1]), 'the picture')\n"
+        "except Exception as error: print(error, file=sys.stderr)\n"
+    )
+    out = tmp_path / "out.json"
+    for name in ("/dev/stdout", str(out)):
+        with out.open("wb") as stdout:
+            done = subprocess.run(
+                [sys.executable, "-c", program, name], stdout=stdout, stderr=subprocess.PIPE, text=True, check=False
+            )
+        assert "the picture cannot be written: standard output or error goes into this very file" in done.stderr

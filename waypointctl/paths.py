@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -28,6 +29,9 @@ def folder_fault(path: Path) -> str | None:
 def refuse_unwritable_file(path: Path, what: str) -> None:
     """Refuse a file that could not be written, before the work that it is for.
 
+    It is tried, with an empty file beside it that is gone again at once: permissions alone do not tell of a read-only
+    or full disk, nor of /proc.
+
     Args:
         path: of the file, which may be there already.
         what: goes into it, for the message: "the picture".
@@ -41,10 +45,18 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
             fault = "this is a folder"
         elif not folder.is_dir():
             fault = f"{str(folder)!r} is not a folder"
-        elif not os.access(path if path.exists() else folder, os.W_OK):
+        elif path.exists() and not os.access(path, os.W_OK):
             fault = "no permission"
-        else:
+        elif _is_standard_stream(path):
+            fault = "standard output or error goes into this very file, and would be lost"
+        elif path.exists() and not path.is_file():  # a device is written as it is
             return
+        else:
+            part = _part(path)
+            trial = _trial_fault(part.touch, part.unlink)
+            if trial is None:
+                return
+            fault = trial
     except OSError as error:
         fault = str(error.strerror)
     raise OutputError(f"{what} cannot be written: {fault}", where=str(path), mend=_FILE_MEND)
@@ -53,7 +65,8 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
 def write_whole(path: Path, content: bytes, what: str) -> None:
     """Write a file under another name beside it and move it into place: what stands at `path` is never half of it.
 
-    What is no regular file, such as /dev/stdout, is written as it is.
+    What is no regular file, such as a pipe, is written as it is. Where `path` is a link, the file it
+    leads to is replaced.
 
     Args:
         path: of the file; what is there is replaced.
@@ -63,13 +76,13 @@ def write_whole(path: Path, content: bytes, what: str) -> None:
     Raises:
         OutputError: it cannot be written; what was there before still is.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    part = _part(path)
     try:
         if path.exists() and not path.is_file():
             path.write_bytes(content)
             return
         part.write_bytes(content)
-        part.replace(path)
+        part.replace(os.path.realpath(path))
     except OSError as error:
         with suppress(OSError):  # the name can be too long even to be removed
             part.unlink(missing_ok=True)
@@ -126,18 +139,34 @@ def refuse_unwritable_folder(folder: Path) -> None:
     if not nearest.is_dir():
         problem = "this is a file" if nearest == folder else f"{str(nearest)!r} is a file"
     else:
-        fault = _trial_fault(nearest / f".{folder.name}.{os.getpid()}.tmp")  # as what is written is staged under
+        trial = nearest / f".{folder.name}.{os.getpid()}.tmp"  # as what is written is staged under
+        fault = _trial_fault(trial.mkdir, trial.rmdir)
         if fault is None:
             return
         problem = fault
     raise OutputError(f"the folder cannot be written: {problem}", where=str(folder), mend=_FOLDER_MEND)
 
 
-def _trial_fault(path: Path) -> str | None:
-    """Return why a folder cannot be made at `path`, None if it could be."""
+def _part(path: Path) -> Path:
+    """Return the name that a file is written under before it is moved into place: beside it, where a link leads."""
+    real = Path(os.path.realpath(path))
+    return real.with_name(f".{real.name}.{os.getpid()}.tmp")
+
+
+def _is_standard_stream(path: Path) -> bool:
+    """Tell whether a regular file is the one that this program's own output goes into, as with `> file`."""
+    for descriptor in (1, 2):
+        with suppress(OSError):
+            if path.is_file() and os.path.samestat(path.stat(), os.fstat(descriptor)):
+                return True
+    return False
+
+
+def _trial_fault(make: Callable[[], None], remove: Callable[[], None]) -> str | None:
+    """Return why a file or folder cannot be made, None if it could be and is removed again."""
     try:
-        path.mkdir()
-        path.rmdir()
+        make()
+        remove()
     except FileExistsError:
         return None  # another process's trial
     except PermissionError:

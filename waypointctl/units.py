@@ -56,6 +56,12 @@ def quantity(text: str, units: Mapping[str, float]) -> float:
     return float(Decimal(number) * Decimal(repr(units[unit])))
 
 
+def number_in(text: str) -> str | None:
+    """Return the number of a text that is a number with whatever unit ("0" of "0 ft"), None for any other text."""
+    match = _QUANTITY.fullmatch(text)
+    return match.group(1) if match else None
+
+
 def bare_name(name: str) -> str | None:
     """Return a name without the unit it ends in ("timeout_s": "timeout"), or None if it carries none."""
     bare, _, suffix = name.rpartition("_")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -118,6 +120,34 @@ def test_a_file_that_two_options_would_write_is_refused(
     assert (code, out) == (2, "")
     assert err.startswith(f"error: {message}")
     assert not [*place.glob("y"), *place.glob("still/evaluation*")]
+
+
+@pytest.mark.parametrize(
+    ("option", "target", "fault"),
+    [
+        ("--out", "/proc/x.json", "no"),
+        ("--markdown", "/proc/x.md", "no"),
+        ("--plot", "/proc/x.png", "no"),
+        ("--plot", "nowhere/x.png", "'nowhere' is not a folder"),
+        ("--save", "still/evaluation-easy.json", "No space left on device"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_anything_is_walked(
+    place: Path, program: Program, monkeypatch: pytest.MonkeyPatch, option: str, target: str, fault: str
+) -> None:
+    def walked(*_: object) -> None:
+        pytest.fail("it has begun to walk")
+
+    def full(self: Path) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("waypointctl.cli.evaluation_run.evaluate", walked)
+    if option == "--save":
+        monkeypatch.setattr(Path, "touch", full)
+    code, out, err = program("eval", "still", *EASY, *([option] if option == "--save" else [option, target]))
+    assert (code, out) == (2, "")
+    assert err.startswith(f"error: {target}: the ")
+    assert f" cannot be written: {fault}" in err
 
 
 @pytest.mark.parametrize(

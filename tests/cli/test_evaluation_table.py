@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -40,7 +41,7 @@ def shown(width: int, name: str = "to-6-6") -> str:
     )
     out = Console(file=io.StringIO(), width=width)
     with out.capture() as capture:
-        out.print(evaluation_table(evaluation, width))
+        out.print(evaluation_table(evaluation, Path("runs/walker/evaluation.json")))
     text = capture.get()
     assert max(map(len, text.splitlines())) <= width
     assert "…" not in text
@@ -49,8 +50,10 @@ def shown(width: int, name: str = "to-6-6") -> str:
 
 @pytest.mark.parametrize("name", ["to-6-6", "a-name-" * 8])
 def test_80_columns_hold_every_number_whole(name: str) -> None:
-    text = shown(80, name)
-    assert "waypoints" not in text
+    table, _, left_out = shown(80, name).partition("left out: ")
+    assert "waypoints" not in table
+    assert left_out.startswith("waypoints [m]")
+    text = table
     for part in ("success", "rate", "paper", "falls", *NUMBERS[:4]):
         assert part in text, part
 
@@ -70,3 +73,27 @@ def test_the_narrowest_keep_the_rate() -> None:
     assert "100/100" in text
     assert "100.0%" in text
     assert "96.3" not in text
+
+
+LEFT_OUT = ("waypoints [m]", "95 % CI [%]", "paper", "falls", "time-outs", "time [s]", "SPL")
+
+
+@pytest.mark.parametrize(
+    ("width", "left_out"),
+    [
+        (30, LEFT_OUT),
+        (60, ("waypoints [m]", "time [s]", "SPL")),
+        (80, ("waypoints [m]",)),
+        (160, ()),
+    ],
+)
+def test_what_is_left_out_is_said(width: int, left_out: tuple[str, ...]) -> None:
+    table, _, told = " ".join(shown(width).split()).partition(" left out: ")
+    heads, _, how = told.partition("; ")
+    assert heads == ", ".join(left_out)
+    assert how.startswith("a wider terminal or runs/walker/evaluation.json shows ") == bool(left_out)
+    assert all(heading not in table.partition("─")[0] for heading in left_out if heading != "paper")
+
+
+def test_whose_figures_the_papers_are_is_said_below() -> None:
+    assert "\npaper: the published rate that the suite gives for a case\n" in shown(160)

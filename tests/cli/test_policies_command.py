@@ -66,9 +66,29 @@ def test_it_lists_another_folder_with_the_results_in_every_suite(tmp_path: Path,
     _, out, err = run("policies", "mine")
     assert err == ""
     assert " ".join(out.splitlines()[0].split()) == "folder robot layout steps easy easy, radius 1 m long"
-    cells = "0% to 100% in 2 cases 0% to 100% in 2 cases 0.0%, legs 0.00%"
+    cells = "0-100% in 2 cases 0-100% in 2 cases 0.0%, legs 0.00%"
     assert line_of(out, "mine/still") == f"mine/still ant egocentric 0 {cells}"
     assert line_of(out, "mine/untested") == "mine/untested ant egocentric 0 not evaluated"
+
+
+@pytest.mark.parametrize("columns", ["60", "80", "120"])
+def test_names_are_whole_on_a_narrow_terminal_and_what_is_left_out_is_said(
+    tmp_path: Path, make_policy: Make, run: Run, monkeypatch: pytest.MonkeyPatch, columns: str
+) -> None:
+    folders = [f"policies/{name}" for name in ("a-long-walker", "policy1")]
+    for folder in folders:
+        make_policy(tmp_path / folder, gain=0.0)
+    (tmp_path / "easy.yaml").write_text(SUITE)
+    for size in ("1", "1.5", "1.25"):
+        run("eval", *folders, "--suite", "easy.yaml", "--acceptance", f"radius:{size}", "--trials", "1", "--save")
+    monkeypatch.setenv("COLUMNS", columns)
+    _, out, err = run("policies")
+    assert err == ""
+    assert max(map(len, out.splitlines())) <= int(columns)
+    assert [line.split()[0] for line in out.splitlines() if line.startswith("policies/")] == folders
+    told = " ".join(out.split()).partition("left out: ")[2]
+    assert told.endswith("; a wider terminal or --json shows them") == (columns != "120")
+    assert ("layout" in told, "'easy, radius 1 m'" in told) == (columns != "120", columns == "60")
 
 
 def test_results_of_another_policy_are_told_and_left_out(tmp_path: Path, make_policy: Make, run: Run) -> None:

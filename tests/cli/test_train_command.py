@@ -55,10 +55,10 @@ def test_a_training_ends_with_its_table_and_a_policy_in_the_run(command: Command
 
 
 def test_json_is_all_there_is_on_stdout(command: Command) -> None:
-    code, out, err = command("recipe.yaml", "--json", "--out", "made", "--steps", "256", "--seed", "12")
+    code, out, err = command("recipe.yaml", "--json", "--out", "made", "--steps", "250", "--seed", "12")
     found = json.loads(out)
     assert (code, found["outcome"], found["policy"], found["run"]) == (0, "complete", "made", "runs/tiny")
-    assert (found["seed"], found["steps"], found["total_steps"]) == (12, 256, 256)
+    assert (found["seed"], found["steps"], found["total_steps"]) == (12, 256, 250)  # rounded up to whole rollouts
     policy = load_policy(Path("made"))
     assert found["policy_sha256"] == policy.sha256
     assert (policy.manifest.training.seed, policy.manifest.training.steps) == (12, 256)
@@ -100,6 +100,9 @@ def test_a_run_goes_on_with_the_seed_and_steps_it_began_with(command: Command) -
         (("recipe.yaml", "--steps", "0"), "'--steps'"),
         (("recipe.yaml", "--seed", "-1"), "'--seed'"),
         (("recipe.yaml", "--seed", "4294967296"), "'--seed'"),
+        (("recipe.yaml", "--stop-at", "95"), "'--stop-at': 95 is not a rate from 0.01 to 1: 95 % is 0.95.\n"),
+        (("recipe.yaml", "--stop-at", "0.001"), "'--stop-at': 0.001 is not a rate from 0.01 to 1.\n"),
+        (("recipe.yaml", "--stop-at", "nan"), "'--stop-at': nan is not a rate from 0.01 to 1.\n"),
     ],
 )
 def test_bad_input_is_one_message_and_exit_code_2(command: Command, arguments: tuple[str, ...], message: str) -> None:

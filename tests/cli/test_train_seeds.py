@@ -92,7 +92,7 @@ def test_a_target_is_told_in_words_and_in_json(command: Program) -> None:
     code, out, _ = command("train", "recipe.yaml", "--stop-at", "0.95", "--threads", "1")
     assert code == 0
     assert "target met after 128 steps in 0:0" in out
-    assert ": 100.0% of 2 trials in near.yaml, seed 50" in out
+    assert ": 100.0% of 2 trials in near, seed 50" in out
     code, out, _ = command("train", "recipe.yaml", "--stop-at", "0.95", "--threads", "1", "--json")
     found = json.loads(out)
     assert (found["outcome"], found["steps"], found["trained_steps"]) == ("complete", 128, 128)
@@ -110,8 +110,12 @@ def test_a_target_that_is_not_met_is_said(command: Program) -> None:
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
-        (SHORT + "start_from: none\n", (), "error: none: no such folder"),
-        (SHORT + "selection: {suite: none.yaml}\n", ("--seeds", "2"), "none.yaml: there is no such file"),
+        (SHORT + "start_from: none\n", (), "error: recipe.yaml:13:13: start_from: none: no such folder"),
+        (
+            SHORT + "selection: {suite: none.yaml}\n",
+            ("--seeds", "2"),
+            "selection.suite: none.yaml: there is no such file",
+        ),
         (SHORT.replace("{trials: 1}", "{seed: 1000}"), ("--stop-at", "0.9"), "--stop-at: evaluation.seed is 1000"),
         (SHORT, ("--seeds", "x"), "--seeds: 'x' is no number of seeds"),
         (SHORT, ("--seeds", "2", "--resume"), "no group of seeds of 'tiny' to go on with"),
@@ -137,7 +141,9 @@ def test_what_cannot_be_done_is_refused_before_anything_is_written(
 def test_the_table_fits_and_cuts_no_number(width: int, selected: bool) -> None:
     results = tuple(result(seed, rate, rate if selected else None) for seed, rate in ((0, 0.986), (4294967295, 1.0)))
     screen = io.StringIO()
-    Console(file=screen, width=width).print(seeds_table("ant", SeedsResult(results, spreads(results))))
+    Console(file=screen, width=width).print(
+        seeds_table("ant", SeedsResult(results, spreads(results)), Path("seeds.json"))
+    )
     lines = screen.getvalue().splitlines()
     assert max(map(len, lines)) <= width
     cells = [line.split() for line in lines if line.split()[:1] in (["0"], ["4294967295"], ["mean"], ["std"])]

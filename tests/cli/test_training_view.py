@@ -17,14 +17,14 @@ from waypointctl.training.status import CheckpointSaved, TrainingStatus
 TINY = read_model(RECIPE.encode(), "tiny", Recipe, RecipeError)
 
 
-def status(steps: int, success: float | None = 0.25) -> TrainingStatus:
+def status(steps: int, success: float | None = 0.25, episodes: int = 40) -> TrainingStatus:
     return TrainingStatus(
         steps=steps,
         total_steps=1024,
         elapsed_s=3700.0,
         steps_per_s=12.8,
         phase=0 if steps < 640 else 1,
-        episodes=40,
+        episodes=episodes,
         success_rate=success,
         fall_rate=0.5,
         timeout_rate=0.25,
@@ -63,6 +63,23 @@ def test_a_line_says_where_it_is() -> None:
         " 62.5%  640 of 1.0 k steps  13/s  phase 2/2  success 25%  fall 50%  timeout 25%  reward 0.52  rate 5.9e-04  "
         "0:30 left"
     )
+
+
+@pytest.mark.parametrize("episodes", [0, 1, 19, 20])
+def test_a_rate_that_rests_on_few_episodes_is_not_shown(episodes: int) -> None:
+    enough = episodes == 20
+    early = status(640, 0.25 if episodes else None, episodes)
+    shown = "success 25%  fall 50%  timeout 25%" if enough else f"success -  fall -  timeout -  of {episodes} episodes"
+    assert f"phase 2/2  {shown}  reward 0.52" in line(early, 2)
+    people = Console(file=io.StringIO(), width=80)
+    panel = LivePanel(people, TINY, "tiny", lambda: False)
+    panel(status(128, None, 0))
+    panel(early)
+    with people.capture() as capture:
+        people.print(panel.picture())
+    text = "25% success, 50% fall, 25% timeout of the last 20" if enough else f"{episodes} lately; rates are shown fr"
+    assert text in capture.get()
+    assert any(block in capture.get() for block in "▁▂▃▄▅▆▇█") is enough
 
 
 def test_the_last_update_overshoots_and_is_all_of_it_with_no_time_left() -> None:

@@ -7,15 +7,21 @@ from pathlib import Path
 import matplotlib.image
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from tests.evaluation.found import paper_evaluation
 from waypointctl.errors import InputError
-from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec
+from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec
 from waypointctl.evaluation.evaluate import evaluate
+from waypointctl.evaluation.key import draw_key, key_of, margin_in
+from waypointctl.evaluation.looks import Regions
 from waypointctl.evaluation.panels import Panel, Trial, panels, refuse_too_many
 from waypointctl.evaluation.paths import Case, RandomPaths
-from waypointctl.evaluation.picture import draw
+from waypointctl.evaluation.picture import _draw_regions, _write_over, draw
 from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.evaluation.walk import Walks
 from waypointctl.policy.bundle import LoadedPolicy
@@ -60,6 +66,60 @@ def test_regions_are_of_the_acceptances_size() -> None:
     assert (greenish(1.0) - key) / (greenish(0.5) - key) == pytest.approx(4.0, rel=0.2)
 
 
+def test_the_hold_is_drawn_around_the_last_waypoint_alone() -> None:
+    axes = Figure().subplots()
+    _draw_regions(axes, panel("success"), Regions(AcceptanceSpec(), HoldSpec(within_m=0.75)))
+    circles = [(patch.center, patch.radius) for patch in axes.patches if isinstance(patch, Circle)]
+    assert circles == [((4.0, 4.0), 0.75)]
+    assert len(axes.patches) == len(WAY[1:]) + 1
+    pictures = [draw([panel("success")], AcceptanceSpec(), "t", hold) for hold in (None, HoldSpec(within_m=0.75))]
+    assert pictures[0] != pictures[1]
+
+
+def labels(hold: HoldSpec | None) -> list[str]:
+    return [str(handle.get_label()) for handle in key_of([panel("success")], Regions(AcceptanceSpec(), hold))]
+
+
+def test_the_key_names_the_hold_where_there_is_one() -> None:
+    assert labels(None) == ["start", "acceptance region, box 0.5 m", "success"]
+    assert labels(HoldSpec(time_s=7.0))[2] == "to be held for 7 s within 0.5 m"
+
+
+@pytest.mark.parametrize("width_in", [3.2, 6.1, 17.7])
+def test_the_key_stays_within_the_picture(width_in: float) -> None:
+    shown = panel("success", "fall", "time-out", "strayed")
+    handles = key_of([shown], Regions(AcceptanceSpec(), HoldSpec()))
+    figure = Figure(figsize=(width_in, 5.0))
+    FigureCanvasAgg(figure)
+    draw_key(figure, handles, 0.5, is_sample=True)
+    figure.canvas.draw()
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert 0 < box.x0 < box.x1 < width_in * figure.dpi
+    assert 0 < box.y0 < box.y1 < margin_in(handles, width_in) * figure.dpi
+    note = next(text for text in figure.texts if "drawn" in text.get_text())
+    assert note.get_window_extent().y1 <= box.y0
+
+
+def titles(name: str) -> list[str]:
+    made: list[str] = []
+    shown = Panel(name, "g", "g", (), panel("success").trials)
+
+    def keep(axes: Axes, panel: Panel, letters: int) -> None:
+        _write_over(axes, panel, letters)
+        made.append(axes.get_title(loc="left"))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("waypointctl.evaluation.picture._write_over", keep)
+        draw([shown, shown], AcceptanceSpec(), "t")
+    return made
+
+
+def test_of_a_long_name_the_middle_is_left_out() -> None:
+    assert titles("ant-waypoint") == ["ant-waypoint"] * 2
+    assert titles("/home/somebody/policies/ant-waypoint") == ["/home/somebo…ant-waypoint"] * 2
+
+
 def test_whole_groups_fill_the_rows() -> None:
     groups = ["a"] * 5 + ["b"] * 2 + ["c"] * 2
     height, width, _ = pixels(draw([panel("success", group=g) for g in groups], AcceptanceSpec(), "t")).shape
@@ -90,7 +150,12 @@ def test_panels_are_a_sample_of_each_case_and_what_failed(
         make_policy(tmp_path / "still", gain=0.0), SUITE, 5, watch=lambda case, new: walks.update({case.name: new})
     )
     near, far, drawn = panels(SUITE, [found], [walks])
-    assert (near.subtitle, far.subtitle, drawn.subtitle) == ("near: 5 of 5", "far: 0 of 5", "drawn: 0 of 5")
+    assert (near.subtitle, far.subtitle, drawn.subtitle) == (
+        "near: success 5/5",
+        "far: success 0/5",
+        "drawn: success 0/5, drawn 2/5",
+    )
+    assert [panel.is_sample for panel in (near, far, drawn)] == [False, False, True]
     assert ({t.end for t in near.trials}, {t.end for t in far.trials}) == ({"success"}, {"time-out"})
     assert (len(near.trials), len(drawn.trials)) == (5, 2)
     assert (near.given[0].tolist(), drawn.given) == ([[0.2, 0.0]], ())

@@ -93,5 +93,9 @@ def test_the_picture_is_a_png_and_the_same_each_time(seeds: tuple[int, ...]) -> 
     assert first != draw_curves(found, "another name")
 
 
+def test_a_name_in_another_script_is_drawn() -> None:
+    assert draw_curves(curves(RUNS), "近い").startswith(b"\x89PNG")
+
+
 def test_a_run_without_an_episode_can_be_drawn() -> None:
     assert draw_curves(curves({1: RUNS[4][:2], 2: RUNS[0][:2]}), "short")

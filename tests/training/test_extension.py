@@ -39,8 +39,14 @@ def test_it_ends_in_the_weights_of_the_longer_recipe_from_nothing(short: Path, t
     whole = trained(longer, tmp_path / "whole")
     before = sorted((path, path.stat().st_mtime_ns) for path in short.rglob("*") if path.name != ".lock")
 
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "train.yaml").hardlink_to(short.parent / "recipe" / "recipe.yaml")
+    own = (short.parent / "recipe" / "recipe.yaml").read_bytes()
+
     goes_on = extend(longer, short, tmp_path / "run", threads=1)
 
+    assert (short.parent / "recipe" / "recipe.yaml").read_bytes() == own  # a new file took the name, whole
+    assert (tmp_path / "run" / "train.yaml").read_bytes() == longer.source
     assert 256 <= goes_on < 1024  # not from the short recipe's end, whose last update was at its own rate
     extended = trained(longer, tmp_path / "run", resume=True)
     assert weights_of(tmp_path / "run") == weights_of(tmp_path / "whole")

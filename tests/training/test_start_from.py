@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +15,13 @@ from waypointctl.errors import PolicyError, RecipeError
 from waypointctl.policy.bundle import load_policy
 from waypointctl.policy.manifest import SelectionRecord
 from waypointctl.policy.write import copy_bundle
+from waypointctl.training.checkpoint import ARRAYS, FACTS, load_checkpoint
 from waypointctl.training.export import weights
+from waypointctl.training.origin import load_origin
 from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.run_folder import newest_checkpoint
 from waypointctl.training.selection import with_record
-from waypointctl.training.start_from import load_origin, start_from
+from waypointctl.training.start_from import start_from
 from waypointctl.training.status import News, StartedFrom
 from waypointctl.training.train import train
 
@@ -106,14 +110,15 @@ def test_trained_and_resumed_without_the_source_it_ends_the_same_and_says_where_
             "steps": 1024,
             "policy_sha256": sha256,
             "weights_sha256": weights_sha256,
+            "selection": None,
         }
 
 
 @pytest.mark.parametrize(
     ("right", "wrong", "problem"),
     [
-        ("hidden: [16, 16]", "hidden: [16, 8]", r"its hidden layers is \[16, 16\], the recipe's \[16, 8\]"),
-        ("hidden: [16, 16]", "hidden: [16]", r"its hidden layers is \[16, 16\], the recipe's \[16\]"),
+        ("hidden: [16, 16]", "hidden: [16, 8]", r"its hidden layers are \[16, 16\], the recipe's \[16, 8\]"),
+        ("hidden: [16, 16]", "hidden: [16]", r"its hidden layers are \[16, 16\], the recipe's \[16\]"),
         ("16, 16]}", "16, 16], activation: tanh}", "its activation is elu, the recipe's tanh"),
         ("state_goal", "state", "its observation size is 29, the recipe's 25"),
         ("state_goal", "egocentric", "its observation size is 29, the recipe's 31"),
@@ -123,7 +128,7 @@ def test_another_kind_of_policy_is_refused_before_anything_is_written(
     shelf: Shelf, tmp_path: Path, right: str, wrong: str, problem: str
 ) -> None:
     recipe_file = tiny_recipe(shelf.recipe_file.path.parent, GOAL.replace(right, wrong))
-    with pytest.raises(RecipeError, match=rf"recipe\.yaml: start_from: policy 'source' .*: {problem}\n  Give"):
+    with pytest.raises(RecipeError, match=rf"recipe\.yaml:\d+:13: start_from: policy 'source' .*: {problem}\n  Give"):
         trained(recipe_file, tmp_path / "run")
     assert not (tmp_path / "run" / "train.yaml").exists()
 
@@ -143,7 +148,11 @@ def test_a_source_that_was_chosen_with_the_seed_of_the_evaluation_is_refused(
         with pytest.raises(RecipeError, match=message):
             load_origin(recipe_file)
     else:
-        assert load_origin(recipe_file) is not None
+        learner, origin = new_learner(recipe_file), load_origin(recipe_file)
+        assert origin is not None
+        start_from(learner, origin, recipe_file)
+        assert learner.start is not None
+        assert learner.start.selection == record
 
 
 def test_a_source_that_is_not_there_or_damaged_is_refused(shelf: Shelf, tmp_path: Path) -> None:
@@ -154,6 +163,24 @@ def test_a_source_that_is_not_there_or_damaged_is_refused(shelf: Shelf, tmp_path
     shutil.rmtree(shelf.source)
     with pytest.raises(PolicyError, match=r"\.\./source: no such folder"):
         trained(shelf.recipe_file, tmp_path / "run")
+
+
+def test_a_checkpoint_from_before_the_sources_selection_was_kept_is_read(shelf: Shelf, tmp_path: Path) -> None:
+    trained(shelf.recipe_file, tmp_path / "run", rollouts=1)
+    folder = newest_checkpoint(tmp_path / "run")
+    assert folder is not None
+    content, arrays = json.loads((folder / FACTS).read_bytes()), (folder / ARRAYS).read_bytes()
+
+    def sha256(facts: object) -> str:
+        return hashlib.sha256(json.dumps(facts, separators=(",", ":")).encode() + arrays).hexdigest()
+
+    assert sha256(content["facts"]) == content["sha256"]
+    assert content["facts"]["start"].pop("selection") is None
+    (folder / FACTS).write_text(json.dumps(content | {"sha256": sha256(content["facts"])}))
+    learner = new_learner(shelf.recipe_file)
+    load_checkpoint(learner, shelf.recipe_file, folder)
+    assert learner.start is not None
+    assert (learner.start.policy, learner.start.selection) == ("source", None)
 
 
 def test_without_one_there_is_none(tmp_path: Path) -> None:

@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from waypointctl.cli.options import rate_from
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from waypointctl.evaluation.evaluate import Progress
+    from waypointctl.evaluation.grid import Grid
     from waypointctl.evaluation.result import Evaluation
     from waypointctl.evaluation.suite import Suite
 
@@ -30,7 +33,10 @@ def evaluate_policy(
         typer.Option(metavar="SHAPE:SIZE", help="In place of the suite's, such as radius:0.2 or box:0.5."),
     ] = None,
     require: Annotated[
-        float | None, typer.Option(min=0.0, max=1.0, help="Exit with 1 if the rate of any case is below this.")
+        float | None,
+        typer.Option(
+            metavar="RATE", callback=rate_from(0), help="Exit with 1 if the rate of any case is below this, 0 to 1."
+        ),
     ] = None,
     save: Annotated[
         bool, typer.Option("--save", help="Write evaluation.json, or evaluation-SUITE.json, into each policy's folder.")
@@ -49,7 +55,9 @@ def evaluate_policy(
     from waypointctl.cli.evaluation_files import EvaluationFiles
     from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders
     from waypointctl.cli.selection_trials import refuse_selection_trials
+    from waypointctl.evaluation.names import names_of
     from waypointctl.evaluation.result import evaluations_json
+    from waypointctl.evaluation.tables import tables
 
     chosen = chosen_suite(suite, acceptance)
     loaded = load_folders(policies)
@@ -59,34 +67,32 @@ def evaluate_policy(
     with _progress(chosen.walked, trials or chosen.own.trials, len(policies)) as progress:
         found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress)
     evaluations = [one.evaluation for one in found]
-    _print_tables(chosen.own, evaluations, to_stderr=json)
+    names = names_of(evaluations, policies)
+    _print_tables(tables(chosen.own, evaluations, names), to_stderr=json)
     files.write(found)
     if json:
         sys.stdout.write(evaluations_json(evaluations))
-    _require(evaluations, require)
+    _require(names, evaluations, require)
 
 
-def _print_tables(suite: Suite, evaluations: Sequence[Evaluation], *, to_stderr: bool) -> None:
+def _print_tables(grids: Sequence[Grid], *, to_stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.evaluation import grid_table
-    from waypointctl.evaluation.tables import tables
+    from waypointctl.cli.view.grid_view import GridView
 
     people = console(stderr=to_stderr)
-    for number, grid in enumerate(tables(suite, evaluations)):
+    for number, grid in enumerate(grids):
         if number:
             people.print()
-        people.print(grid_table(grid, people.width))
+        people.print(GridView(grid, ("--json", "--markdown")))
 
 
-def _require(evaluations: Sequence[Evaluation], rate: float | None) -> None:
+def _require(names: Sequence[str], evaluations: Sequence[Evaluation], rate: float | None) -> None:
     if rate is None:
         return
-    from waypointctl.evaluation.results_grid import names_of
-
     several = len(evaluations) > 1
     below = [
         f"{name} {case.name}" if several else case.name
-        for name, evaluation in zip(names_of(evaluations), evaluations, strict=True)
+        for name, evaluation in zip(names, evaluations, strict=True)
         for case in evaluation.cases
         if case.rate < rate
     ]

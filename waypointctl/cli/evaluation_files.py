@@ -10,6 +10,7 @@ from typing import Final
 
 from waypointctl.cli.evaluation_run import ChosenSuite, Evaluated
 from waypointctl.errors import OutputError
+from waypointctl.evaluation.names import names_of
 from waypointctl.evaluation.panels import panels, refuse_too_many
 from waypointctl.evaluation.results_grid import title
 from waypointctl.evaluation.saved import (
@@ -95,7 +96,7 @@ class EvaluationFiles:
             for one in found:
                 write_evaluation(one.evaluation, one.folder / self._saved_name)
         if self.markdown is not None:
-            text = to_markdown(tables(self.suite.own, evaluations))
+            text = to_markdown(tables(self.suite.own, evaluations, _names(found)))
             write_whole(self.markdown, text.encode(), "the table")
         if self.plot is not None:
             write_whole(self.plot, self.picture(found), "the picture")
@@ -105,8 +106,8 @@ class EvaluationFiles:
         from waypointctl.evaluation.picture import draw
 
         evaluations = [one.evaluation for one in found]
-        drawn = panels(self.suite.own, evaluations, [one.walks for one in found])
-        return draw(drawn, self.suite.walked.acceptance, title(evaluations))
+        drawn = panels(self.suite.own, evaluations, [one.walks for one in found], _names(found))
+        return draw(drawn, self.suite.walked.acceptance, title(evaluations), self.suite.walked.hold)
 
     def _evaluations(self) -> list[Path]:
         return [*([] if self.out is None else [self.out]), *self._saved()]
@@ -117,3 +118,7 @@ class EvaluationFiles:
     @property
     def _saved_name(self) -> str:
         return saved_name(self.suite.own.name, self.suite.other_acceptance)
+
+
+def _names(found: Sequence[Evaluated]) -> list[str]:
+    return names_of([one.evaluation for one in found], [one.folder for one in found])

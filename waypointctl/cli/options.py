@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import typer
 
@@ -19,3 +20,15 @@ def not_negative(value: float | None) -> float | None:
     if value is not None and not (math.isfinite(value) and value >= 0):
         raise typer.BadParameter(f"{value} is not a number of at least 0.")
     return value
+
+
+def rate_from(least: float) -> Callable[[float | None], float | None]:
+    """Return what refuses a rate that is not from `least` to 1, such as one in per cent."""
+
+    def rate(value: float | None) -> float | None:
+        if value is None or least <= value <= 1:
+            return value
+        meant = f": {value:g} % is {value / 100:g}" if 1 < value <= 100 else ""
+        raise typer.BadParameter(f"{value:g} is not a rate from {least:g} to 1{meant}.")
+
+    return rate

@@ -34,7 +34,7 @@ def list_policies(
 ) -> None:
     """List the policies in a folder with their robot, observation layout, training and results."""
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.evaluation import grid_table
+    from waypointctl.cli.view.grid_view import GridView
     from waypointctl.cli.view.policies import policies_grid
     from waypointctl.evaluation.catalogue import catalogue
 
@@ -42,8 +42,7 @@ def list_policies(
     if json:
         _print_json(entries)
     elif entries:
-        people = console()
-        people.print(grid_table(policies_grid(entries), people.width))
+        console().print(GridView(policies_grid(entries)))
     else:
         typer.echo(f"no policies in {folder}; `waypointctl train RECIPE.yaml` makes one", err=True)
     for fault in (fault for entry in entries for fault in entry.faults):

@@ -2,64 +2,44 @@
 
 from __future__ import annotations
 
-import json as json_text
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
-
-import typer
 
 from waypointctl.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
+    from waypointctl.cli.training_asked import TrainingAsked
+    from waypointctl.cli.view.trained_seeds import SeedsTrained
     from waypointctl.training.recipe_file import RecipeFile
-    from waypointctl.training.seeds import SeedsResult
 
 MOST: Final = 1000
 _MEND: Final = "Give how many, as in --seeds 3, or different whole numbers from 0 to 4294967295, as in --seeds 0,1,2."
 
 
-def train_with_seeds(
-    recipe: Path,
-    seeds_text: str,
-    seed: int | None,
-    out: Path | None,
-    runs: Path,
-    resume: bool,
-    steps: int | None,
-    stop_at: float | None,
-    threads: int,
-    json: bool,
-) -> int:
-    """Train with each seed, compare them and tell; return the exit code. The arguments are the command's."""
+def train_with_seeds(asked: TrainingAsked, seeds_text: str) -> int:
+    """Train with each seed, compare them and tell; return the exit code."""
     from waypointctl.cli.interruption import interruption
-    from waypointctl.cli.train import as_asked, go_on, load_to_train
+    from waypointctl.cli.view.trained_seeds import seeds_json, tell_seeds
     from waypointctl.training.run_folder import held
-    from waypointctl.training.seed_group import begin_group, group_begun_as, group_place
+    from waypointctl.training.seed_group import begin_group
 
-    if seed is not None:
+    if asked.seed is not None:
         raise InputError("--seed and --seeds cannot both be given", mend="--seeds 5,6 trains with these two.")
     with interruption() as interrupted:
-        recipe_file = load_to_train(recipe, stop_at, resume=resume)
-        seeds = seeds_of(seeds_text, recipe_file.recipe.seed)
-        group = group_place(recipe_file.recipe.name, runs, out, resume=resume)
-        began = group_begun_as(recipe_file, group) if resume else recipe_file
-        asked = as_asked(began, recipe_file, steps, None, stop_at)
-        if resume and asked.recipe.phases != began.recipe.phases:
-            found = [[phase.steps for phase in one.recipe.phases] for one in (began, asked)]
-            problem = f"the group began with steps {found[0]}, not {found[1]}"
-            raise InputError(problem, where=str(group), mend="Resume it as it began, or begin another group.")
+        own = asked.load()
+        seeds = seeds_of(seeds_text, own.recipe.seed)
+        group, recipe_file = _place(asked, own)
         with held(group):
-            if not resume:
-                begin_group(asked, group, seeds)
-            complete, compared = _train(asked, seeds, group, threads, interrupted)
-    command = go_on(recipe, out, runs, threads, seeds_text)
-    _tell(asked, seeds, group, complete, compared, command, stderr=json)
-    if json:
-        sys.stdout.write(_json(asked, seeds, group, compared))
-    return 130 if compared is None else 0
+            if not asked.resume:
+                begin_group(recipe_file, group, seeds)
+            trained = _train(recipe_file, seeds, group, asked.threads, interrupted)
+    tell_seeds(trained, asked.go_on, stderr=asked.json)
+    if asked.json:
+        sys.stdout.write(seeds_json(trained))
+    return 130 if trained.compared is None else 0
 
 
 def seeds_of(text: str, first: int) -> list[int]:
@@ -78,70 +58,43 @@ def seeds_of(text: str, first: int) -> list[int]:
     return seeds
 
 
+def _place(asked: TrainingAsked, own: RecipeFile) -> tuple[Path, RecipeFile]:
+    """Return the group's folder and the recipe as its runs follow it.
+
+    Raises:
+        InputError: there is no such group, it cannot be written, or it began with other steps than asked for.
+    """
+    from waypointctl.training.seed_group import group_begun_as, group_place
+
+    group = group_place(own.recipe.name, asked.runs, asked.out, resume=asked.resume)
+    began = group_begun_as(own, group) if asked.resume else own
+    recipe_file = asked.applied_to(own, began)
+    if asked.resume and recipe_file.recipe.phases != began.recipe.phases:
+        found = [[phase.steps for phase in one.recipe.phases] for one in (began, recipe_file)]
+        problem = f"the group began with steps {found[0]}, not {found[1]}"
+        raise InputError(problem, where=str(group), mend="Resume it as it began, or begin another group.")
+    return group, recipe_file
+
+
 def _train(
     recipe_file: RecipeFile, seeds: list[int], group: Path, threads: int, interrupted: Callable[[], bool]
-) -> tuple[list[int], SeedsResult | None]:
-    """Return the seeds that came to their end, and their comparison once all have."""
-    from waypointctl.cli.console import console, is_live
-    from waypointctl.cli.view.training import watch_training
-    from waypointctl.training.seeds import compare, train_seeds
-    from waypointctl.training.train import train
+) -> SeedsTrained:
+    import typer
 
-    def train_one(one: RecipeFile, run: Path, resume: bool) -> bool:
+    from waypointctl.cli.console import console, is_live
+    from waypointctl.cli.train_one import train_watched
+    from waypointctl.cli.view.trained_seeds import SeedsTrained
+    from waypointctl.training.run_folder import Places
+    from waypointctl.training.seeds import compare, train_seeds
+
+    def train_seed(one: RecipeFile, run: Path, resume: bool) -> bool:
         seed = one.recipe.seed
         title = f"{one.recipe.name}, seed {seed}, {seeds.index(seed) + 1} of {len(seeds)}, in {run}"
         if not is_live(console(stderr=True)):
             typer.echo(title, err=True)
-        with watch_training(one.recipe, title, interrupted) as view:
-            trained = train(
-                one,
-                run,
-                run=run,
-                threads=threads,
-                resume=resume,
-                watch=view,
-                evaluating=view.evaluating,
-                interrupted=interrupted,
-            )
+        trained = train_watched(one, Places(run, run), title, interrupted, threads=threads, resume=resume)
         return trained.evaluation is not None
 
-    complete = train_seeds(recipe_file, seeds, group, train_one, interrupted)
-    return complete, compare(recipe_file, seeds, group) if len(complete) == len(seeds) else None
-
-
-def _tell(
-    recipe_file: RecipeFile,
-    seeds: list[int],
-    group: Path,
-    complete: list[int],
-    compared: SeedsResult | None,
-    command: str,
-    *,
-    stderr: bool,
-) -> None:
-    from waypointctl.cli.console import console
-    from waypointctl.cli.view.seeds import seeds_table
-    from waypointctl.training.seeds import CURVES, PICTURE
-
-    if compared is None:
-        typer.echo(f"interrupted with {len(complete)} of {len(seeds)} seeds trained", err=stderr)
-        typer.echo(f"  to go on:   {command}", err=stderr)
-        return
-    console(stderr=stderr).print(seeds_table(recipe_file.recipe.name, compared))
-    typer.echo(f"{group / PICTURE}: the learning curves; as numbers in {CURVES}", err=stderr)
-
-
-def _json(recipe_file: RecipeFile, seeds: list[int], group: Path, compared: SeedsResult | None) -> str:
-    from waypointctl.training.seeds import CURVES, PICTURE
-
-    found = {
-        "recipe": recipe_file.recipe.name,
-        "recipe_sha256": recipe_file.sha256,
-        "outcome": "interrupted" if compared is None else "complete",
-        "folder": str(group),
-        "asked": seeds,
-        "curves": None if compared is None else str(group / CURVES),
-        "picture": None if compared is None else str(group / PICTURE),
-        **({"seeds": [], "spread": {}} if compared is None else compared.to_dict()),
-    }
-    return f"{json_text.dumps(found, indent=2)}\n"
+    complete = train_seeds(recipe_file, seeds, group, train_seed, interrupted)
+    compared = compare(recipe_file, seeds, group) if len(complete) == len(seeds) else None
+    return SeedsTrained(recipe_file, seeds, group, complete, compared)

@@ -14,11 +14,18 @@ class Column:
         heading: what stands above it.
         is_text: text, which may be wrapped; a number may not.
         spare: which columns to leave out first where there is no room, the highest first; 0 stays.
+        of: whose, where other columns have the same heading.
     """
 
     heading: str
     is_text: bool = False
     spare: int = 0
+    of: str = ""
+
+    @property
+    def called(self) -> str:
+        """The heading, and whose it is where that does not say it."""
+        return f"{self.heading} of {self.of}" if self.of else self.heading
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
+from waypointctl.evaluation.names import names_of
 from waypointctl.evaluation.paper_tables import entrants
 from waypointctl.evaluation.result import Evaluation
-from waypointctl.evaluation.results_grid import names_of
 from waypointctl.evaluation.suite import Suite, Walked
 from waypointctl.evaluation.walk import Walks
 
@@ -40,10 +40,11 @@ class Panel:
 
     Attributes:
         title: whose trials they are.
-        subtitle: how many there were and how many succeeded.
+        subtitle: how many there were, how many succeeded, and how many are shown where that is not all.
         group: panels of one group are drawn to one scale.
         given: the paths (m, 2) [m] that all trials walked; none where each had its own.
         trials: those that are shown.
+        is_sample: there were more.
     """
 
     title: str
@@ -51,6 +52,7 @@ class Panel:
     group: str
     given: tuple[FloatArray, ...]
     trials: tuple[Trial, ...]
+    is_sample: bool = False
 
 
 def refuse_too_many(suite: Suite, num_policies: int) -> None:
@@ -65,7 +67,12 @@ def refuse_too_many(suite: Suite, num_policies: int) -> None:
         raise InputError(problem, mend="evaluate fewer policies at a time, or a suite of fewer cases")
 
 
-def panels(suite: Suite, evaluations: Sequence[Evaluation], walks: Sequence[Mapping[str, Walks]]) -> list[Panel]:
+def panels(
+    suite: Suite,
+    evaluations: Sequence[Evaluation],
+    walks: Sequence[Mapping[str, Walks]],
+    names: Sequence[str] | None = None,
+) -> list[Panel]:
     """Return a panel for each table and policy where several walked a suite with tables, else for each case and policy.
 
     One policy is shown in all cases, as its table lists them: the suite's tables may have it in some of them alone.
@@ -74,14 +81,15 @@ def panels(suite: Suite, evaluations: Sequence[Evaluation], walks: Sequence[Mapp
         suite: what was walked.
         evaluations: of each policy.
         walks: of each policy, by case.
+        names: what each policy is called; None: as `names_of` has it.
     """
-    names = names_of(evaluations)
+    names = names_of(evaluations) if names is None else names
     by_name = dict(zip(names, walks, strict=True))
     if _by_table(suite, len(evaluations)):
         return [
             _panel(suite, name, table.title, [case for case in suite.cases if case.name in table.cases], by_name[name])
             for table in suite.tables
-            for name, _ in entrants(suite, table, evaluations)
+            for name, _ in entrants(suite, table, evaluations, names)
         ]
     return [_panel(suite, name, case.name, [case], by_name[name]) for case in suite.walked for name in names]
 
@@ -96,12 +104,14 @@ def _panel(suite: Suite, policy: str, group: str, cases: Sequence[Walked], walks
     trials = [trial for case in cases for trial in _sample(walks[case.name], each)]
     successes = sum(int(walks[case.name].success.sum()) for case in cases)
     total = sum(len(walks[case.name].success) for case in cases)
+    drawn = f", drawn {len(trials)}/{total}" if len(trials) < total else ""
     return Panel(
         title=policy,
-        subtitle=f"{group}: {successes} of {total}",
+        subtitle=f"{group}: success {successes}/{total}{drawn}",
         group=group,
         given=tuple(walks[case.name].paths[0] for case in cases) if given else (),
         trials=tuple(trials),
+        is_sample=len(trials) < total,
     )
 
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Final
 
 from waypointctl.evaluation.grid import Column, Grid
+from waypointctl.evaluation.names import names_of
 from waypointctl.evaluation.paper import PaperPolicy, PaperTable
 from waypointctl.evaluation.paths import Case
 from waypointctl.evaluation.result import CaseResult, Evaluation
-from waypointctl.evaluation.results_grid import interval, names_of, percent, places
+from waypointctl.evaluation.results_grid import interval, percent, places
 from waypointctl.evaluation.suite import Suite
 
 _ARROW: Final = " → "
@@ -34,24 +35,34 @@ def number_of(suite: Suite, evaluation: Evaluation) -> int | None:
     return None
 
 
-def paper_tables(suite: Suite, evaluations: Sequence[Evaluation]) -> list[Grid]:
+def paper_tables(suite: Suite, evaluations: Sequence[Evaluation], names: Sequence[str] | None = None) -> list[Grid]:
     """Return the paper's tables in its own layout, with what was found beside its figures.
 
     A policy that is none of the paper's has a row, or a column, of its own. Of the paper's policies a table shows
     those that it has in the paper, whether they were evaluated or not.
+
+    Args:
+        suite: with the tables.
+        evaluations: what was found.
+        names: what each policy is called; None: as `names_of` has it.
     """
-    return [_table(suite, table, evaluations) for table in suite.tables]
+    names = names_of(evaluations) if names is None else names
+    return [_table(suite, table, evaluations, names) for table in suite.tables]
 
 
-def entrants(suite: Suite, table: PaperTable, evaluations: Sequence[Evaluation]) -> list[tuple[str, Evaluation]]:
-    """Return the evaluated policies that belong into a table, with their names: the paper's first."""
-    found = _entrants(suite, table, evaluations)
+def entrants(
+    suite: Suite, table: PaperTable, evaluations: Sequence[Evaluation], names: Sequence[str]
+) -> list[tuple[str, Evaluation]]:
+    """Return the evaluated policies that belong into a table, with what they are called: the paper's first."""
+    found = _entrants(suite, table, evaluations, names)
     return [(entrant.name, entrant.evaluation) for entrant in found if entrant.evaluation is not None]
 
 
-def _entrants(suite: Suite, table: PaperTable, evaluations: Sequence[Evaluation]) -> list[_Entrant]:
+def _entrants(
+    suite: Suite, table: PaperTable, evaluations: Sequence[Evaluation], names: Sequence[str]
+) -> list[_Entrant]:
     numbered = [(number_of(suite, evaluation), evaluation) for evaluation in evaluations]
-    named = list(zip(names_of(evaluations), numbered, strict=True))
+    named = list(zip(names, numbered, strict=True))
     found = []
     for policy in suite.policies:
         if policy.number in table.policies:
@@ -60,9 +71,9 @@ def _entrants(suite: Suite, table: PaperTable, evaluations: Sequence[Evaluation]
     return found + [_Entrant(name, None, evaluation) for name, (number, evaluation) in named if number is None]
 
 
-def _table(suite: Suite, table: PaperTable, evaluations: Sequence[Evaluation]) -> Grid:
+def _table(suite: Suite, table: PaperTable, evaluations: Sequence[Evaluation], names: Sequence[str]) -> Grid:
     cases = [case for name in table.cases for case in suite.cases if case.name == name]
-    found = _entrants(suite, table, evaluations)
+    found = _entrants(suite, table, evaluations, names)
     return _by_policy(table, cases, found) if len(table.policies) > 1 else _by_case(table, cases, found)
 
 
@@ -70,14 +81,14 @@ def _by_policy(table: PaperTable, cases: Sequence[Case], found: Sequence[_Entran
     columns = (
         Column("#"),
         Column("policy", is_text=True),
-        Column("training", is_text=True),
-        Column("observation", is_text=True),
+        Column("training", is_text=True, spare=1),
+        Column("observation", is_text=True, spare=2),
         Column("path", is_text=True),
         Column("paper"),
         Column("success"),
         Column(_INTERVAL),
-        Column("falls", spare=1),
-        Column("time-outs", spare=2),
+        Column("falls", spare=3),
+        Column("time-outs", spare=4),
     )
     title = table.title
     if len(cases) == 1:
@@ -108,7 +119,8 @@ def _by_case(table: PaperTable, cases: Sequence[Case], found: Sequence[_Entrant]
     of_paper = next(entrant.of_paper for entrant in found if entrant.of_paper is not None)
     columns = [Column("path", is_text=True), Column("paper")]
     for place, entrant in enumerate(found):
-        columns += [Column(entrant.name or "success"), Column(_INTERVAL, spare=place)]
+        whose = entrant.name or "success"
+        columns += [Column(whose, spare=place), Column(_INTERVAL, spare=len(found) + place, of=whose)]
     rows = []
     for case in cases:
         row = [places(case.path, _ARROW), percent(_figure(of_paper, case))]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from typing import Final
 
 from waypointctl.evaluation.grid import Column, Grid
+from waypointctl.evaluation.names import names_of
+from waypointctl.evaluation.published import published_note
 from waypointctl.evaluation.result import CaseResult, Evaluation, Point
 
 _COLUMNS: Final = (
@@ -27,29 +28,27 @@ _COLUMNS: Final = (
 )
 
 
-def results_grid(evaluations: Sequence[Evaluation]) -> Grid:
-    """Return a table of evaluations in one suite, with a line for each on how its trials failed."""
-    names = names_of(evaluations)
+def results_grid(evaluations: Sequence[Evaluation], names: Sequence[str] | None = None) -> Grid:
+    """Return a table of evaluations in one suite, with a line for each on how its trials failed.
+
+    Args:
+        evaluations: what was found.
+        names: what each policy is called; None: as `names_of` has it.
+    """
+    names = names_of(evaluations) if names is None else names
     several = len(evaluations) > 1
     rows = [
         (name if several else "", *_cells(case))
         for name, evaluation in zip(names, evaluations, strict=True)
         for case in evaluation.cases
     ]
-    notes = [
+    published = published_note(evaluations[0])
+    notes = [published] if published else []
+    notes += [
         f"{name}: {failures(evaluation)}" if several else failures(evaluation)
         for name, evaluation in zip(names, evaluations, strict=True)
     ]
     return Grid(title(evaluations), _COLUMNS, tuple(rows), tuple(notes)).without_empty_columns()
-
-
-def names_of(evaluations: Sequence[Evaluation]) -> list[str]:
-    """Return the policies' names, each told from others of the same name by the beginning of its hash."""
-    counts = Counter(evaluation.policy for evaluation in evaluations)
-    return [
-        evaluation.policy if counts[evaluation.policy] == 1 else f"{evaluation.policy} {evaluation.policy_sha256[:7]}"
-        for evaluation in evaluations
-    ]
 
 
 def title(evaluations: Sequence[Evaluation]) -> str:

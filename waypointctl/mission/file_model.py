@@ -10,7 +10,7 @@ What a file may write besides the fields' own names is declared, not coded, and 
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, get_args
+from typing import Any, ClassVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
@@ -73,7 +73,8 @@ class FileModel(BaseModel):
         data = cls._spread(given)
         for bare, name in cls.bare_names().items():
             if bare in data:
-                data[name] = bare_values(name, data.pop(bare), twice=name in data)
+                length = _list_length(cls.model_fields[name].annotation)
+                data[name] = bare_values(name, data.pop(bare), twice=name in data, length=length)
         return data
 
     @classmethod
@@ -107,6 +108,15 @@ class FileModel(BaseModel):
         schema = handler.resolve_ref_schema(handler(core))
         describe_spellings(cls, schema, handler)
         return schema
+
+
+def _list_length(annotation: Any) -> int | None:
+    """Return how many entries a list of a field must have, None where any number will do or it is no list."""
+    if get_origin(annotation) is tuple:
+        entries = get_args(annotation)
+        return None if Ellipsis in entries else len(entries)
+    lengths = {_list_length(part) for part in get_args(annotation)} - {None}
+    return lengths.pop() if len(lengths) == 1 else None
 
 
 def _quantities(parts: tuple[Any, ...]) -> list[Quantity]:

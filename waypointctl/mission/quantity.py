@@ -8,13 +8,15 @@ The field's name ends in the unit. In a file it is written as `timeout_s: 20` or
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from waypointctl.mission.wording import how_to_write, shown, units_of
+from waypointctl.mission.wording import how_to_write, how_to_write_list, shown, units_of
 from waypointctl.units import UNITS_BY_SUFFIX, bare_name, quantity
 
 
@@ -26,6 +28,7 @@ class Bare:
     value: object
     whole: object  # all that stands under the name: the value, or the list that it is in
     twice: bool = False  # the file has the field under both of its names
+    length: int | None = None  # that a list must have here, if it must have one
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,10 +48,19 @@ class Quantity:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Build the validator: numbers alone, read from text where the unit has to be in the text."""
         number = core_schema.float_schema(gt=self.gt, ge=self.ge, le=self.le, allow_inf_nan=False, strict=True)
-        return core_schema.no_info_before_validator_function(_to_number, number)
+        return core_schema.no_info_before_validator_function(partial(_to_number, self), number)
+
+    def fits(self, number: float) -> bool:
+        """Return whether a number in `unit` is finite and within the bounds."""
+        within = (
+            self.gt is None or number > self.gt,
+            self.ge is None or number >= self.ge,
+            self.le is None or number <= self.le,
+        )
+        return abs(number) <= sys.float_info.max and all(within)
 
 
-def _to_number(given: object) -> object:
+def _to_number(own: Quantity, given: object) -> object:
     """Return what was written under a bare name as a number in the field's unit.
 
     Raises:
@@ -66,15 +78,22 @@ def _to_number(given: object) -> object:
         except ValueError as error:
             raise PydanticCustomError("quantity", "{problem}", {"problem": str(error)}) from error
     if isinstance(value, int | float) and not isinstance(value, bool):
-        problem = f"{shown(value)} has no unit; {how_to_write(given.field, given.whole)}"
+        problem = f"{shown(value)} has no unit; {_mend(own, given, value)}"
         raise PydanticCustomError("unit_missing", "{problem}", {"problem": problem})
     return value
 
 
-def bare_values(field: str, value: object, *, twice: bool = False) -> object:
+def _mend(own: Quantity, given: Bare, value: float) -> str:
+    if isinstance(given.whole, list):
+        return how_to_write_list(given.field, given.whole, given.length, own.fits)
+    return how_to_write(given.field, value if own.fits(value) else 1)
+
+
+def bare_values(field: str, value: object, *, twice: bool = False, length: int | None = None) -> object:
     """Mark what stands under a field's bare name, each element of a list for itself.
 
-    Of several numbers without a unit only the first is marked: one mistake, one message.
+    `length` is what a list must have here, if it must have one. Of several numbers without a unit only the first is
+    marked: one mistake, one message.
     """
     if twice or not isinstance(value, list):
         return Bare(field, value, value, twice)
@@ -82,6 +101,6 @@ def bare_values(field: str, value: object, *, twice: bool = False) -> object:
     unitless_seen = False
     for element in value:
         unitless = not isinstance(element, str)
-        marked.append(element if unitless and unitless_seen else Bare(field, element, value))
+        marked.append(element if unitless and unitless_seen else Bare(field, element, value, length=length))
         unitless_seen = unitless_seen or unitless
     return marked

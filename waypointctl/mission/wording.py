@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
-from waypointctl.units import UNITS_BY_SUFFIX, bare_name
+from waypointctl.units import UNITS_BY_SUFFIX, bare_name, number_in, quantity
 
 _MAX_SHOWN: Final = 60
 
@@ -46,10 +46,44 @@ def unit_of(field: str) -> str:
 
 
 def how_to_write(field: str, value: object) -> str:
-    """Return a mend with a number, or a list of numbers, in both spellings of a field."""
-    bare, unit = bare_name(field), unit_of(field)
-    if isinstance(value, list):
-        with_units = ", ".join(part if isinstance(part, str) else f"{part} {unit}" for part in value)
-        mend = f"write '{bare}: [{with_units}]'"
-        return mend if any(isinstance(part, str) for part in value) else f"{mend} or '{field}: {value}'"
-    return f"write '{bare}: {value} {unit}' or '{field}: {value}'"
+    """Return a mend with a number in both spellings of a field."""
+    return f"write '{bare_name(field)}: {value} {unit_of(field)}' or '{field}: {value}'"
+
+
+def how_to_write_list(field: str, values: list[object], length: int | None, fits: Callable[[float], bool]) -> str:
+    """Return a mend with the list that was meant, as it has to be written: what is wrong beside is mended, too.
+
+    Args:
+        field: that the list is of, with its unit.
+        values: as the file has them.
+        length: that the list must have; None: any.
+        fits: whether a number is within the field's bounds.
+    """
+    length = len(values) if length is None else length
+    parts = [_with_unit(field, value, fits) for value in values[:length]]
+    # An order that the numbers must have is kept by taking one twice.
+    filler = next((part for part in parts if part is not None), f"1 {unit_of(field)}")
+    written = [part or filler for part in parts] + [filler] * (length - len(parts))
+    mend = f"write '{bare_name(field)}: [{', '.join(written)}]'"
+    alike = len(values) == length and parts == [f"{value} {unit_of(field)}" for value in values]
+    return f"{mend} or '{field}: {values}'" if alike else mend
+
+
+def _with_unit(field: str, value: object, fits: Callable[[float], bool]) -> str | None:
+    """Return one entry of a list as it should be written, None if no number can be made out or it is out of bounds."""
+    unit = unit_of(field)
+    if isinstance(value, str):
+        text, number = value.strip(), number_in(value)
+        if number is None:
+            return None
+        try:
+            in_base = quantity(text, units_of(field))
+        except ValueError:  # another kind of unit: the number may be meant
+            text, in_base = f"{number} {unit}", float(number)
+        return text if fits(in_base) else None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    # 40 where at most 1 s is allowed is 40 ms, more likely than a mistake in the number.
+    smaller = sorted((factor, name) for name, factor in units_of(field).items() if factor < 1.0)
+    names = {unit: 1.0} | {name: factor for factor, name in reversed(smaller)}
+    return next((f"{value} {name}" for name, factor in names.items() if fits(value * factor)), None)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from waypointctl.errors import PolicyError
 from waypointctl.paths import folder_fault
 from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
+from waypointctl.policy.nearby import POLICIES_MEND, policies_near
 from waypointctl.policy.network import Network
 
 FILES: Final = (MANIFEST, NETWORK, WEIGHTS)
@@ -68,8 +69,7 @@ def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
         PolicyError: a file is missing, damaged or does not fit the manifest.
     """
     if fault := folder_fault(folder):
-        mend = "A policy is a folder with manifest.json; `waypointctl policies` lists those in ./policies."
-        raise PolicyError(fault, where=str(folder), mend=mend)
+        raise PolicyError(fault, where=str(folder), mend=POLICIES_MEND)
     files = {}
     for name in FILES:
         try:
@@ -78,6 +78,8 @@ def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
             continue  # load_policy_bytes says which file is missing
         except OSError as error:
             raise PolicyError(f"cannot be read: {error.strerror}", where=str(folder / name)) from error
+    if not files:
+        raise PolicyError(_missing(FILES), where=str(folder), mend=policies_near(folder))
     return load_policy_bytes(files, str(folder), threads=threads)
 
 
@@ -94,8 +96,7 @@ def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 
     """
     own = {name: files[name] for name in FILES if name in files}
     if missing := [name for name in FILES if name not in own]:
-        problem = f"no {' and no '.join(missing)}; a policy has {', '.join(FILES)}"
-        raise PolicyError(problem, where=where, mend=_COPY_AGAIN)
+        raise PolicyError(_missing(missing), where=where, mend=_COPY_AGAIN)
     manifest = _manifest(own[MANIFEST], f"{where}/{MANIFEST}")
     _refuse_damaged(manifest, own, where)
     network = Network(own[NETWORK], f"{where}/{NETWORK}", threads)
@@ -119,6 +120,10 @@ def _manifest(text: bytes, where: str) -> Manifest:
         return Manifest.model_validate_json(text)
     except ValidationError as error:
         raise PolicyError(_found(error), where=where, mend=_COPY_AGAIN) from error
+
+
+def _missing(names: Sequence[str]) -> str:
+    return f"no {' and no '.join(names)}; a policy has {', '.join(FILES)}"
 
 
 def _found(error: ValidationError) -> str:

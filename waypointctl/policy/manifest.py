@@ -81,6 +81,7 @@ class StartRecord(_Record):
     steps: Annotated[int, Field(ge=0)]  # of its own training
     policy_sha256: Sha256  # of its manifest.json
     weights_sha256: Sha256
+    selection: SelectionRecord | None = None  # how its own weights were chosen; none: they were the last
 
 
 class TrainingRecord(_Record):

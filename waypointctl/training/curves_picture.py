@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any, Final
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, PercentFormatter
 
+from waypointctl.figure import GREEN, VERMILION, picture
 from waypointctl.training.curves import WINDOW, Curves
 
 WIDTH: Final = 1600  # pixels
@@ -19,17 +17,9 @@ HEIGHT: Final = 720
 
 _DPI: Final = 100
 _FEW: Final = 10  # seeds that are named
-_INK: Final = "#22303c"
-_COLORS: Final = {"success": "#1b7f5c", "fall": "#c0392b"}
+_COLORS: Final = {"success": GREEN, "fall": VERMILION}
 _TITLES: Final = {"success": "Courses walked to the end", "fall": "Episodes that end in a fall"}
-_STYLE: Final[dict[Any, Any]] = {
-    "text.parse_math": False,  # a dollar sign in a recipe's name is a dollar sign
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlelocation": "left",
-    "text.color": _INK,
-    "font.size": 11,
-}
+_STYLE: Final[dict[Any, Any]] = {"font.size": 11}
 
 
 def draw_curves(found: Curves, title: str) -> bytes:
@@ -37,9 +27,8 @@ def draw_curves(found: Curves, title: str) -> bytes:
 
     Every seed is a thin line; the mean, thick, and the band from the lowest to the highest go as far as all seeds do.
     """
-    with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(WIDTH / _DPI, HEIGHT / _DPI), dpi=_DPI)
-        FigureCanvasAgg(figure)
+
+    def fill(figure: Figure) -> None:
         axes = figure.subplots(1, 2, sharex=True, gridspec_kw={"left": 0.055, "right": 0.985, "top": 0.83})
         for one, quantity in zip(axes, _TITLES, strict=True):
             _draw(one, found, quantity)
@@ -47,9 +36,8 @@ def draw_curves(found: Curves, title: str) -> bytes:
         seeds = f"seeds {', '.join(map(str, found.seeds))}; " if 1 < len(found.seeds) <= _FEW else ""
         note = f"{seeds}actions drawn at random, as training does; each point over the last {WINDOW} rollouts"
         figure.text(0.055, 0.9, note, va="center")
-        image = io.BytesIO()
-        figure.savefig(image, format="png", dpi=_DPI, metadata={"Software": None})
-    return image.getvalue()
+
+    return picture(fill, (WIDTH / _DPI, HEIGHT / _DPI), _DPI, _STYLE)
 
 
 def _draw(axes: Axes, found: Curves, quantity: str) -> None:

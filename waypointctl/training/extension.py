@@ -7,11 +7,11 @@ because the learning rate of its last update was the shorter recipe's.
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import Final
 
 from waypointctl.errors import OutputError, RecipeError
+from waypointctl.paths import write_whole
 from waypointctl.training.checkpoint import begun_as, load_checkpoint, save_checkpoint
 from waypointctl.training.learner import Learner
 from waypointctl.training.progress_file import PROGRESS
@@ -47,8 +47,8 @@ def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -
         run.mkdir(parents=True, exist_ok=True)
         for name in (PROGRESS, SELECTION, SUITE):  # resuming leaves out what is later than the last checkpoint
             if (source / name).exists():
-                shutil.copyfile(source / name, run / name)
-        (run / RECIPE).write_bytes(recipe_file.source)
+                write_whole(run / name, (source / name).read_bytes(), "what the run has found")
+        write_whole(run / RECIPE, recipe_file.source, "the recipe")
     except OSError as error:
         raise OutputError(f"cannot be written: {error.strerror}", where=str(run)) from error
     return max(_take(folder, began, recipe_file, run, threads) for folder in taken)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
+from pydantic import Field, Strict, ValidationError, ValidationInfo, field_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from waypointctl.mission.file_model import FileModel
 from waypointctl.sim.robots import load_robot
@@ -61,14 +62,22 @@ class Recipe(FileModel):
             variation.check(load_robot(info.data["robot"]))
         return variation
 
-    @model_validator(mode="after")
-    def _chosen_and_reported_apart(self) -> Self:
-        if self.selection is not None and self.selection.seed == self.evaluation.seed:
-            raise ValueError(
-                f"selection.seed and evaluation.seed are both {self.evaluation.seed}: what a policy is chosen by must "
-                "not be what is reported of it; give selection a seed of its own"
+    @field_validator("selection")
+    @classmethod
+    def _chosen_and_reported_apart(
+        cls, selection: SelectionRecipe | None, info: ValidationInfo
+    ) -> SelectionRecipe | None:
+        evaluation = info.data.get("evaluation")  # none: it is wrong already
+        if selection is not None and evaluation is not None and selection.seed == evaluation.seed:
+            text = (
+                f"the seed {selection.seed} is evaluation.seed, too: what a policy is chosen by must not be what is "
+                "reported of it; give selection a seed of its own"
             )
-        return self
+            error = PydanticCustomError("recipe", "{text}", {"text": text})
+            raise ValidationError.from_exception_data(
+                "selection", [InitErrorDetails(type=error, loc=("seed",), input=selection.seed)]
+            )
+        return selection
 
     @property
     def total_steps(self) -> int:

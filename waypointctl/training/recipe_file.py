@@ -10,6 +10,7 @@ from typing import Any
 
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_source import read_model, read_source
+from waypointctl.mission.yaml_tree import read_tree
 from waypointctl.training.recipe import Recipe
 
 
@@ -31,6 +32,11 @@ class RecipeFile:
     def sha256(self) -> str:
         """Of the file's bytes."""
         return hashlib.sha256(self.source).hexdigest()
+
+    def place(self, *path: str | int) -> str:
+        """Return where the file has something, "file:line:column"; the file alone where it does not have it."""
+        mark = read_tree(self.source).values.get(path)
+        return f"{self.path}:{mark.line}:{mark.column}" if mark else str(self.path)
 
 
 def load_recipe(path: Path) -> RecipeFile:

@@ -61,13 +61,20 @@ class SelectionFile(_Record):
 class Selection:
     """The checkpoints of a run that were tested so far."""
 
-    def __init__(self, recipe: SelectionRecipe, run: Path, steps: int) -> None:
+    def __init__(self, recipe: SelectionRecipe, run: Path, steps: int, suite_name: str | None = None) -> None:
         """Go on from what the run's folder has of the time until `steps`; 0 begins anew.
+
+        Args:
+            recipe: how checkpoints are tested.
+            run: the run's folder.
+            steps: that training has come to.
+            suite_name: the suite's own name, for people; None: as the recipe has it, which may be a file.
 
         Raises:
             RecipeError: the record in the folder is damaged.
         """
         self.recipe = recipe
+        self.suite_name = suite_name or recipe.suite
         self._path = run / SELECTION
         found = _read(self._path) if steps else []
         # Where the newest checkpoint was removed, training passes once more over what followed the one before.

@@ -13,6 +13,7 @@ from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.recipe_references import own_suite
 from waypointctl.training.selection import Candidate, Selection
 from waypointctl.training.status import CheckpointSaved, CheckpointTested, CheckpointTesting, Watch
 
@@ -58,29 +59,12 @@ def selection_suite(recipe_file: RecipeFile, run: Path, *, resume: bool) -> Suit
         return None
     if resume and (run / SUITE).exists():
         return load_suite(str(run / SUITE))
-    own = _own_suite(recipe_file)
-    suite = load_suite(recipe_file.recipe.selection.suite if own is None else str(own))
+    name = recipe_file.recipe.selection.suite
+    own = own_suite(name, recipe_file.path)
+    suite = load_suite(name if own is None else str(own))
     if own is not None:
         write_whole(run / SUITE, own.read_bytes(), "the suite")
     return suite
-
-
-def refuse_unknown_suite(recipe_file: RecipeFile) -> None:
-    """Refuse a recipe whose checkpoints are to be tested on a suite that there is not, before anything is written.
-
-    Raises:
-        SuiteError: there is no such suite, or it is not one.
-    """
-    if recipe_file.recipe.selection is not None:
-        own = _own_suite(recipe_file)
-        load_suite(recipe_file.recipe.selection.suite if own is None else str(own))
-
-
-def _own_suite(recipe_file: RecipeFile) -> Path | None:
-    """Return the file of a suite of one's own, None for one that comes with waypointctl: that has a bare name."""
-    assert recipe_file.recipe.selection is not None, "asked of recipes that select"
-    suite = Path(recipe_file.recipe.selection.suite)
-    return recipe_file.path.parent / suite if suite.suffix or len(suite.parts) > 1 else None
 
 
 class Tester:

@@ -18,12 +18,13 @@ from waypointctl.policy.write import copy_bundle
 from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
 from waypointctl.training.divergence import refuse_diverged
 from waypointctl.training.learner import Learner
+from waypointctl.training.origin import load_origin
 from waypointctl.training.progress_file import ProgressFile
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.run_folder import RECIPE, checkpoint_at, held, newest_checkpoint, require_checkpoint
 from waypointctl.training.scalars import scalar_logger
 from waypointctl.training.selection import Selection, with_record
-from waypointctl.training.start_from import load_origin, start_from
+from waypointctl.training.start_from import start_from
 from waypointctl.training.status import CheckpointSaved, Watch
 from waypointctl.training.testing import Tester, evaluate_unless, selection_suite
 from waypointctl.training.watcher import Watcher
@@ -88,7 +89,7 @@ def train(
         begun_s = time.monotonic() - _begin(learner, recipe_file, run, resume, watch)
         tester = None
         if (suite := selection_suite(recipe_file, run, resume=resume)) and (plan := recipe_file.recipe.selection):
-            selection = Selection(plan, run, learner.steps)
+            selection = Selection(plan, run, learner.steps, suite.name)
             tester = Tester(selection, suite, threads=threads, begun_s=begun_s, watch=watch, interrupted=interrupted)
         watcher = _learn(learner, recipe_file, run, begun_s, tester, watch, interrupted)
         wall_time_s = time.monotonic() - begun_s

@@ -21,10 +21,10 @@ def policies_grid(entries: Sequence[Entry]) -> Grid:
     suites = list(dict.fromkeys(evaluation.conditions for entry in entries for evaluation in entry.evaluations))
     columns = (
         Column("folder", is_text=True),
-        Column("robot", is_text=True, spare=3),
-        Column("layout", is_text=True, spare=2),
-        Column("steps", spare=1),
-        *(Column(suite, is_text=True) for suite in suites or ["results"]),
+        Column("robot", is_text=True, spare=len(suites) + 3),
+        Column("layout", is_text=True, spare=len(suites) + 2),
+        Column("steps", spare=len(suites) + 1),
+        *(Column(suite, is_text=True, spare=place) for place, suite in enumerate(suites or ["results"])),
     )
     return Grid("", columns, tuple(_row(entry, suites) for entry in entries))
 
@@ -33,8 +33,8 @@ def result_text(evaluation: Evaluation) -> str:
     """Return what an evaluation came to, in a few words."""
     if len(evaluation.cases) > 1:
         rates = [case.rate for case in evaluation.cases]
-        spread = f"{min(rates):.0%}" if min(rates) == max(rates) else f"{min(rates):.0%} to {max(rates):.0%}"
-        return f"{spread} in {len(rates)} cases"
+        low, high = f"{min(rates) * 100:.0f}", f"{max(rates):.0%}"
+        return f"{high if min(rates) == max(rates) else f'{low}-{high}'} in {len(rates)} cases"
     (case,) = evaluation.cases
     return f"{case.rate:.1%}{_legs_text(case)}"
 

@@ -83,5 +83,5 @@ def _print_tables(out: Console, story: Story) -> None:
     out.print()
     out.print(waypoint_table(story))
     out.print()
-    out.print(command_table(story, out.width))
+    out.print(command_table(story))
     out.print()

@@ -4,52 +4,59 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from waypointctl.cli.view.grid_view import GridView
 from waypointctl.cli.view.words import at, number, printable
+from waypointctl.evaluation.grid import Column, Grid
 from waypointctl.log.messages import EventKind
 from waypointctl.replay.story import FARTHEST_M, Fate
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from waypointctl.replay.story import CommandStory, Story, WaypointStory
 
 
-_NAMES: Final = ("waypoint", "command", "reward")  # wrapped where there is little room; numbers are not
-_DELAYS_WIDTH: Final = 100  # columns, from which on there is room for the delay of each way
 _MOST_REWARD: Final = 1e9  # written out; an altered log's can have 300 digits
+_WAYPOINTS: Final = (
+    Column("waypoint", is_text=True),
+    Column("position [m]", is_text=True, spare=3),
+    Column("acceptance", is_text=True, spare=4),
+    Column("set out", spare=2),
+    Column("reached"),
+    Column("known"),
+    Column("delay [s]", spare=1),
+)
+_COMMANDS: Final = (
+    Column("#"),
+    Column("command", is_text=True),
+    Column("issued", spare=2),
+    Column("received", spare=4),
+    Column("acked", spare=5),
+    Column("ended", spare=1),
+    Column("heard", spare=3),
+    Column("up", spare=7),
+    Column("down", spare=6),
+    Column("RTT [s]"),
+    Column("known as", is_text=True),
+)
+_REWARD: Final = (Column("reward", is_text=True), Column("sum"), Column("a step"))
 
 
-def waypoint_table(story: Story) -> Table:
+def waypoint_table(story: Story) -> GridView:
     """Return the waypoints: when the robot reached each, and when the operator learned of it."""
-    table = _table("waypoint", "position [m]", "acceptance")
-    _add_numbers(table, "set out", "reached", "known", "delay [s]")
-    for waypoint in story.waypoints:
-        table.add_row(*_waypoint_row(waypoint), style=None if waypoint.fate is Fate.REACHED else "yellow")
-    return table
+    rows = tuple(_waypoint_row(waypoint) for waypoint in story.waypoints)
+    missed = tuple(place for place, one in enumerate(story.waypoints) if one.fate is not Fate.REACHED)
+    return GridView(Grid("", _WAYPOINTS, rows), (), striking=missed)
 
 
-def command_table(story: Story, width: int) -> Table:
-    """Return the commands: issued, received, acknowledged, ended, its end heard of; delays and round trip.
-
-    The delay of each way is left out where `width` columns are too few; the times say it too.
-    """
-    delays = ("up", "down") if width >= _DELAYS_WIDTH else ()
-    table = _table("#", "command")
-    _add_numbers(table, "issued", "received", "acked", "ended", "heard", *delays, "RTT [s]")
-    table.add_column("known as", no_wrap=True)
-    for command in story.commands:
-        ways = (command.uplink_ns, command.downlink_ns) if delays else ()
-        table.add_row(*_command_row(command, ways))
-    return table
+def command_table(story: Story) -> GridView:
+    """Return the commands: issued, received, acknowledged, ended, its end heard of; delays and round trip."""
+    return GridView(Grid("", _COMMANDS, tuple(_command_row(command) for command in story.commands)), ())
 
 
-def reward_table(story: Story) -> Table:
+def reward_table(story: Story) -> GridView:
     """Return each reward term's sum and its part in each step."""
-    table = _table("reward")
-    _add_numbers(table, "sum", "a step")
-    for name, total in (*story.reward, ("total", story.reward_total)):
-        table.add_row(printable(name), *_reward_row(total, story.steps))
-    return table
+    terms = (*story.reward, ("total", story.reward_total))
+    rows = tuple((printable(name), *_reward_row(total, story.steps)) for name, total in terms)
+    return GridView(Grid("", _REWARD, rows), ())
 
 
 def _reward_row(total: float, steps: int) -> tuple[str, str]:
@@ -83,21 +90,6 @@ def _off_map(story: Story) -> str:
     return ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for count, what in counts if count)
 
 
-def _table(*headings: str) -> Table:
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold", show_edge=False)
-    for heading in headings:
-        table.add_column(heading, no_wrap=heading not in _NAMES, overflow="fold")
-    return table
-
-
-def _add_numbers(table: Table, *headings: str) -> None:
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
-
-
 def _waypoint_row(waypoint: WaypointStory) -> tuple[str, ...]:
     plan = waypoint.planned
     learned, reached = waypoint.learned_ns, waypoint.reached_ns
@@ -113,7 +105,7 @@ def _waypoint_row(waypoint: WaypointStory) -> tuple[str, ...]:
     )
 
 
-def _command_row(command: CommandStory, ways: tuple[int | None, ...]) -> tuple[str, ...]:
+def _command_row(command: CommandStory) -> tuple[str, ...]:
     times = (command.issued_ns, command.received_ns, command.acknowledged_ns, command.ended_ns, command.concluded_ns)
-    numbers = map(number, (*times, *ways, command.round_trip_ns))
-    return (str(command.id), printable(command.what), *numbers, str(command.heard))
+    ways = (command.uplink_ns, command.downlink_ns, command.round_trip_ns)
+    return (str(command.id), printable(command.what), *map(number, (*times, *ways)), str(command.heard))

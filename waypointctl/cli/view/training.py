@@ -10,7 +10,18 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Final, Protocol, Self
 
 from waypointctl.cli.console import console, is_live
-from waypointctl.cli.view.training_words import count, done, line, percent, span, sparkline, started, tested
+from waypointctl.cli.view.training_words import (
+    ENOUGH,
+    count,
+    done,
+    lately,
+    line,
+    percent,
+    span,
+    sparkline,
+    started,
+    tested,
+)
 from waypointctl.training.status import (
     CheckpointSaved,
     CheckpointTested,
@@ -136,8 +147,9 @@ class LivePanel:
                 self._tested, self._testing = tested(news), ""
             case TrainingStatus():
                 self._status = news
-                if news.success_rate is not None:
-                    self._history.append((done(news), news.success_rate))
+                success = dict(lately(news))["success"]
+                if success is not None:
+                    self._history.append((done(news), success))
         self._draw_in_time()
 
     def evaluating(self, case: str, ended: int) -> None:
@@ -203,8 +215,10 @@ class LivePanel:
         return [*rows, *((label, value) for label, value in more if value)]
 
     def _episodes(self, status: TrainingStatus) -> str:
-        rates = ((status.success_rate, "success"), (status.fall_rate, "fall"), (status.timeout_rate, "timeout"))
-        return f"{', '.join(f'{percent(rate)} {what}' for rate, what in rates)} of the last {status.episodes}"
+        if status.episodes < ENOUGH:
+            return f"{status.episodes} lately; rates are shown from {ENOUGH} on"
+        rates = ", ".join(f"{percent(rate)} {name}" for name, rate in lately(status))
+        return f"{rates} of the last {status.episodes}"
 
     def _draw_in_time(self) -> None:
         if time.monotonic() >= self._next_s:

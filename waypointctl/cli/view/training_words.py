@@ -10,6 +10,7 @@ from waypointctl.training.status import CheckpointSaved, CheckpointTested, Start
 if TYPE_CHECKING:
     from waypointctl.training.selection import Selection
 
+ENOUGH: Final = 20  # episodes; of fewer, most of them short because they failed, a rate says little
 _BLOCKS: Final = "▁▂▃▄▅▆▇█"
 _PLAIN_BLOCKS: Final = "_.-=+*#%"
 
@@ -32,6 +33,12 @@ def span(time_s: float) -> str:
 def percent(rate: float | None) -> str:
     """Return a rate, or a dash for one that nothing is known of."""
     return "-" if rate is None else f"{rate:.0%}"
+
+
+def lately(status: TrainingStatus) -> tuple[tuple[str, float | None], ...]:
+    """Return the rates of the episodes that ended lately, by name; None as long as too few have."""
+    rates = (("success", status.success_rate), ("fall", status.fall_rate), ("timeout", status.timeout_rate))
+    return tuple((name, rate if status.episodes >= ENOUGH else None) for name, rate in rates)
 
 
 def done(status: TrainingStatus) -> float:
@@ -64,7 +71,7 @@ def started(news: StartedFrom) -> str:
 def outcome(selection: Selection, total_steps: int) -> str:
     """Return how a training with a selection ended: whether its target was met, and what was chosen."""
     best, plan = selection.best, selection.recipe
-    score = f"{exact_percent(best.success_rate)} of {best.trials} trials in {plan.suite}, seed {plan.seed}"
+    score = f"{exact_percent(best.success_rate)} of {best.trials} trials in {selection.suite_name}, seed {plan.seed}"
     if selection.met:
         return f"target met after {best.steps} steps in {span(best.wall_time_s)}: {score}"
     chosen = f"the checkpoint at step {best.steps} of {selection.last_steps} was chosen: {score}"
@@ -84,9 +91,8 @@ def line(news: TrainingStatus | CheckpointSaved | CheckpointTested | StartedFrom
         f"{count(news.steps)} of {count(news.total_steps)} steps",
         f"{count(news.steps_per_s)}/s",
         f"phase {news.phase + 1}/{phases}",
-        f"success {percent(news.success_rate)}",
-        f"fall {percent(news.fall_rate)}",
-        f"timeout {percent(news.timeout_rate)}",
+        *(f"{name} {percent(rate)}" for name, rate in lately(news)),
+        *([f"of {news.episodes} episodes"] if news.episodes < ENOUGH else ()),
         f"reward {news.mean_reward:.2f}",
         f"rate {news.learning_rate:.1e}",
         f"{span(news.remaining_s)} left",

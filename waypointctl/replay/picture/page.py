@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import io
-import warnings
 from typing import Any, Final
 
-import matplotlib as mpl
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from waypointctl.figure import picture
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.path import draw_path
 from waypointctl.replay.picture.sequence import draw_sequence
@@ -20,15 +17,7 @@ from waypointctl.units import seconds
 WIDTH: Final = 1600  # pixels
 HEIGHT: Final = 1000
 _DPI: Final = 100
-_STYLE: Final[dict[Any, Any]] = {
-    "text.parse_math": False,  # a dollar sign in a waypoint's name is a dollar sign
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlelocation": "left",
-    "axes.titlesize": 11,
-    "text.color": palette.INK,
-    "font.size": 10,
-}
+_STYLE: Final[dict[Any, Any]] = {"axes.titlesize": 11, "font.size": 10}
 
 
 def draw(story: Story, title: str, proof: str, *, is_exact: bool) -> bytes:
@@ -40,24 +29,23 @@ def draw(story: Story, title: str, proof: str, *, is_exact: bool) -> bytes:
         proof: what replay found, for the last line.
         is_exact: whether it found the same flight; if not, the proof is the headline, in red.
     """
-    with mpl.rc_context(_STYLE), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from")  # of a script the font lacks: drawn as a box
-        figure = Figure(figsize=(WIDTH / _DPI, HEIGHT / _DPI), dpi=_DPI)
-        FigureCanvasAgg(figure)
-        grid = figure.add_gridspec(
-            2, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.98, top=0.88, bottom=0.1, hspace=0.27
-        )
-        draw_path(figure.add_subplot(grid[:, 0]), story)
-        speed = figure.add_subplot(grid[0, 1])
-        sequence = figure.add_subplot(grid[1, 1], sharex=speed)
-        draw_speed(speed, story)
-        draw_sequence(sequence, story)
-        sequence.set_xlim(0.0, max(1.0, seconds(story.ended_ns)) * 1.02)
+
+    def fill(figure: Figure) -> None:
+        _draw_parts(figure, story)
         _write_heading(figure, story, title, None if is_exact else proof)
         _write_facts(figure, story, proof)
-        image = io.BytesIO()
-        figure.savefig(image, format="png", dpi=_DPI, metadata={"Software": None})
-    return image.getvalue()
+
+    return picture(fill, (WIDTH / _DPI, HEIGHT / _DPI), _DPI, _STYLE)
+
+
+def _draw_parts(figure: Figure, story: Story) -> None:
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.98, top=0.88, bottom=0.1, hspace=0.27)
+    draw_path(figure.add_subplot(grid[:, 0]), story)
+    speed = figure.add_subplot(grid[0, 1])
+    sequence = figure.add_subplot(grid[1, 1], sharex=speed)
+    draw_speed(speed, story)
+    draw_sequence(sequence, story)
+    sequence.set_xlim(0.0, max(1.0, seconds(story.ended_ns)) * 1.02)
 
 
 def _write_heading(figure: Figure, story: Story, title: str, alarm: str | None) -> None:

@@ -1,18 +1,19 @@
-"""The colours of a picture, the same in each of its parts; told apart by the colour-blind (Okabe and Ito)."""
+"""What the colours of a flight's picture stand for, the same in each of its parts."""
 
 from __future__ import annotations
 
 from typing import Final
 
+from waypointctl import figure
 from waypointctl.replay.story import Fate
 
-ROBOT: Final = "#0072B2"
-OPERATOR: Final = "#CC3D7A"
-REACHED: Final = "#009E73"
-FAILED: Final = "#D55E00"
-UNPROVEN: Final = "#C00000"
-OPEN: Final = "#8A8A8A"
-INK: Final = "#222222"
-FAINT: Final = "#B8B8B8"
+ROBOT: Final = figure.BLUE
+OPERATOR: Final = figure.PINK
+REACHED: Final = figure.GREEN
+FAILED: Final = figure.VERMILION
+UNPROVEN: Final = figure.RED
+OPEN: Final = figure.GREY
+INK: Final = figure.INK
+FAINT: Final = figure.FAINT
 
 FATES: Final = {Fate.REACHED: REACHED, Fate.TIMED_OUT: FAILED, Fate.SKIPPED: FAILED, Fate.OPEN: OPEN}

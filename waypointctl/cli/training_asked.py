@@ -1,0 +1,101 @@
+"""What `waypointctl train` was asked for."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from waypointctl.training.recipe_file import RecipeFile
+
+RUNS: Final = Path("runs")
+
+
+@dataclass(frozen=True, slots=True)
+class TrainingAsked:
+    """The command's arguments; what is None was not given.
+
+    Attributes:
+        recipe: its file.
+        out: the folder of the policy, or of the group of seeds.
+        runs: the folder of all runs.
+        resume: go on with a run, or with a group of seeds.
+        extend: the run to go on from by a longer recipe.
+        steps: of all phases together.
+        seed: in place of the recipe's.
+        seeds: how many, or which.
+        stop_at: the success rate in a checkpoint's test that ends the training.
+        threads: of physics and network; 0 is one a core.
+        json: whether the answer is for machines.
+    """
+
+    recipe: Path
+    out: Path | None = None
+    runs: Path = RUNS
+    resume: bool = False
+    extend: Path | None = None
+    steps: int | None = None
+    seed: int | None = None
+    seeds: str | None = None
+    stop_at: float | None = None
+    threads: int = 0
+    json: bool = False
+
+    def load(self) -> RecipeFile:
+        """Return the recipe as its file has it, if there is all for it; that is told before anything is written.
+
+        Raises:
+            InputError: packages are missing, the recipe or what it refers to is wrong or not there, or it cannot be
+                given the target that was asked for.
+        """
+        from waypointctl.training.installed import refuse_incomplete
+        from waypointctl.training.recipe_file import load_recipe
+        from waypointctl.training.recipe_references import load_recipe_to_train
+
+        # A run that is resumed has what its recipe refers to.
+        recipe_file = load_recipe(self.recipe) if self.resume else load_recipe_to_train(self.recipe)
+        refuse_incomplete()
+        if not self.resume:
+            self.applied_to(recipe_file)
+        return recipe_file
+
+    def applied_to(self, recipe_file: RecipeFile, began: RecipeFile | None = None) -> RecipeFile:
+        """Return a recipe with the steps, seed and target that were asked for.
+
+        Args:
+            recipe_file: as its file has it; phases are shortened or stretched from there.
+            began: as the run began that is resumed; None: nothing has begun.
+
+        Raises:
+            RecipeError: a target was asked for that the recipe cannot be given.
+        """
+        from waypointctl.errors import RecipeError
+
+        recipe = (began or recipe_file).recipe
+        if self.steps is not None:
+            scaled = recipe_file.recipe.scaled_to(self.steps)
+            recipe = recipe.with_phase_steps([phase.steps for phase in scaled.phases])
+        if self.seed is not None:
+            recipe = recipe.model_copy(update={"seed": self.seed})
+        if self.stop_at is not None:
+            try:
+                recipe = recipe.stopping_at(self.stop_at)
+            except ValueError as error:
+                mend = "Give the recipe a selection with a seed of its own."
+                where = recipe_file.place("evaluation", "seed")
+                raise RecipeError(f"--stop-at: {error}", where=where, mend=mend) from error
+        return replace(recipe_file, recipe=recipe)
+
+    @property
+    def go_on(self) -> str:
+        """The command that goes on with what this one began."""
+        options = [
+            ("--seeds", self.seeds),
+            ("--out", self.out),
+            ("--runs", self.runs if self.runs != RUNS else None),
+            ("--threads", self.threads or None),
+        ]
+        given = [part for name, value in options if value is not None for part in (name, str(value))]
+        return shlex.join(["waypointctl", "train", str(self.recipe), *given, "--resume"])

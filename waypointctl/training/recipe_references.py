@@ -1,0 +1,120 @@
+"""What a recipe refers to beside itself: the suite that it selects by, and the policy that it starts from.
+
+Whoever is about to train is told of what is not there together with everything else that is wrong with the file. A
+recipe that is merely read, such as the copy in a policy's folder, need not have what it refers to at hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from waypointctl.errors import PolicyError, RecipeError, SuiteError
+from waypointctl.mission.problems import Problem
+from waypointctl.mission.yaml_source import as_error, examine, read_source
+from waypointctl.mission.yaml_tree import DataPath, Tree, YamlFault, read_tree
+from waypointctl.training.recipe import Recipe
+from waypointctl.training.recipe_file import RecipeFile
+
+
+def load_recipe_to_train(path: Path) -> RecipeFile:
+    """Read a recipe that is to be followed from its beginning.
+
+    Raises:
+        RecipeError: there is no such file, it is not a recipe, or what it refers to is not there or does not fit;
+            everything wrong is listed with line and column.
+    """
+    source = read_source(path, RecipeError)
+    reading = examine(source, str(path), Recipe)
+    problems = [*reading.problems, *_reference_problems(source, path, reading.model)]
+    if reading.model is None or problems:
+        own = str(path)
+        problems.sort(key=lambda one: (one.where != own, one.line, one.column))  # what is wrong with a suite comes last
+        raise as_error(tuple(problems), RecipeError)
+    return RecipeFile(reading.model, source, path)
+
+
+def own_suite(suite: str, recipe: Path) -> Path | None:
+    """Return the file of a suite of one's own, None for the name of one that comes with waypointctl: it is bare.
+
+    Args:
+        suite: as the recipe's selection has it.
+        recipe: the recipe's file, beside which the suite's is looked for.
+    """
+    path = Path(suite)
+    return recipe.parent / path if path.suffix or len(path.parts) > 1 else None
+
+
+def _reference_problems(source: bytes, path: Path, recipe: Recipe | None) -> Iterator[Problem]:
+    """Yield what is wrong with what the file refers to; `recipe` is None where other things are wrong with the file."""
+    try:
+        tree = read_tree(source)
+    except YamlFault:
+        return
+    if suite := _text_at(tree, ("selection", "suite")):
+        yield from _suite_problems(suite, path, tree)
+    if start_from := _text_at(tree, ("start_from",)):
+        for text in _start_faults(path.parent / start_from, recipe):
+            yield _problem(path, tree, ("start_from",), text)
+
+
+def _text_at(tree: Tree, path: DataPath) -> str | None:
+    """Return the text at a path of the file; what is there and no text is no file's name either."""
+    data: Any = tree.data
+    for part in path:
+        data = data.get(part) if isinstance(data, dict) else None
+    return data if isinstance(data, str) else None
+
+
+def _problem(file: Path, tree: Tree, path: DataPath, text: str) -> Problem:
+    mark = tree.values[path]
+    return Problem(str(file), mark.line, mark.column, ".".join(str(part) for part in path), text)
+
+
+def _suite_problems(suite: str, recipe: Path, tree: Tree) -> Iterator[Problem]:
+    from waypointctl.evaluation.suite import BUILT_IN, Suite
+
+    path = ("selection", "suite")
+    own = own_suite(suite, recipe)
+    if own is None:
+        if suite not in BUILT_IN:
+            yield _problem(recipe, tree, path, _unknown_suite(suite, BUILT_IN))
+        return
+    try:
+        source = read_source(own, SuiteError)
+    except SuiteError as error:
+        text = f"{error.where}: {error.problem}; a suite's file is looked for beside the recipe"
+        yield _problem(recipe, tree, path, text)
+        return
+    yield from examine(source, str(own), Suite).problems
+
+
+def _unknown_suite(suite: str, known: tuple[str, ...]) -> str:
+    import difflib  # 10 ms that a good file need not wait for
+
+    if near := difflib.get_close_matches(suite, known, n=1):
+        return f"there is no suite {suite!r}; did you mean {near[0]!r}?"
+    return f"there is no suite {suite!r}; give {', '.join(known)} or a YAML file, relative to this one"
+
+
+def _start_faults(folder: Path, recipe: Recipe | None) -> Iterator[str]:
+    from waypointctl.paths import folder_fault
+    from waypointctl.policy.bundle import load_policy
+    from waypointctl.training.origin import misfits, not_startable
+
+    if fault := folder_fault(folder):
+        yield f"{folder}: {fault}; give a policy's folder, relative to this file"
+        return
+    try:
+        policy = load_policy(folder)
+    except PolicyError as error:
+        yield f"{error.where}: {error.problem}{_inline(error.mend)}"
+        return
+    for fault, mend in misfits(policy, recipe) if recipe else ():
+        yield f"{not_startable(policy, fault)}{_inline(mend)}"
+
+
+def _inline(mend: str | None) -> str:
+    """Return a mend as the end of a sentence."""
+    return f"; {mend[0].lower()}{mend[1:].rstrip('.')}" if mend else ""
