@@ -38,7 +38,7 @@ def test_the_newest_frame_counts_also_if_an_older_one_arrives_later() -> None:
 
 
 def test_a_loss_is_not_heard_of_and_neither_is_what_happens_on_board() -> None:
-    log = [
+    log: list[Event | CommandStage | Ack | Telemetry] = [
         sent(1, 2),
         stage(1, Stage.QUEUED, Clock.OPERATOR, 2),
         stage(1, Stage.SENT, Clock.OPERATOR, 3),

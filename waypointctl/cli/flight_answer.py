@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from waypointctl.units import seconds
 
@@ -15,8 +15,13 @@ EXIT_CODES: Final = {"success": 0, "failure": 1, "interrupted": 130}
 
 def answer(mission: str, recording: Recording) -> str:
     """Return the JSON object that stands for the flight of a mission, by its name."""
+    return f"{json.dumps(facts(mission, recording), indent=2)}\n"
+
+
+def facts(mission: str, recording: Recording) -> dict[str, Any]:
+    """Return what there is to say of the flight of a mission, by its name."""
     result = recording.result
-    found = {
+    return {
         "mission": mission,
         "outcome": result.outcome,
         "reason": result.reason,
@@ -27,4 +32,3 @@ def answer(mission: str, recording: Recording) -> str:
         "log": str(recording.path),
         "log_sha256": recording.sha256,
     }
-    return f"{json.dumps(found, indent=2)}\n"

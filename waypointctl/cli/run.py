@@ -16,8 +16,11 @@ if TYPE_CHECKING:
 
 
 def run(
-    mission: Annotated[
-        Path | None, typer.Argument(metavar="MISSION.yaml", help="The mission file.", show_default=False)
+    missions: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="MISSION.yaml...", help="The mission file, or several to fly in turn.", show_default=False
+        ),
     ] = None,
     policy: Annotated[
         Path | None, typer.Option(help="Fly this policy's folder, not the mission's.", show_default=False)
@@ -42,13 +45,21 @@ def run(
         Path | None,
         typer.Option(metavar="LOG", help="Go on with the flight of this log, which was killed.", show_default=False),
     ] = None,
+    junit: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.xml", help="Write a JUnit report, a case a mission.", show_default=False),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
 ) -> None:
-    """Fly a mission and log it. Exit with 0 for success, 1 for failure, 130 if it was interrupted."""
+    """Fly a mission, or several, and log it. Exit with 0 for success, 1 for failure, 130 if it was interrupted.
+
+    Of several each that can be flown is; the exit code is 2 if one of the files is broken.
+    """
     from waypointctl.cli.flight_answer import EXIT_CODES, answer
     from waypointctl.cli.flight_view import flight_view
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.log_place import claimed
+    from waypointctl.cli.run_many import Many, run_many
     from waypointctl.cli.view.summary import print_flight
     from waypointctl.ops.record import record
     from waypointctl.policy.bundle import load_policy
@@ -56,14 +67,23 @@ def run(
     if resume is not None:
         from waypointctl.cli.resume import Resumption, refuse_beside_resume, resume_flight
 
-        anew = {"MISSION.yaml": mission, "--policy": policy, "--seed": seed, "--out": out, "--force": force or None}
+        anew = {
+            "MISSION.yaml": missions or None,
+            "--junit": junit,
+            "--policy": policy,
+            "--seed": seed,
+            "--out": out,
+            "--force": force or None,
+        }
         refuse_beside_resume(anew)
         raise typer.Exit(resume_flight(Resumption(resume, rate, console, json)))
-    if mission is None:
+    if not missions:
         raise typer.BadParameter("name a mission file, or a log with --resume.", param_hint="MISSION.yaml")
-    mission_file = _mission(mission, seed)
-    if policy is None:
-        _refuse_missing_policy(mission_file)
+    if len(missions) > 1 or junit is not None:
+        _refuse_for_many(missions, {"--out": out if len(missions) > 1 else None, "--console": console, "--rate": rate})
+        many = Many(tuple(missions), policy, out, force, junit, json)
+        raise typer.Exit(run_many(many, lambda path: _mission(path, seed, policy)))
+    mission_file = _mission(missions[0], seed, policy)
     loaded = load_policy(policy or mission_file.policy_path)
     # Only a flight can be asked to end: before it, where a file may keep one waiting, a signal ends the program.
     with interruption() as interrupted, claimed(mission_file.mission.name, out, force=force) as path:
@@ -79,13 +99,24 @@ def run(
     raise typer.Exit(EXIT_CODES[recording.result.outcome])
 
 
-def _mission(path: Path, seed: int | None) -> MissionFile:
+def _refuse_for_many(missions: list[Path], alone: dict[str, object]) -> None:
+    """Refuse the options that are for one mission, flown for somebody who looks on."""
+    for name, value in alone.items():
+        if value:
+            what = "several missions" if len(missions) > 1 else "--junit"
+            raise typer.BadParameter(f"is nothing for {what}.", param_hint=name)
+
+
+def _mission(path: Path, seed: int | None, policy: Path | None) -> MissionFile:
+    """Read a mission file; refuse one whose policy is not there, unless another one flies it."""
     from dataclasses import replace
 
     from waypointctl.mission.files import load_mission
 
-    given = load_mission(path)
-    return given if seed is None else replace(given, mission=given.mission.model_copy(update={"seed": seed}))
+    file = load_mission(path)
+    if policy is None:
+        _refuse_missing_policy(file)
+    return file if seed is None else replace(file, mission=file.mission.model_copy(update={"seed": seed}))
 
 
 def _refuse_missing_policy(mission_file: MissionFile) -> None:

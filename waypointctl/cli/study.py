@@ -136,12 +136,12 @@ def _cores() -> int:
 
 def _tell(found: DelayStudy, folder: Path, *, stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.evaluation import grid_table
+    from waypointctl.cli.view.grid_view import GridView
     from waypointctl.study.files import PICTURE, TABLES, VALUES
     from waypointctl.study.tables import tables
 
     people = console(stderr=stderr)
     for grid in tables(found):
-        people.print(grid_table(grid, people.width))
+        people.print(GridView(grid, ("--json", str(folder / TABLES))))
         people.print()
     typer.echo(f"{folder / PICTURE}: the picture; the tables in {TABLES} and {VALUES}", err=stderr)

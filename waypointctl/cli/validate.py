@@ -155,5 +155,6 @@ def _record(result: _Checked) -> dict[str, Any]:
         "speed": asdict(found.speed),
         "expected_time_s": found.own.time_s,
         "expected": [asdict(each) for each in found.expected],
+        "not_counted": list(found.not_counted),
         "warnings": [asdict(warning) for warning in result.warnings],
     }

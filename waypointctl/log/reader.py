@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from mcap.opcode import Opcode
 
@@ -28,6 +29,40 @@ def open_log(path: Path, *, allow_truncated: bool = False) -> Log:
         LogError: the file cannot be read, is damaged, is cut short, is no log of waypointctl or of a newer one.
     """
     return Log(path, scan(path, allow_truncated=allow_truncated))
+
+
+class SealedMessage(NamedTuple):
+    """A message of a flight as it stands in the file; a tuple, because it is made for every message of a log."""
+
+    topic: Topic
+    raw: RawMessage
+    path: str
+    offset: int  # of its chunk
+
+    def message(self) -> Message:
+        """Return what it says.
+
+        Raises:
+            LogError: it is no such message, or its times in the file are not those it says.
+        """
+        topic, raw = self.topic, self.raw
+        try:
+            message = topic.decode(raw.data)
+        except DAMAGE as error:
+            raise damaged(self.path, self.offset, str(error)) from error
+        if topic.times_ns(message) != (raw.log_time_ns, raw.publish_time_ns):
+            problem = f"a message on {topic.name} stands under other times than its own"
+            raise damaged(self.path, self.offset, problem)
+        return message
+
+    def says(self, message: Message) -> bool:
+        """Tell, without decoding it, whether it is this message as it is written here, to the last bit."""
+        topic, raw = self.topic, self.raw
+        return (
+            type(message) is topic.kind
+            and topic.times_ns(message) == (raw.log_time_ns, raw.publish_time_ns)
+            and topic.encode(message) == raw.data
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +137,19 @@ class Log:
                     raw = raw_message(body)
                     yield topics[raw.channel].name, raw
 
+    def sealed_messages(self) -> Iterator[SealedMessage]:
+        """Return all of the flight's own messages in the order they were written, not yet decoded.
+
+        Raises:
+            LogError: while iterating, data that is no message at all.
+        """
+        return self._sealed(_decoders(self, None), 0, 1 << 64)
+
     def _messages(self, decoders: Mapping[int, Topic], start_ns: int, end_ns: int) -> Iterator[Message]:
+        return (sealed.message() for sealed in self._sealed(decoders, start_ns, end_ns))
+
+    def _sealed(self, decoders: Mapping[int, Topic], start_ns: int, end_ns: int) -> Iterator[SealedMessage]:
+        path = str(self.path)
         for chunk in self._chunks(start_ns, end_ns):
             try:
                 for opcode, body in inner_records(chunk_bytes(chunk)):
@@ -111,13 +158,9 @@ class Log:
                     raw = raw_message(body)
                     topic = decoders.get(raw.channel)
                     if topic is not None and start_ns <= raw.log_time_ns < end_ns:
-                        message = topic.decode(raw.data)
-                        if topic.times_ns(message) != (raw.log_time_ns, raw.publish_time_ns):
-                            problem = f"a message on {topic.name} stands under other times than its own"
-                            raise damaged(str(self.path), chunk.offset, problem)
-                        yield message
+                        yield SealedMessage(topic, raw, path, chunk.offset)
             except DAMAGE as error:
-                raise damaged(str(self.path), chunk.offset, str(error)) from error
+                raise damaged(path, chunk.offset, str(error)) from error
 
     def _chunks(self, start_ns: int, end_ns: int) -> Iterator[Record]:
         def wanted(place: ChunkPlace) -> bool:

@@ -18,6 +18,9 @@ class OperatorScript(FileModel):
     think_s: Annotated[float, Quantity("s", ge=0, le=_DAY_S)] = Field(
         0.0, description="from hearing what decides to sending what follows from it"
     )
+    released: Annotated[int, Strict(), Field(ge=-1)] = Field(
+        -1, description="autonomy mission: how many waypoints may be walked to until more are released; -1 for all"
+    )
     steering: Literal["move_and_wait", "continuous"] = Field(
         "move_and_wait", description="autonomy heading: the next goal when the last was heard to be over, or at a rate"
     )

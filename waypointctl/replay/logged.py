@@ -6,8 +6,8 @@ from waypointctl.errors import MissionError
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.log.reader import Log
 from waypointctl.mission.files import parse_mission
-from waypointctl.ops.header import MISSION, files_of_mission
 from waypointctl.ops.ground.operator import planned_waypoints
+from waypointctl.ops.header import MISSION, files_of_mission
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.story import Story
 

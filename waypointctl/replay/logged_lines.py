@@ -47,6 +47,8 @@ class LoggedLines:
 
     @property
     def _upcoming(self) -> ConsoleInput | None:
+        if self._witness.upcoming_kind is not ConsoleInput:
+            return None
         upcoming = self._witness.upcoming
         return upcoming if isinstance(upcoming, ConsoleInput) else None
 

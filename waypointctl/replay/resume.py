@@ -107,16 +107,16 @@ def go_on(
     """
     carried = flight.carried
     beside = flight.path.with_name(f"{flight.path.name}.resumed{PART}")
-    witness = Witness(flight.log.messages(), bitwise=True)
+    witness = Witness(flight.log.sealed_messages(), bitwise=True)
     by_hand = LoggedLines(witness, carried.mission, flight.milestones)
     lines = _Lines(by_hand, witness, console)
 
     def asked() -> bool:
         if by_hand.interrupted():
             return True  # it was killed while its interrupted log was being closed
-        if interrupted() and witness.upcoming is not None:
+        if interrupted() and not witness.has_ended:
             raise Interrupted
-        return witness.upcoming is None and interrupted()
+        return interrupted()
 
     try:
         with LogWriter(flight.path, carried.header(), part=beside) as writer:
@@ -135,7 +135,7 @@ def _passage(witness: Witness, writer: LogWriter, again: Sink, watch: Sink) -> S
     """Return a sink that leads from the old log to the new one."""
 
     def take(message: Message) -> None:
-        is_new = witness.upcoming is None
+        is_new = witness.has_ended
         if not is_new:
             witness(message)
         (watch if is_new else again)(message)
@@ -158,7 +158,7 @@ class _Lines:
 
     def lines(self, now_ns: int) -> Iterator[str]:
         yield from self._logged.lines(now_ns)
-        if self._witness.upcoming is not None or not self._is_listening:
+        if not self._witness.has_ended or not self._is_listening:
             return
         if self._person is not None:
             yield from self._person.lines(now_ns)
@@ -168,7 +168,7 @@ class _Lines:
 
     def asleep(self, now_ns: int, until_ns: int) -> int:
         woken_ns = self._logged.asleep(now_ns, until_ns)
-        if self._witness.upcoming is not None or self._person is None or not self._is_listening:
+        if not self._witness.has_ended or self._person is None or not self._is_listening:
             return woken_ns
         return self._person.asleep(now_ns, woken_ns)
 

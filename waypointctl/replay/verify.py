@@ -52,7 +52,7 @@ def verify_log(log: Log) -> Verification:
 
 def _fly_again(log: Log, carried: Carried) -> Verification:
     elsewhere = differing(log, KERNELS)
-    witness = Witness(log.messages(), bitwise=not elsewhere)
+    witness = Witness(log.sealed_messages(), bitwise=not elsewhere)
     audited = AuditedPolicy(carried.policy, witness, bitwise=not elsewhere)
     mission = carried.mission
     try:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.log.messages import Action, GroundControl, Message, Observation, State, Telemetry
-from waypointctl.log.topics import BY_KIND
+from waypointctl.log.reader import SealedMessage
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.difference import difference, different_bits
 from waypointctl.replay.verdict import Divergence
@@ -39,13 +39,19 @@ class Witness:
 
     What is computed with numpy's trigonometry, observations and telemetry, may be rounded otherwise on another
     processor. States never may: physics goes on from them.
+
+    Most messages are the same bytes as those of the log, which is seen without decoding them.
+
+    Attributes:
+        compared: how many messages of each topic were found equal.
     """
 
-    def __init__(self, logged: Iterator[Message], *, bitwise: bool) -> None:
+    def __init__(self, logged: Iterator[SealedMessage], *, bitwise: bool) -> None:
         """Take the logged messages in their order; without `bitwise` let numpy round otherwise."""
         self._logged = logged
         self._rounded = () if bitwise else (Observation, Telemetry, GroundControl)
-        self._next: Message | None = next(logged, None)
+        self._next = next(logged, None)
+        self._opened: Message | None = None  # the next one, once it has been asked for
         self._step = 0
         self._time_ns = 0
         self.compared: Counter[str] = Counter()
@@ -54,25 +60,41 @@ class Witness:
         """Compare a message of the replay with the next one of the log."""
         if isinstance(replayed, State):
             self._step, self._time_ns = replayed.step, replayed.time_ns
-        logged = self._next
-        if logged is None:
+        sealed = self._next
+        if sealed is None:
             raise LogEnded
-        found = difference(logged, replayed, rounded=isinstance(replayed, self._rounded))
-        if found is not None:
-            topic = BY_KIND[type(logged)].name
-            raise self.diverged(topic, found.component, found.logged, found.replayed, rounding=found.rounding)
-        self.compared[BY_KIND[type(logged)].name] += 1
-        self._next = next(self._logged, None)
+        if not sealed.says(replayed):
+            self._require_equal(sealed, replayed)
+        self.compared[sealed.topic.name] += 1
+        self._next, self._opened = next(self._logged, None), None
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether every message of the log has been compared."""
+        return self._next is None
+
+    @property
+    def upcoming_kind(self) -> type[Message] | None:
+        """What kind of message comes next in the log."""
+        return None if self._next is None else self._next.topic.kind
 
     @property
     def upcoming(self) -> Message | None:
         """The next message of the log, not yet compared."""
-        return self._next
+        if self._opened is None and self._next is not None:
+            self._opened = self._next.message()
+        return self._opened
 
     @property
     def step(self) -> int:
         """The control step under way."""
         return self._step
+
+    def _require_equal(self, sealed: SealedMessage, replayed: Message) -> None:
+        found = difference(sealed.message(), replayed, rounded=isinstance(replayed, self._rounded))
+        if found is not None:
+            topic = sealed.topic.name
+            raise self.diverged(topic, found.component, found.logged, found.replayed, rounding=found.rounding)
 
     def diverged(self, topic: str, component: str, logged: str, replayed: str, *, rounding: bool = False) -> Diverged:
         """Return the error that says where the two part: here."""
@@ -100,7 +122,7 @@ class AuditedPolicy:
     def act(self, observation: FloatArray) -> FloatArray:
         """Return the logged action (1, nu) for the observation (1, k) of the step under way."""
         computed = self._policy.act(observation)
-        logged = self._witness.upcoming
+        logged = self._witness.upcoming if self._witness.upcoming_kind in (Action, GroundControl) else None
         if not isinstance(logged, Action | GroundControl) or logged.commanded.shape != computed[0].shape:
             return computed  # the comparison that follows says what is wrong
         for i in self._unlike(logged.commanded, computed[0]):

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import io
 import itertools
 import textwrap
 from collections.abc import Sequence
 from typing import Any, Final
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator, PercentFormatter
 
+from waypointctl.figure import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, VERMILION, picture
 from waypointctl.study.autonomy import AUTONOMIES, JOINT
 from waypointctl.study.cell import Cell
 from waypointctl.study.delay import DelayStudy, Route
@@ -28,48 +26,34 @@ _LINEAR_S: Final = 0.4  # below this the axis of round trips is linear, so that 
 _BETWEEN: Final = 50  # points of a line from one round trip to the next
 _SPARE_TICK: Final = 0.04  # of the axis: a round trip nearer to the one before it has no label
 _LETTER_IN: Final = 0.085  # of the note
-_INK: Final = "#222222"
-_FAINT: Final = "#C8C8C8"
-# Colours told apart by the colour-blind (Okabe and Ito), and a mark each.
 _LOOKS: Final = {
-    "mission": ("#0072B2", "o"),
-    "waypoint": ("#009E73", "s"),
-    "heading": ("#D55E00", "^"),
-    "heading-continuous": ("#8E44AD", "D"),
-    "joint": ("#B8860B", "v"),
+    "mission": (BLUE, "o"),
+    "waypoint": (GREEN, "s"),
+    "heading": (VERMILION, "^"),
+    "heading-continuous": (PURPLE, "D"),
+    "joint": (OCHRE, "v"),
 }
-_STYLE: Final[dict[Any, Any]] = {
-    "text.parse_math": False,  # a dollar sign in a policy's name is a dollar sign
-    "axes.titlelocation": "left",
-    "axes.edgecolor": _FAINT,
-    "axes.linewidth": 0.8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "text.color": _INK,
-    "font.size": 9.5,
-}
+_STYLE: Final[dict[Any, Any]] = {"axes.edgecolor": FAINT, "axes.linewidth": 0.8, "font.size": 9.5}
 
 
 def draw(study: DelayStudy) -> bytes:
     """Return the picture as PNG; the same study gives the same bytes."""
+    size_in = len(study.routes) * _COLUMN_IN + 0.6, _HEIGHT_IN
+    return picture(lambda figure: _draw(figure, study, size_in[0]), size_in, _DPI, _STYLE)
+
+
+def _draw(figure: Figure, study: DelayStudy, width_in: float) -> None:
     count = len(study.routes)
-    width_in = count * _COLUMN_IN + 0.6
-    with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(width_in, _HEIGHT_IN), dpi=_DPI)
-        FigureCanvasAgg(figure)
-        grid = {"left": 0.75 / width_in, "right": 1 - 0.2 / width_in, "top": 0.86, "bottom": 0.14, "hspace": 0.2}
-        axes = figure.subplots(2, count, squeeze=False, gridspec_kw={**grid, "height_ratios": (2, 1), "wspace": 0.14})
-        for column, route in enumerate(study.routes):
-            _draw_times(axes[0, column], study, route)
-            _draw_standing(axes[1, column], study, route)
-            for one in axes[:, column]:
-                _scale(one, study)
-        axes[0, 0].set_ylabel("time until the operator knows [s]")
-        axes[1, 0].set_ylabel("share of the time standing")
-        _write(figure, study, 0.75 / width_in)
-        image = io.BytesIO()
-        figure.savefig(image, format="png", dpi=_DPI, metadata={"Software": None})
-    return image.getvalue()
+    grid = {"left": 0.75 / width_in, "right": 1 - 0.2 / width_in, "top": 0.86, "bottom": 0.14, "hspace": 0.2}
+    axes = figure.subplots(2, count, squeeze=False, gridspec_kw={**grid, "height_ratios": (2, 1), "wspace": 0.14})
+    for column, route in enumerate(study.routes):
+        _draw_times(axes[0, column], study, route)
+        _draw_standing(axes[1, column], study, route)
+        for one in axes[:, column]:
+            _scale(one, study)
+    axes[0, 0].set_ylabel("time until the operator knows [s]")
+    axes[1, 0].set_ylabel("share of the time standing")
+    _write(figure, study, 0.75 / width_in)
 
 
 def _draw_times(axes: Axes, study: DelayStudy, route: Route) -> None:
@@ -148,7 +132,7 @@ def _scale(axes: Axes, study: DelayStudy) -> None:
     axes.set_xlim(-0.03, max(*rtts_s, _LINEAR_S) * 1.25)
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xticks(rtts_s, labels=_labels(axes, rtts_s))
-    axes.grid(color=_FAINT, linewidth=0.35)
+    axes.grid(color=FAINT, linewidth=0.35)
     axes.set_axisbelow(True)
 
 
@@ -171,8 +155,8 @@ def _write(figure: Figure, study: DelayStudy, left: float) -> None:
         if name in drawn
     ]
     handles += [
-        Line2D([], [], color=_INK, linestyle=(0, (4, 3)), linewidth=0.9, label="L/v + N (RTT + think)"),
-        Line2D([], [], color=_INK, marker="x", linestyle="none", label="no success"),
+        Line2D([], [], color=INK, linestyle=(0, (4, 3)), linewidth=0.9, label="L/v + N (RTT + think)"),
+        Line2D([], [], color=INK, marker="x", linestyle="none", label="no success"),
     ]
     figure.legend(handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=9)
     seeds = f"{len(study.seeds)} seeds each" if len(study.seeds) > 1 else f"seed {study.seeds[0]}"

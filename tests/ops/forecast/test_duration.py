@@ -46,6 +46,7 @@ def test_steering_at_a_rate_is_as_fast_as_its_goals_are_fresh() -> None:
 
 def test_holds_are_in_it_and_what_is_too_far_for_its_time_is_left_behind() -> None:
     assert time_s(parse("defaults: {hold: 3 s}\n"), "mission") == pytest.approx(10 + 6)
+    assert time_s(parse("defaults: {observe: true}\n"), "mission") == pytest.approx(10 + 2)
     skips = parse("defaults: {timeout: 3 s}\non_failure: skip\n")
     assert time_s(skips, "mission") == pytest.approx(6)
     assert [walk.duration_s for walk in walks_of(skips, 2.0)] == [None, None]

@@ -14,7 +14,8 @@ def expectation(found: Forecast) -> str:
     others = ", ".join(
         f"{each.autonomy} {_time(each)}" for each in found.expected if each.autonomy != found.own.autonomy
     )
-    return f"expected {_time(found.own)} ({others}) at {found.speed.mps:.2f} m/s, {found.speed.source}"
+    without = f"; not counted: {', '.join(found.not_counted)}" if found.not_counted else ""
+    return f"expected {_time(found.own)} ({others}) at {found.speed.mps:.2f} m/s, {found.speed.source}{without}"
 
 
 def _time(each: Expected) -> str:

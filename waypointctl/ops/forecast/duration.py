@@ -13,6 +13,7 @@ from typing import Final, Literal, TypeAlias
 
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.executive.judgement import OBSERVATION_NS, OBSERVE
 from waypointctl.ops.forecast.traffic import Traffic, go_to_bytes, upload_bytes
 from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.units import NS_PER_S, ns, seconds
@@ -31,7 +32,7 @@ class Walk:
     Attributes:
         waypoint: that it leads to.
         way_m: how far that is.
-        duration_s: from setting out to having held there; None where its time is out before it is reached.
+        duration_s: from setting out to having held and observed there; None where its time is out before it is reached.
     """
 
     waypoint: PlannedWaypoint
@@ -65,7 +66,7 @@ def walks_of(mission: Mission, speed_mps: float) -> tuple[Walk, ...]:
         way_m = math.dist(place, (waypoint.x_m, waypoint.y_m))
         walked_m = seconds(waypoint.timeout_ns) * (1 + rule.retry) * speed_mps
         if way_m <= walked_m:
-            walks.append(Walk(waypoint, way_m, way_m / speed_mps + seconds(waypoint.hold_ns)))
+            walks.append(Walk(waypoint, way_m, way_m / speed_mps + stands_s(waypoint)))
             place = (waypoint.x_m, waypoint.y_m)
             continue
         walks.append(Walk(waypoint, way_m, None))
@@ -74,6 +75,11 @@ def walks_of(mission: Mission, speed_mps: float) -> tuple[Walk, ...]:
         part = walked_m / way_m
         place = (place[0] + part * (waypoint.x_m - place[0]), place[1] + part * (waypoint.y_m - place[1]))
     return tuple(walks)
+
+
+def stands_s(waypoint: PlannedWaypoint) -> float:
+    """Return how long the robot stands at a waypoint for its hold and its task [s]."""
+    return seconds(waypoint.hold_ns + (OBSERVATION_NS if waypoint.task == OBSERVE else 0))
 
 
 def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Autonomy) -> Expected:
@@ -142,5 +148,5 @@ def _continuous(
         return Expected("heading", None, 1)
     age_s = heard_ns / NS_PER_S + 1 / mission.operator.update_rate_hz
     slower = max(speed_mps * age_s / mission.operator.carrot_m, 1.0)
-    holds_s = sum(seconds(walk.waypoint.hold_ns) for walk in walks)
+    holds_s = sum(stands_s(walk.waypoint) for walk in walks if walk.duration_s is not None)
     return _at_once("heading", (sum(spent_s) - holds_s) * slower + holds_s, 1, traffic)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from waypointctl.mission.mission import Mission
@@ -29,12 +30,14 @@ class Forecast:
         expected: for each autonomy.
         own: of them, the mission's.
         findings: what may go wrong, in no order of weight.
+        not_counted: what makes it longer, and is not in the times.
     """
 
     speed: WalkingSpeed
     expected: tuple[Expected, ...]
     own: Expected
     findings: tuple[Finding, ...]
+    not_counted: tuple[str, ...] = ()
 
 
 def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
@@ -55,4 +58,11 @@ def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
     if limit_s is not None and own.time_s is not None and own.time_s > limit_s:
         text = f"{limit_s:g} s are allowed, and about {own.time_s:.1f} s are expected"
         findings.append(Finding("max_time", ("expect", "max_time_s"), text))
-    return Forecast(speed, times, own, tuple(findings))
+    return Forecast(speed, times, own, tuple(findings), tuple(_not_counted(mission)))
+
+
+def _not_counted(mission: Mission) -> Iterator[str]:
+    if mission.schedule:
+        yield "the schedule"
+    if mission.link.up.loss or mission.link.down.loss:
+        yield "losses"

@@ -19,8 +19,18 @@ def route_findings(mission: Mission, speed_mps: float, traffic: Traffic) -> Iter
     yield from _fence(mission)
     yield from _nearness(mission)
     yield from _time(mission, speed_mps)
+    if mission.autonomy == "mission":
+        yield from _release(mission)
     if mission.autonomy == "heading" and mission.operator.steering == "move_and_wait":
         yield from _steered_time(mission, speed_mps, traffic)
+
+
+def _release(mission: Mission) -> Iterator[Finding]:
+    """Yield a plan of which a part is never released."""
+    released, count = mission.operator.released, len(mission.waypoints)
+    if 0 <= released < count and not any(command.do in ("release", "go_to") for command in mission.schedule):
+        text = f"{released} of {count} waypoints are released, and nothing in the schedule releases more"
+        yield Finding("release", ("operator", "released"), text)
 
 
 def _fence(mission: Mission) -> Iterator[Finding]:

@@ -16,10 +16,11 @@ class MissionOperator(Operator):
         """Take charge of a mission."""
         super().__init__(mission)
         self._on_failure: str = mission.failure_rule.then
+        self._released = mission.operator.released
 
     def begin(self) -> list[Order]:
-        """Send the plan."""
-        return [Order(CommandKind.UPLOAD_PLAN, self._plan, self._on_failure)]
+        """Send the plan, released as far as the mission says."""
+        return [Order(CommandKind.UPLOAD_PLAN, self._plan, self._on_failure, self._released)]
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
         return self._finish(ended_by_robot(ack)) if ack.command_id == self._newest[CommandKind.UPLOAD_PLAN] else []
