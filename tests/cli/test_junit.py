@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import re
+from xml.etree import ElementTree
+
+import pytest
+
+from waypointctl.cli.junit import Case, junit_xml
+
+CASES = [
+    Case("a.yaml", "success", "2 of 2", 7.55, "logs/a.mcap\n"),
+    Case("b & <b>.yaml", "failure", "timeout: 1 of 2\nsecond line", 30.0, "logs/b.mcap\n"),
+    Case("c.yaml", "error", 'c.yaml:1:1: "x" \x07 \ud83d', 0.0),
+    Case("d.yaml", "skipped", "not flown", 0.0),
+]
+
+# The parts of Jenkins' junit-10.xsd that a report of tests uses: required and allowed attributes, and children in
+# order. Numbers are xs:string there; what reads them wants digits.
+SCHEMA: dict[str, tuple[set[str], set[str], list[str]]] = {
+    "testsuites": (set(), {"name", "time", "tests", "failures", "disabled", "errors"}, ["testsuite"]),
+    "testsuite": (
+        {"name", "tests"},
+        {"failures", "errors", "group", "time", "skipped", "timestamp", "hostname", "id", "package", "file", "log"},
+        ["properties", "testcase", "system-out", "system-err"],
+    ),
+    "testcase": (
+        {"name"},
+        {"assertions", "time", "classname", "status", "class", "file", "line"},
+        ["skipped", "error", "failure", "system-out", "system-err"],
+    ),
+    "failure": (set(), {"type", "message"}, []),
+    "error": (set(), {"type", "message"}, []),
+    "skipped": (set(), {"type", "message"}, []),
+    "system-out": (set(), set(), []),
+}
+
+
+def check(element: ElementTree.Element) -> None:
+    """Hold an element to the schema."""
+    required, optional, children = SCHEMA[element.tag]
+    assert required <= set(element.attrib) <= required | optional
+    places = [children.index(child.tag) for child in element]
+    assert places == sorted(places)
+    for name in ("tests", "failures", "errors", "skipped"):
+        assert re.fullmatch(r"\d+", element.get(name, "0"))
+    assert re.fullmatch(r"\d+\.\d{3}", element.get("time", "0.000"))
+    for child in element:
+        check(child)
+
+
+@pytest.mark.parametrize("count", range(5))
+def test_a_report_is_what_the_schema_wants(count: int) -> None:
+    root = ElementTree.fromstring(junit_xml(CASES[:count]))
+    assert root.tag == "testsuites"
+    assert len(root) == 1
+    check(root)
+    assert len(root.findall("./testsuite/testcase")) == count
+
+
+def test_it_counts_and_tells_what_became_of_each() -> None:
+    (suite,) = ElementTree.fromstring(junit_xml(CASES))
+    counts = {"tests": "4", "failures": "1", "errors": "1", "skipped": "1", "time": "37.550"}
+    assert counts.items() <= suite.attrib.items()
+    success, failure, error, skipped = suite
+    assert [child.tag for child in success] == ["system-out"]
+    assert failure.get("name") == "b & <b>.yaml"
+    assert failure[0].attrib == {"type": "failure", "message": "timeout: 1 of 2"}
+    assert failure[0].text == "timeout: 1 of 2\nsecond line"
+    assert error[0].text == 'c.yaml:1:1: "x" \ufffd \ufffd'
+    assert [child.tag for child in skipped] == ["skipped"]
+
+
+def test_the_same_flights_give_the_same_bytes_without_a_clock() -> None:
+    assert junit_xml(CASES) == junit_xml(list(CASES))
+    assert b"timestamp" not in junit_xml(CASES)

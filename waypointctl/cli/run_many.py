@@ -1,0 +1,173 @@
+"""Many missions in one command: each flown and logged, a table at the end, and a report for CI servers."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from waypointctl.errors import InputError
+from waypointctl.units import seconds
+
+if TYPE_CHECKING:
+    from waypointctl.cli.junit import Case
+    from waypointctl.mission.files import MissionFile
+    from waypointctl.ops.record import Recording
+    from waypointctl.policy.bundle import LoadedPolicy
+
+_NOT_FLOWN: Final = "not flown: interrupted before"
+_WORDS: Final = {"success": "succeeded", "failure": "failed", "interrupted": "interrupted"}
+
+LoadMission = Callable[[Path], "MissionFile"]
+
+
+@dataclass(frozen=True, slots=True)
+class Many:
+    """What is asked of some missions.
+
+    Attributes:
+        paths: their files.
+        policy: who walks, in place of the policy that each of them names.
+        out: the log, where there is only one of them.
+        force: replace it.
+        junit: where the JUnit report goes.
+        as_json: print one JSON object.
+    """
+
+    paths: tuple[Path, ...]
+    policy: Path | None
+    out: Path | None
+    force: bool
+    junit: Path | None
+    as_json: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came of a mission file: a flight, why it could not be flown, or neither, after an interruption."""
+
+    path: Path
+    mission: str = ""
+    recording: Recording | None = None
+    problem: str = ""
+
+
+def run_many(many: Many, load: LoadMission) -> int:
+    """Fly missions one after the other; return the exit code.
+
+    Args:
+        many: what is asked.
+        load: reads a mission file, and refuses one whose policy is not there.
+
+    Raises:
+        OutputError: the report cannot be written.
+    """
+    from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.junit import junit_xml
+    from waypointctl.paths import refuse_unwritable_file, write_whole
+
+    if many.junit is not None:
+        refuse_unwritable_file(many.junit, "the report")
+    with interruption() as interrupted:
+        outcomes = _fly_all(many, load, interrupted)
+    if many.junit is not None:
+        write_whole(many.junit, junit_xml([_case(outcome) for outcome in outcomes]), "the report")
+    _print_table(outcomes, stderr=many.as_json)
+    if many.as_json:
+        records = [_record(outcome) for outcome in outcomes]
+        answer = records[0] if len(records) == 1 else {"missions": records}
+        sys.stdout.write(f"{json.dumps(answer, indent=2)}\n")
+    return _exit_code(outcomes)
+
+
+def _fly_all(many: Many, load: LoadMission, interrupted: Callable[[], bool]) -> list[Outcome]:
+    outcomes: list[Outcome] = []
+    policies: dict[Path, LoadedPolicy] = {}
+    for path in many.paths:
+        if interrupted():
+            outcomes.append(Outcome(path))
+            continue
+        try:
+            outcome = _fly(path, many, load, policies, interrupted)
+        except InputError as error:
+            outcome = Outcome(path, problem=str(error))
+        outcomes.append(outcome)
+        print(f"{path}: {outcome.problem or _reason(outcome)}", file=sys.stderr, flush=True)
+    return outcomes
+
+
+def _fly(
+    path: Path, many: Many, load: LoadMission, policies: dict[Path, LoadedPolicy], interrupted: Callable[[], bool]
+) -> Outcome:
+    from waypointctl.cli.log_place import claimed
+    from waypointctl.ops.record import record
+    from waypointctl.policy.bundle import load_policy
+
+    file = load(path)
+    folder = many.policy or file.policy_path.resolve()
+    if folder not in policies:
+        policies[folder] = load_policy(many.policy or file.policy_path)
+    with claimed(file.mission.name, many.out, force=many.force) as log:
+        return Outcome(path, file.mission.name, record(file, policies[folder], log, interrupted=interrupted))
+
+
+def _reason(outcome: Outcome) -> str:
+    if outcome.recording is None:
+        return _NOT_FLOWN
+    return f"{outcome.recording.result.outcome}: {outcome.recording.result.reason}"
+
+
+def _case(outcome: Outcome) -> Case:
+    from waypointctl.cli.junit import Case
+
+    name, recording = str(outcome.path), outcome.recording
+    if outcome.problem:
+        return Case(name, "error", outcome.problem, 0.0)
+    if recording is None:
+        return Case(name, "skipped", _NOT_FLOWN, 0.0)
+    result = recording.result
+    output = f"mission {outcome.mission}, seed {recording.seed}\n{recording.path}\nsha256 {recording.sha256}\n"
+    flown_s = seconds(result.sim_time_ns)
+    if result.outcome == "interrupted":
+        return Case(name, "error", f"interrupted: {result.reason}", flown_s, output)
+    return Case(name, "success" if result.outcome == "success" else "failure", result.reason, flown_s, output)
+
+
+def _record(outcome: Outcome) -> dict[str, Any]:
+    """Return an outcome as --json has it."""
+    from waypointctl.cli.flight_answer import facts
+
+    if outcome.recording is not None:
+        return {"file": str(outcome.path), **facts(outcome.mission, outcome.recording)}
+    said = ("error", outcome.problem) if outcome.problem else ("skipped", _NOT_FLOWN)
+    return {"file": str(outcome.path), "outcome": said[0], "reason": said[1]}
+
+
+def _exit_code(outcomes: Sequence[Outcome]) -> int:
+    results = [outcome.recording.result.outcome for outcome in outcomes if outcome.recording is not None]
+    if "interrupted" in results or any(outcome.recording is None and not outcome.problem for outcome in outcomes):
+        return 130
+    if any(outcome.problem for outcome in outcomes):
+        return 2
+    return 1 if "failure" in results else 0
+
+
+def _print_table(outcomes: Sequence[Outcome], *, stderr: bool) -> None:
+    from waypointctl.cli.console import console
+    from waypointctl.cli.view.flights import flights_table
+
+    people = console(stderr=stderr)
+    people.print()
+    people.print(flights_table(outcomes))
+    counts = {word: sum(_word(outcome) == word for outcome in outcomes) for word in map(_word, outcomes)}
+    people.print()
+    people.print(", ".join(f"{count} {word}" for word, count in counts.items()))
+
+
+def _word(outcome: Outcome) -> str:
+    if outcome.problem:
+        return "broken"
+    return "not flown" if outcome.recording is None else _WORDS[outcome.recording.result.outcome]

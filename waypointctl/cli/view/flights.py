@@ -1,0 +1,45 @@
+"""The table of many flights."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from waypointctl.cli.view.words import printable
+from waypointctl.units import seconds
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from waypointctl.cli.run_many import Outcome
+
+
+def flights_table(outcomes: Iterable[Outcome]) -> Table:
+    """Return what came of each mission file: its flight's outcome, waypoints, time and log."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    table.add_column("mission", overflow="fold")
+    table.add_column("outcome", no_wrap=True)
+    table.add_column("reached", justify="right", no_wrap=True)
+    table.add_column("time [s]", justify="right", no_wrap=True)
+    table.add_column("log", overflow="fold")
+    for outcome in outcomes:
+        table.add_row(*_row(outcome), style=_style(outcome))
+    return table
+
+
+def _row(outcome: Outcome) -> tuple[str, ...]:
+    if outcome.recording is None:
+        return printable(str(outcome.path)), "broken" if outcome.problem else "not flown", "-", "-", "-"
+    result = outcome.recording.result
+    reached = f"{result.waypoints_reached}/{result.waypoints_total}"
+    flown = f"{seconds(result.sim_time_ns):.2f}"
+    return printable(outcome.mission), result.outcome, reached, flown, printable(str(outcome.recording.path))
+
+
+def _style(outcome: Outcome) -> str | None:
+    if outcome.recording is None:
+        return "red"
+    return None if outcome.recording.result.outcome == "success" else "yellow"
