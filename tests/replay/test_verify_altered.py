@@ -23,7 +23,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.ops import header
-from waypointctl.replay import verify as verifier
+from waypointctl.replay import carried
 from waypointctl.replay.verdict import Divergence, Verdict
 from waypointctl.replay.verify import verify
 
@@ -208,7 +208,7 @@ class TestOnAnotherProcessor:
     @pytest.fixture(autouse=True)
     def _elsewhere(self, monkeypatch: pytest.MonkeyPatch) -> None:
         here = dict(header.platform_facts()) | {"processor": "another one"}
-        monkeypatch.setattr(verifier, "platform_facts", lambda: here)
+        monkeypatch.setattr(carried, "platform_facts", lambda: here)
 
     def test_the_flight_is_still_exact(self, flown: Flown) -> None:
         found = verify(flown.path)
