@@ -113,7 +113,7 @@ def _show(result: _Checked) -> None:
     if result.file is None:
         return
     mission = result.file.mission
-    count = len(mission.waypoints)
+    count = mission.num_legs
     typer.echo(
         f"OK {result.path}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
         f"{mission.path_length_m():.1f} m, {link_text(mission.link)}, autonomy {mission.autonomy}"
@@ -146,7 +146,7 @@ def _record(result: _Checked) -> dict[str, Any]:
     assert found is not None
     return record | {
         "name": mission.name,
-        "waypoints": len(mission.waypoints),
+        "waypoints": mission.num_legs,
         "path_length_m": mission.path_length_m(),
         "link": mission.link.model_dump(),
         "autonomy": mission.autonomy,

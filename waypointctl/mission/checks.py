@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from pydantic import ValidationError
@@ -68,14 +67,14 @@ def jitter_within(jitter_s: float, delay_s: float | None) -> float:
     return jitter_s
 
 
-def expected_within(reached: int | str, waypoints: Sequence[Waypoint] | None) -> None:
-    """Check that a mission expects no more waypoints to be reached than it has (None: they are wrong already).
+def expected_within(reached: int | str, count: int) -> None:
+    """Check that a mission expects no more waypoints to be reached than the `count` that it has.
 
     Raises:
         ValidationError: it does.
     """
-    if isinstance(reached, int) and waypoints is not None and reached > len(waypoints):
-        problem = f"{reached} is more than the {len(waypoints)} waypoints of the mission"
+    if isinstance(reached, int) and reached > count:
+        problem = f"{reached} is more than the {count} waypoints of the mission"
         raise ValidationError.from_exception_data("expect", [_error(problem, ("reached",), reached)])
 
 

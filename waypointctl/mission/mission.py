@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Final, Literal
 
 from pydantic import AfterValidator, Field, PrivateAttr, Strict, ValidationInfo, field_validator
 
@@ -27,6 +27,8 @@ from waypointctl.mission.onboard import Onboard, OnFailure
 from waypointctl.mission.operator import Commanding, OperatorScript
 from waypointctl.mission.quantity import Quantity
 from waypointctl.mission.schedule import ScheduledCommand
+
+MOST_LEGS: Final = 10_000
 
 
 class Start(FileModel):
@@ -113,6 +115,12 @@ class Mission(FileModel):
     waypoints: Annotated[tuple[Waypoint, ...], Field(min_length=1, max_length=1000), AfterValidator(names_differ)] = (
         Field(description="in the order in which they are to be reached")
     )
+    repeat: Annotated[int, Strict(), Field(ge=1, le=1000)] = Field(
+        1, description="how often they are walked through, one round after the other"
+    )
+    start_at: Name | None = Field(
+        None, description="name of the waypoint to begin with; those before it are left out of the first round"
+    )
     link: Link = Link()
     telemetry: TelemetryRate = TelemetryRate()
     on_failure: OnFailure | None = Field(None, description="what to do when a leg fails: abort where it is left out")
@@ -144,27 +152,67 @@ class Mission(FileModel):
             raise ValueError("has an 'on_failure', and the mission has one too: keep one")
         return onboard
 
+    @field_validator("repeat")
+    @classmethod
+    def _not_too_many(cls, repeat: int, info: ValidationInfo) -> int:
+        count = repeat * len(info.data.get("waypoints", ()))
+        if count > MOST_LEGS:
+            raise ValueError(f"{repeat} rounds are {count:,} legs; at most {MOST_LEGS:,} can be flown")
+        return repeat
+
+    @field_validator("start_at")
+    @classmethod
+    def _one_of_the_waypoints(cls, start_at: str | None, info: ValidationInfo) -> str | None:
+        names = [name_of(index, waypoint) for index, waypoint in enumerate(info.data.get("waypoints", ()))]
+        if start_at is not None and names and start_at not in names:
+            raise ValueError(f"{start_at!r} is no waypoint; there are {', '.join(names)}")
+        return start_at
+
     @field_validator("expect")
     @classmethod
     def _no_more_than_there_are(cls, expect: Expect, info: ValidationInfo) -> Expect:
-        expected_within(expect.reached, info.data.get("waypoints"))
+        if all(name in info.data for name in ("waypoints", "repeat", "start_at")):  # else they are wrong already
+            data = info.data
+            expected_within(expect.reached, len(_order(data["waypoints"], data["repeat"], data["start_at"])))
         return expect
 
+    @property
+    def num_legs(self) -> int:
+        """How many waypoints are to be reached, in all rounds together."""
+        return len(_order(self.waypoints, self.repeat, self.start_at))
+
     def legs(self) -> tuple[Leg, ...]:
-        """Return the waypoints with everything that they take from the defaults."""
-        return tuple(_leg(index, waypoint, self.defaults) for index, waypoint in enumerate(self.waypoints))
+        """Return the waypoints of all rounds with everything that they take from the defaults."""
+        order = _order(self.waypoints, self.repeat, self.start_at)
+        return tuple(self._leg(index, *place) for index, place in enumerate(order))
 
     def path_length_m(self) -> float:
-        """Return the length of the straight path from the start through all waypoints, in [m]."""
-        places = [self.start.position_m, *(waypoint.position_m for waypoint in self.waypoints)]
+        """Return the length of the straight path from the start through all legs, in [m]."""
+        places = [self.start.position_m, *((leg.x_m, leg.y_m) for leg in self.legs())]
         return sum(math.dist(a, b) for a, b in itertools.pairwise(places))
+
+    def _leg(self, index: int, number: int, at: int) -> Leg:
+        waypoint, defaults = self.waypoints[at], self.defaults
+        name = name_of(at, waypoint)
+        return Leg(
+            index=index,
+            name=name if self.repeat == 1 else f"{name} ({number})",
+            x_m=waypoint.position_m[0],
+            y_m=waypoint.position_m[1],
+            acceptance=waypoint.acceptance if waypoint.acceptance is not None else defaults.acceptance,
+            tolerance_m=waypoint.tolerance_m if waypoint.tolerance_m is not None else defaults.tolerance_m,
+            timeout_s=waypoint.timeout_s if waypoint.timeout_s is not None else defaults.timeout_s,
+            hold_s=waypoint.hold_s if waypoint.hold_s is not None else defaults.hold_s,
+            observe=waypoint.observe if waypoint.observe is not None else defaults.observe,
+            at=at,
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
     """A waypoint with nothing left open."""
 
-    index: int  # from 0
+    index: int  # from 0, through all rounds
     name: str
     x_m: float
     y_m: float
@@ -173,17 +221,16 @@ class Leg:
     timeout_s: float  # from the start of the leg
     hold_s: float
     observe: bool = False
+    at: int = 0  # place of its waypoint in the file, from 0
 
 
-def _leg(index: int, waypoint: Waypoint, defaults: Defaults) -> Leg:
-    return Leg(
-        index=index,
-        name=waypoint.name if waypoint.name is not None else f"WP{index + 1}",
-        x_m=waypoint.position_m[0],
-        y_m=waypoint.position_m[1],
-        acceptance=waypoint.acceptance if waypoint.acceptance is not None else defaults.acceptance,
-        tolerance_m=waypoint.tolerance_m if waypoint.tolerance_m is not None else defaults.tolerance_m,
-        timeout_s=waypoint.timeout_s if waypoint.timeout_s is not None else defaults.timeout_s,
-        hold_s=waypoint.hold_s if waypoint.hold_s is not None else defaults.hold_s,
-        observe=waypoint.observe if waypoint.observe is not None else defaults.observe,
-    )
+def name_of(index: int, waypoint: Waypoint) -> str:
+    """Return what a waypoint is called, by its place in the file where it has no name."""
+    return waypoint.name if waypoint.name is not None else f"WP{index + 1}"
+
+
+def _order(waypoints: Sequence[Waypoint], repeat: int, start_at: str | None) -> list[tuple[int, int]]:
+    """Return the legs in order: the round, from 1, and the waypoint's place in the file."""
+    names = [name_of(index, waypoint) for index, waypoint in enumerate(waypoints)]
+    first = 0 if start_at is None else names.index(start_at)
+    return [(1 + at // len(names), at % len(names)) for at in range(first, repeat * len(names))]

@@ -188,7 +188,7 @@ class Flight:
     def end(self) -> FlightResult:
         """Close the flight with the outcome that the operator's belief gives it."""
         expect = self._mission.expect
-        total = len(self._mission.waypoints)
+        total = self._mission.num_legs
         reached = len(self._station.reached)
         wanted = total if expect.reached == "all" else expect.reached
         ended_ns = self._ground_ns if self._station.finished else self._now_ns
@@ -204,7 +204,7 @@ class Flight:
     def interrupt(self) -> FlightResult:
         """Close the flight because somebody asked for it."""
         reached = len(self._station.reached)
-        total = len(self._mission.waypoints)
+        total = self._mission.num_legs
         return self._close("interrupted", f"{reached} of {total} waypoints reached", self._now_ns)
 
     def _close(self, outcome: str, reason: str, ended_ns: int) -> FlightResult:
@@ -212,7 +212,7 @@ class Flight:
         self._vehicle.log_state(self._now_ns)
         severity = Severity.INFO if outcome == "success" else Severity.ERROR
         self._announce(ended_ns, EventKind.MISSION_ENDED, f"{outcome}: {reason}", severity)
-        reached, total = len(self._station.reached), len(self._mission.waypoints)
+        reached, total = len(self._station.reached), self._mission.num_legs
         return FlightResult(outcome, reason, reached, total, ended_ns)
 
     def _announce(

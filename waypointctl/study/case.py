@@ -50,12 +50,12 @@ def mission_of(route: Mission, case: Case, think_s: float) -> Mission:
     autonomy = AUTONOMIES[case.autonomy]
     way = Way(delay_s=case.rtt_s / 2)
     allowance_s = _exchanges_of_a_leg(route) * (case.rtt_s + think_s)
-    limits_s = [min(leg.timeout_s + allowance_s, DAY_S) for leg in route.legs()]
+    limits_s = {leg.at: min(leg.timeout_s + allowance_s, DAY_S) for leg in route.legs()}
     waypoints = [
-        waypoint.model_copy(update={"timeout_s": limit_s})
-        for waypoint, limit_s in zip(route.waypoints, limits_s, strict=True)
+        waypoint.model_copy(update={"timeout_s": limits_s.get(at, waypoint.timeout_s)})
+        for at, waypoint in enumerate(route.waypoints)
     ]
-    longest_s = sum(limits_s) + sum(leg.hold_s for leg in route.legs()) + allowance_s
+    longest_s = sum(limits_s[leg.at] + leg.hold_s for leg in route.legs()) + allowance_s
     return route.model_copy(
         update={
             "seed": case.seed,
@@ -70,6 +70,6 @@ def mission_of(route: Mission, case: Case, think_s: float) -> Mission:
 
 def _exchanges_of_a_leg(route: Mission) -> int:
     """Return how often the operator may command during the longest leg: twice what its carrots take."""
-    places = [route.start.position_m, *(waypoint.position_m for waypoint in route.waypoints)]
+    places = [route.start.position_m, *((leg.x_m, leg.y_m) for leg in route.legs())]
     longest_m = max(math.dist(a, b) for a, b in itertools.pairwise(places))
     return 2 * math.ceil(longest_m / route.operator.carrot_m) + 2

@@ -107,7 +107,7 @@ def conclude(
         think_s=conditions.think_s,
         seeds=tuple(sorted({case.seed for case in cases})),
         routes=tuple(
-            Route(name=name, waypoints=len(file.mission.waypoints), length_m=file.mission.path_length_m())
+            Route(name=name, waypoints=file.mission.num_legs, length_m=file.mission.path_length_m())
             for name, file in routes.items()
         ),
         cells=cells,

@@ -8,7 +8,9 @@ schedule of commands adds is not in it, nor that an operator who steers gives a 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 from typing import Final, Literal, TypeAlias
 
 from waypointctl.log.messages import PlannedWaypoint
@@ -22,7 +24,7 @@ Autonomy: TypeAlias = Literal["mission", "waypoint", "heading", "joint"]
 AUTONOMIES: Final[tuple[Autonomy, ...]] = ("mission", "waypoint", "heading", "joint")
 
 _NEAR_CARROT: Final = 0.25  # of its distance: within this a short-range goal counts as reached
-_MOST_CARROTS: Final = 20_000  # that are worked out one by one
+_MOST_CARROTS: Final = 20_000  # that are worked out one by one; more take as much longer as they are more
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,23 +99,22 @@ def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Aut
     if steered and mission.operator.steering == "continuous":
         return _continuous(mission, walks, spent_s, speed_mps, traffic)
     think_ns = ns(mission.operator.think_s)
-    moves = [
-        [spent / (n := moves_of(walk, mission) if steered else 1)] * n
-        for walk, spent in zip(walks, spent_s, strict=True)
-    ]
-    count = sum(len(each) for each in moves)
-    sizes = [go_to_bytes(walk.waypoint) for walk in walks]
-    flat = [(move_s, size) for each, size in zip(moves, sizes, strict=True) for move_s in each]
-    if count > _MOST_CARROTS:
-        return Expected(autonomy, _extrapolated(flat, traffic, think_ns), count)
-    return Expected(autonomy, _in_turn(flat, traffic, think_ns), count)
+    counts = [moves_of(walk, mission) if steered else 1 for walk in walks]
+    moves = (
+        (spent / n, go_to_bytes(walk.waypoint))
+        for walk, spent, n in zip(walks, spent_s, counts, strict=True)
+        for _ in range(n)
+    )
+    count = sum(counts)
+    time_s = _in_turn(islice(moves, _MOST_CARROTS), traffic, think_ns)
+    return Expected(autonomy, None if time_s is None else time_s * max(count / _MOST_CARROTS, 1.0), count)
 
 
 def _at_once(autonomy: Autonomy, walking_s: float, size: int, traffic: Traffic) -> Expected:
     return Expected(autonomy, _in_turn([(walking_s, size)], traffic, 0), 1)
 
 
-def _in_turn(moves: list[tuple[float, int]], traffic: Traffic, think_ns: int) -> float | None:
+def _in_turn(moves: Iterable[tuple[float, int]], traffic: Traffic, think_ns: int) -> float | None:
     """Return when the operator hears of the last of some moves (duration [s], command [bytes]); None for never."""
     now_ns = 0
     for place, (move_s, size) in enumerate(moves):
@@ -123,12 +124,6 @@ def _in_turn(moves: list[tuple[float, int]], traffic: Traffic, think_ns: int) ->
             return None
         now_ns = heard_ns
     return seconds(now_ns)
-
-
-def _extrapolated(moves: list[tuple[float, int]], traffic: Traffic, think_ns: int) -> float | None:
-    """Return the same for very many moves, from as many as can be worked out."""
-    some = _in_turn(moves[:_MOST_CARROTS], traffic, think_ns)
-    return None if some is None else some * len(moves) / _MOST_CARROTS
 
 
 def moves_of(walk: Walk, mission: Mission) -> int:

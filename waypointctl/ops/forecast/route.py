@@ -27,7 +27,7 @@ def route_findings(mission: Mission, speed_mps: float, traffic: Traffic) -> Iter
 
 def _release(mission: Mission) -> Iterator[Finding]:
     """Yield a plan of which a part is never released."""
-    released, count = mission.operator.released, len(mission.waypoints)
+    released, count = mission.operator.released, mission.num_legs
     if 0 <= released < count and not any(command.do in ("release", "go_to") for command in mission.schedule):
         text = f"{released} of {count} waypoints are released, and nothing in the schedule releases more"
         yield Finding("release", ("operator", "released"), text)
@@ -38,9 +38,10 @@ def _fence(mission: Mission) -> Iterator[Finding]:
     x_m, y_m = mission.start.position_m
     if breach := fence.breach(x_m, y_m):
         yield Finding("fence", ("start",), f"the start {breach}")
-    places = [("the start", (x_m, y_m)), *((leg.name, (leg.x_m, leg.y_m)) for leg in mission.legs())]
-    for index, ((before, start), (name, end)) in enumerate(pairwise(places)):
-        path = ("waypoints", index)
+    legs = mission.legs()
+    places = [("the start", (x_m, y_m)), *((leg.name, (leg.x_m, leg.y_m)) for leg in legs)]
+    for leg, ((before, start), (name, end)) in zip(legs, pairwise(places), strict=True):
+        path = ("waypoints", leg.at)
         if breach := fence.breach(*end):
             yield Finding("fence", path, f"{name} {breach}: the robot will reject it")
         elif not fence.breach(*start) and (breach := fence.breach_between(start, end)):
@@ -55,7 +56,7 @@ def _nearness(mission: Mission) -> Iterator[Finding]:
     if _reaches(first, mission.start.position_m):
         distance_m = math.dist(mission.start.position_m, (first.x_m, first.y_m))
         text = f"{first.name} is {distance_m:.2f} m from the start, within its tolerance: reached at once"
-        yield Finding("near", ("waypoints", 0), text)
+        yield Finding("near", ("waypoints", first.at), text)
     for before, leg in pairwise(legs):
         distance_m = math.dist((before.x_m, before.y_m), (leg.x_m, leg.y_m))
         if distance_m < before.tolerance_m + leg.tolerance_m:
@@ -63,7 +64,7 @@ def _nearness(mission: Mission) -> Iterator[Finding]:
                 f"{leg.name} is {distance_m:.2f} m from {before.name}, and their tolerances are {leg.tolerance_m:g} m "
                 f"and {before.tolerance_m:g} m: one place can be both"
             )
-            yield Finding("near", ("waypoints", leg.index), text)
+            yield Finding("near", ("waypoints", leg.at), text)
 
 
 def _reaches(leg: Leg, place: tuple[float, float]) -> bool:
@@ -83,7 +84,7 @@ def _time(mission: Mission, speed_mps: float) -> Iterator[Finding]:
         if needed_s > leg.timeout_s:
             given = f"{leg.timeout_s:g} s" + (f", {tries} times" if tries > 1 else "")
             text = f"{leg.name} is {walk.way_m:.1f} m away: {needed_s:.1f} s at {speed_mps:.2f} m/s, and has {given}"
-            yield Finding("timeout", ("waypoints", leg.index, "timeout_s"), text)
+            yield Finding("timeout", ("waypoints", leg.at, "timeout_s"), text)
 
 
 def _steered_time(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
@@ -98,4 +99,4 @@ def _steered_time(mission: Mission, speed_mps: float, traffic: Traffic) -> Itera
                 f"{leg.name} takes {moves} short-range goals: {needed_s:.1f} s with {waits_s:g} s of waiting for each, "
                 f"and has {leg.timeout_s:g} s"
             )
-            yield Finding("timeout", ("waypoints", leg.index, "timeout_s"), text)
+            yield Finding("timeout", ("waypoints", leg.at, "timeout_s"), text)

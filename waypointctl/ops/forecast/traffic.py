@@ -74,7 +74,7 @@ def upload_bytes(mission: Mission) -> int:
 
 def frame_bytes(mission: Mission) -> int:
     """Return the size of a frame of telemetry near the end of the mission [bytes]."""
-    count = len(mission.waypoints)
+    count = mission.num_legs
     places = (1.5, 2.5, 0.55, 0.75, 2.0)
     frame = Telemetry(1000, Mode.WALKING, *places, count, tuple(range(count)), _SOME_NS, _SOME_NS)
     return size_bytes(frame)
