@@ -216,3 +216,13 @@ def test_no_content_leads_to_a_traceback(tmp_path: Path, content: bytes) -> None
     assert done.returncode == 2
     assert done.stdout.startswith(f"{path}:1:")
     assert done.stderr == ""
+
+
+def test_validating_loads_no_simulator(tmp_path: Path) -> None:
+    code = (
+        "import sys; from waypointctl.cli.main import app\n"
+        f"app(['validate', {SHIPPED[0]!r}], standalone_mode=False)\n"
+        "print([name for name in ('mujoco', 'onnxruntime', 'torch', 'rich') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("\n[]\n")

@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.mission.drawn import missions
 from waypointctl.errors import MissionError
 from waypointctl.mission.files import dump_mission, load_mission, parse_mission
 from waypointctl.mission.link import Link, Way
-from waypointctl.mission.mission import Defaults, Expect, Mission, Start, TelemetryRate, Waypoint
+from waypointctl.mission.mission import Mission
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SHIPPED = sorted(MISSIONS.glob("*.yaml"))
@@ -23,7 +24,7 @@ def shipped(name: str) -> Mission:
 
 
 def test_there_are_missions_to_check() -> None:
-    assert len(SHIPPED) >= 5
+    assert len(SHIPPED) >= 10
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
@@ -100,48 +101,7 @@ def test_loading_a_mission_loads_nothing_heavy() -> None:
     assert done.stdout == "[]\n"
 
 
-def _number(low: float, high: float) -> st.SearchStrategy[float]:
-    return st.floats(low, high, allow_nan=False)
-
-
-_tiny = 5e-324
-_line = st.text(st.characters(exclude_categories=("C", "Z")), min_size=1, max_size=20)
-_position = st.tuples(_number(-1e4, 1e4), _number(-1e4, 1e4))
-_leg = {
-    "acceptance": st.sampled_from(["box", "radius"]),
-    "tolerance_m": _number(_tiny, 100),
-    "timeout_s": _number(_tiny, 86400),
-    "hold_s": _number(0, 86400),
-}
-_waypoint = st.builds(Waypoint, position_m=_position, **{key: st.none() | value for key, value in _leg.items()})
-_way = st.tuples(_number(0, 864000), _number(0, 1)).map(lambda pair: Way(delay_s=pair[0], jitter_s=pair[0] * pair[1]))
-
-
-@st.composite
-def _missions(draw: st.DrawFn) -> Mission:
-    waypoints = draw(st.lists(_waypoint, min_size=1, max_size=5))
-    names = draw(st.lists(_line.filter(lambda name: not name.startswith("WP")), max_size=len(waypoints), unique=True))
-    named = [w.model_copy(update={"name": name}) for w, name in zip(waypoints, names, strict=False)]
-    return Mission(
-        name=draw(st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._ -]{0,20}[A-Za-z0-9]", fullmatch=True)),
-        description=draw(st.text(max_size=60)),
-        seed=draw(st.integers(0, 2**63 - 1)),
-        policy=draw(_line),
-        start=draw(st.builds(Start, position_m=_position, heading_deg=_number(-360, 360))),
-        autonomy=draw(st.sampled_from(["mission", "waypoint"])),
-        defaults=draw(st.builds(Defaults, **_leg)),
-        waypoints=(*named, *waypoints[len(named) :]),
-        link=Link(up=draw(_way), down=draw(_way)),
-        telemetry=TelemetryRate(rate_hz=draw(_number(0.001, 50))),
-        on_failure=draw(st.sampled_from(["abort", "skip"])),
-        expect=Expect(
-            reached=draw(st.just("all") | st.integers(0, len(waypoints))),
-            max_time_s=draw(st.none() | _number(_tiny, 1e6)),
-        ),
-    )
-
-
-@given(_missions())
+@given(missions())
 def test_any_mission_is_dumped_and_read_back(mission: Mission) -> None:
     text = dump_mission(mission)
     assert parse_mission(text.encode(), "dump") == mission

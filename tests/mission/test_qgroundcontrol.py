@@ -78,6 +78,16 @@ def test_long_legs_get_the_time_that_they_take(tmp_path: Path) -> None:
     assert imported(tmp_path, plan(NORTH)).defaults.timeout_s == 30
 
 
+def test_what_is_left_out_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "yard.plan"
+    rally = {"version": 2, "points": [[*HOME]]}
+    path.write_text(json.dumps(plan(NORTH | {"autoContinue": False}, rallyPoints=rally)))
+    assert read_plan(path).notes == (
+        "mission.items[0]: that it waits here for a person (autoContinue)",
+        "rallyPoints: 1; the robot has one home, onboard.home",
+    )
+
+
 def test_an_origin_leaves_the_home_where_the_robot_starts(tmp_path: Path) -> None:
     path = tmp_path / "yard.plan"
     path.write_text(json.dumps(plan(NORTH)))

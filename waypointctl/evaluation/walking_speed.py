@@ -5,12 +5,26 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from waypointctl.errors import InputError
-from waypointctl.evaluation.result import EVALUATION, CaseResult, read_evaluation
+from pydantic import BaseModel, Field
+
 from waypointctl.ops.forecast.forecast import WalkingSpeed
 
-_FILES: Final = ("evaluation-region.json", EVALUATION)  # the first that tells goes first
+_FILES: Final = ("evaluation-region.json", "evaluation.json")  # the first that tells goes first
 _USUAL_MPS: Final = 2.0
+
+
+class _Case(BaseModel):
+    """What of a CaseResult tells the speed; the whole record would load the simulator with it."""
+
+    successes: int = Field(ge=0)
+    mean_time_s: float | None = Field(None, ge=0, allow_inf_nan=False)
+    mean_speed_mps: float | None = Field(None, ge=0, allow_inf_nan=False)
+
+
+class _Evaluation(BaseModel):
+    policy: str
+    suite: str
+    cases: tuple[_Case, ...]
 
 
 def walking_speed(policy: Path) -> WalkingSpeed:
@@ -21,15 +35,15 @@ def walking_speed(policy: Path) -> WalkingSpeed:
     """
     for name in _FILES:
         try:
-            evaluation = read_evaluation(policy / name)
-        except (InputError, ValueError):  # not there, or none; a path can be one that cannot be
+            evaluation = _Evaluation.model_validate_json((policy / name).read_bytes())
+        except (OSError, ValueError):  # not there, or none; a path can be one that cannot be
             continue
         if (mps := _mean_mps(evaluation.cases)) is not None:
             return WalkingSpeed(mps, f"the mean of {evaluation.policy} in the suite {evaluation.suite}")
     return WalkingSpeed(_USUAL_MPS, f"assumed, since no evaluation of {policy.name} tells its speed")
 
 
-def _mean_mps(cases: tuple[CaseResult, ...]) -> float | None:
+def _mean_mps(cases: tuple[_Case, ...]) -> float | None:
     """Return the mean speed over all successes [m/s]: all metres by all seconds; None where none was measured."""
     metres = seconds = 0.0
     for case in cases:

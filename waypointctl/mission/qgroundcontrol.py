@@ -84,6 +84,8 @@ def _stops(mission: Part, home: Place | None) -> Iterator[Stop]:
             continue
         if command in (RETURN, LAND) and place + 1 < len(items):
             item.complain(f"is a {_NAMES[command]} (command {command}), and more follows: it has to be the last")
+        if item.value.get("autoContinue") is False:
+            item.note("that it waits here for a person (autoContinue)")
         if command == TAKEOFF:
             item.note("a takeoff; the robot walks from where it stands")
         elif command == RETURN:

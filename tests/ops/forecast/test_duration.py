@@ -81,4 +81,5 @@ def test_very_many_goals_are_told_from_some_of_them() -> None:
     mission = parse("operator: {carrot: 0.1 m}\nlink: {delay: 1 s}\n", BASE.replace("8, 16", "8, 9999"))
     found = expected(mission, 2.0, traffic_of(mission), "heading")
     assert found.exchanges > 100_000
+    assert expected(mission, 2.0, traffic_of(mission), "waypoint").exchanges == 2
     assert found.time_s == pytest.approx(found.exchanges * 2, rel=0.1)
