@@ -56,7 +56,7 @@ def test_a_mission_that_never_comes_does_not_keep_the_program(yard: Path) -> Non
 
 
 def test_a_flight_that_is_killed_leaves_what_it_had(yard: Path) -> None:
-    flight = fly(yard)
+    flight = fly(yard, "--rate", "4")
     time.sleep(1.0)
     flight.kill()
     flight.communicate(timeout=LIMIT_S)

@@ -63,7 +63,10 @@ def _asked(path: Path, force: bool) -> Path:
         raise OutputError("is there already", where=str(path), mend="--force replaces it; or give another --out.")
     if not _claim(path):
         problem = f"{_part(path)} is there already: another flight is writing it, or one was killed"
-        raise OutputError(problem, where=str(path), mend="--force replaces it; or give another --out.")
+        mend = (
+            "`waypointctl run --resume` goes on with one that was killed, --force replaces it; or give another --out."
+        )
+        raise OutputError(problem, where=str(path), mend=mend)
     return path
 
 

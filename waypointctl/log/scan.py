@@ -121,7 +121,8 @@ def _truncated(path: Path, size: int, survey: _Survey) -> LogError:
     return LogError(
         f"is cut short at byte {size}, {kept}: its writer was killed, or it was not copied to its end",
         where=str(path),
-        mend="The flight was killed, is not over, or the file was cut: `waypointctl info` shows what there is.",
+        mend="The flight was killed, is not over, or the file was cut: `waypointctl info` shows what there is, "
+        "`waypointctl run --resume` goes on with a flight that was killed.",
     )
 
 
