@@ -35,9 +35,12 @@ def test_the_readme_names_no_command_that_is_not() -> None:
     assert named <= set(COMMANDS)
 
 
-def test_the_readmes_mission_and_suite_are_read() -> None:
-    mission, suite = yaml_blocks()
+def test_the_readmes_missions_and_suite_are_read() -> None:
+    mission, far, suite = yaml_blocks()
     assert parse_mission(mission.encode(), "README.md").legs()[1].hold_s == 4.0
+    operated = parse_mission(far.encode(), "README.md")
+    assert operated.link.up.windows is not None
+    assert [command.do for command in operated.schedule] == ["hold", "resume"]
     assert read_model(suite.encode(), "README.md", Suite, SuiteError).cases[0].name == "there-and-back"
     with pytest.raises(MissionError):
         parse_mission(suite.encode(), "README.md")
@@ -49,7 +52,20 @@ def test_the_readmes_tables_are_the_policies_evaluations(script: str) -> None:
     assert table == runpy.run_path(str(ROOT / script))["block"]()
 
 
-@pytest.mark.parametrize("document", ["README.md", "ARCHITECTURE.md", "DECISIONS.md", "CHANGELOG.md", "docs/paper.md"])
+@pytest.mark.parametrize(
+    "document",
+    [
+        "README.md",
+        "ARCHITECTURE.md",
+        "DECISIONS.md",
+        "CHANGELOG.md",
+        "docs/paper.md",
+        "docs/delay.md",
+        "docs/commands.md",
+        "docs/console.md",
+        "docs/resume.md",
+    ],
+)
 def test_links_lead_somewhere(document: str) -> None:
     text = (ROOT / document).read_text(encoding="utf-8")
     for link in re.findall(r"\]\(([^)]+)\)", text):
