@@ -101,3 +101,11 @@ def test_the_robot_waits_for_each_release(waypoint: int) -> None:
     started = [event for event in events("released-in-stages", EventKind.LEG_STARTED) if event.waypoint == waypoint]
     assert len(awaited) == 2
     assert started[0].time_ns == (13_280_000_000 if waypoint == 1 else 25_280_000_000)
+
+
+def test_the_patrol_walks_five_of_its_six_legs() -> None:
+    names = [leg.name for leg in load_mission(MISSIONS / "patrol.yaml").mission.legs()]
+    assert names == ["tower (1)", "wall (1)", "gate (2)", "tower (2)", "wall (2)"]
+    reached = events("patrol", EventKind.WAYPOINT_REACHED)
+    assert [event.waypoint for event in reached] == [0, 1, 2, 3, 4]
+    assert len(events("patrol", EventKind.HOLD_COMPLETED)) == 5

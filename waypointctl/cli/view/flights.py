@@ -19,7 +19,7 @@ def flights_table(outcomes: Iterable[Outcome]) -> Table:
     from rich import box
     from rich.table import Table
 
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold", show_edge=False)
     table.add_column("mission", overflow="fold")
     table.add_column("outcome", no_wrap=True)
     table.add_column("reached", justify="right", no_wrap=True)

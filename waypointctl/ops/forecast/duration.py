@@ -100,11 +100,8 @@ def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Aut
         return _continuous(mission, walks, spent_s, speed_mps, traffic)
     think_ns = ns(mission.operator.think_s)
     counts = [moves_of(walk, mission) if steered else 1 for walk in walks]
-    moves = (
-        (spent / n, go_to_bytes(walk.waypoint))
-        for walk, spent, n in zip(walks, spent_s, counts, strict=True)
-        for _ in range(n)
-    )
+    sizes = [go_to_bytes(walk.waypoint) for walk in walks]
+    moves = ((spent / n, size) for spent, size, n in zip(spent_s, sizes, counts, strict=True) for _ in range(n))
     count = sum(counts)
     time_s = _in_turn(islice(moves, _MOST_CARROTS), traffic, think_ns)
     return Expected(autonomy, None if time_s is None else time_s * max(count / _MOST_CARROTS, 1.0), count)
