@@ -10,14 +10,14 @@ import pytest
 from rich.console import Console
 from rich.text import Text
 
-from tests.replay.hand_made import FAR, NEAR, flight
+from tests.replay.hand_made import FAR, NEAR, flight, stage
 from waypointctl.cli.view.canvas import Canvas
 from waypointctl.cli.view.chart import Scene, draw_map
 from waypointctl.cli.view.live import PERIOD_S, LiveView, sizes
 from waypointctl.cli.view.pace import Pace
 from waypointctl.cli.view.tables import command_table, waypoint_table
 from waypointctl.cli.view.words import happening, printable, size
-from waypointctl.log.messages import FloatArray, Message, Severity, State
+from waypointctl.log.messages import Clock, CommandStage, FloatArray, Message, Severity, Stage, State
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.story import Fate, WaypointStory
 from waypointctl.units import NS_PER_S
@@ -259,3 +259,15 @@ def test_pace_ends_when_it_is_told_to() -> None:
     asked = iter([False, False, True])
     Pace(0.001, lambda _: None).wait_for(NS_PER_S, lambda: next(asked))
     assert next(asked, None) is None
+
+
+def test_how_often_a_command_was_sent_has_a_column_where_one_was_sent_again() -> None:
+    def table(*more: CommandStage) -> str:
+        out = Console(file=io.StringIO(), width=120, markup=False)
+        with out.capture() as capture:
+            out.print(command_table(tell([*flight(), *more])))
+        return capture.get()
+
+    assert "sent" not in table().splitlines()[0].split()
+    again = table(stage(2.0, Stage.LOST, Clock.LINK), stage(3.0, Stage.QUEUED, Clock.OPERATOR, attempt=2))
+    assert "2, 1 lost" in again

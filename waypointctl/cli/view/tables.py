@@ -37,6 +37,7 @@ _COMMANDS: Final = (
     Column("RTT [s]"),
     Column("known as", is_text=True),
 )
+_SENT: Final = Column("sent", spare=8)
 _REWARD: Final = (Column("reward", is_text=True), Column("sum"), Column("a step"))
 
 
@@ -48,8 +49,16 @@ def waypoint_table(story: Story) -> GridView:
 
 
 def command_table(story: Story) -> GridView:
-    """Return the commands: issued, received, acknowledged, ended, its end heard of; delays and round trip."""
-    return GridView(Grid("", _COMMANDS, tuple(_command_row(command) for command in story.commands)), ())
+    """Return the commands: issued, received, acknowledged, ended, its end heard of; delays and round trip.
+
+    How often each was sent, and lost, has a column where one was sent more than once.
+    """
+    rows = tuple(_command_row(command) for command in story.commands)
+    if all(command.attempts < 2 and not command.losses for command in story.commands):
+        return GridView(Grid("", _COMMANDS, rows), ())
+    sent = [f"{command.attempts}, {command.losses} lost" for command in story.commands]
+    columns = (*_COMMANDS[:2], _SENT, *_COMMANDS[2:])
+    return GridView(Grid("", columns, tuple((*row[:2], n, *row[2:]) for row, n in zip(rows, sent, strict=True))), ())
 
 
 def reward_table(story: Story) -> GridView:
