@@ -65,6 +65,7 @@ def test_json_is_one_object_of_all_missions(yard: Path, program: Program) -> Non
 
 
 def test_a_report_of_one_mission_leaves_its_json_and_its_log_as_they_are(yard: Path, program: Program) -> None:
+    (yard / "out.xml").write_text("<?xml version='1.0'?><old/>")
     _, alone, _ = program("run", "easy.yaml", "--json", "--out", "a.mcap")
     code, told, _ = program("run", "easy.yaml", "--json", "--out", "b.mcap", "--junit", "out.xml")
     assert code == 0
@@ -86,6 +87,7 @@ def test_a_seed_and_a_policy_are_for_all(yard: Path, program: Program) -> None:
         (["easy.yaml", "far.yaml", "--console"], "--console: is nothing for several missions."),
         (["easy.yaml", "--junit", "o.xml", "--rate", "2"], "--rate: is nothing for --junit."),
         (["easy.yaml", "--junit", "no/o.xml"], "no/o.xml: the report cannot be written"),
+        (["easy.yaml", "--junit", "far.yaml"], "far.yaml: is there already and is not an XML file"),
         (["--resume", "a.mcap", "--junit", "o.xml"], "--junit cannot be given with --resume"),
     ],
 )

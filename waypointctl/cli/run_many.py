@@ -67,10 +67,11 @@ def run_many(many: Many, load: LoadMission) -> int:
     """
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.junit import junit_xml
-    from waypointctl.paths import refuse_unwritable_file, write_whole
+    from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
 
     if many.junit is not None:
         refuse_unwritable_file(many.junit, "the report")
+        refuse_other_content(many.junit, b"<?xml", "an XML file")  # such as the next mission
     with interruption() as interrupted:
         outcomes = _fly_all(many, load, interrupted)
     if many.junit is not None:

@@ -119,7 +119,8 @@ def _stop(item: Part, command: int) -> Stop | None:
         return None
     values = list(params.elements())
     if len(values) != _PARAMETERS:
-        params.complain(f"has {len(values)} entries; a simple item has {_PARAMETERS}")
+        if isinstance(params.value, list):
+            params.complain(f"has {len(values)} entries; a simple item has {_PARAMETERS}")
         return None
     latitude, longitude = values[_LATITUDE : _LATITUDE + 2]
     if not latitude.value and not longitude.value:

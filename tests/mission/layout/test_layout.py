@@ -66,6 +66,7 @@ def test_what_is_too_long_for_a_line_takes_several() -> None:
         (HEAD + "waypoints:\n-  # behind\n   name: a\n   position: [1 m, 2 m]\n", "  # behind\n  - {name: a, pos"),
         (HEAD + PLACES + "  # - [3, 4] not now\nseed: 1\n", "  - [1, 2]\n  # - [3, 4] not now\n"),
         (HEAD + PLACES + "# the end\n", "  - [1, 2]\n# the end\n"),
+        (HEAD + "waypoints:\n- [1, 2]\n# the end\n", "  - [1, 2]\n# the end\n"),
         (
             HEAD + PLACES + "link:\n  jitter: 1 ms # j\n  # d\n  delay: 1 s\n",
             "link:\n  # d\n  delay: 1 s\n  jitter: 1 ms # j\n",

@@ -93,6 +93,8 @@ def _lines_for(comment: Comment, before: Entry, after: Entry | None, around: Aro
     if after is not None and _leads(comment, before, after):
         return after.leading
     entry = _out_of_closed(comment, before)
+    if after is None and comment.column == 0 and not _within_flow(comment, entry):
+        return around.end
     while entry.owner is not None and entry.column > comment.column and not _within_flow(comment, entry):
         entry = entry.owner
     if entry.owner is not None or _within_flow(comment, entry):
