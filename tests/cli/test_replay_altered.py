@@ -151,5 +151,5 @@ def test_an_action_of_an_unknown_source_is_damage(flown: Flown, tmp_path: Path, 
     for options in ((), ("--verify",), ("--json",), ("--rate", "100")):
         code, out, err = program("replay", str(log), *options)
         assert (code, out) == (2, "")
-        assert "'polixy' is no source of an action; allowed are policy, stance, off" in err
+        assert "'polixy' is no source of an action; allowed are policy, ground, stance, off" in err
         assert err.splitlines()[-2].startswith(f"error: {log}: is damaged at byte ")

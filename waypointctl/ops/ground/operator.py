@@ -8,12 +8,17 @@ from typing import Final
 from waypointctl.log.messages import FINAL_STAGES, Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.belief import Belief
+from waypointctl.ops.executive.rules import STUCK, TIMEOUT
 from waypointctl.ops.ground.agenda import Agenda
 from waypointctl.ops.ground.dispatcher import UNANSWERED
 from waypointctl.ops.ground.order import Order
 from waypointctl.units import ns
 
 CARROT: Final = -1  # index of a place that is none of the mission's waypoints
+
+
+# What somebody else's command, or the clock, did to it: the reason alone says who or when, not what.
+_BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
 
 
 class Operator(ABC):
@@ -91,8 +96,23 @@ class Operator(ABC):
         return []
 
 
+def leg_failed(ack: Ack) -> bool:
+    """Tell whether a waypoint was not reached, by a robot that can still walk to another."""
+    return ack.stage is Stage.FAILED and ack.reason in (TIMEOUT, STUCK)
+
+
+def rule_of_leg(mission: Mission) -> str:
+    """Return what the board is to do when a single waypoint's command fails; empty: what its own rules say.
+
+    To skip it, or to end the mission, is for the operator to decide, who has the rest of the plan.
+    """
+    return "" if mission.failure_rule.then in ("hold", "return_home") else "abort"
+
+
 def ended_by_robot(ack: Ack) -> str:
     """Return why a command that did not complete ended, in a word or two."""
+    if ack.stage in _BY_ANOTHER:
+        return f"{ack.stage} {ack.reason}".rstrip()
     return ack.reason or ("" if ack.stage is Stage.COMPLETED else ack.stage.value)
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from waypointctl.log.messages import Ack, CommandKind, Stage
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.executive.rules import TIMEOUT
-from waypointctl.ops.ground.operator import Operator, ended_by_robot
+from waypointctl.ops.ground.operator import Operator, ended_by_robot, leg_failed, rule_of_leg
 from waypointctl.ops.ground.order import Order
 
 
@@ -32,7 +31,8 @@ class WaypointOperator(Operator):
     def __init__(self, mission: Mission) -> None:
         """Take charge of a mission."""
         super().__init__(mission)
-        self._on_failure: str = mission.failure_rule.then
+        self._skips = mission.failure_rule.then == "skip"
+        self._rule = rule_of_leg(mission)
         self._sent = 0
 
     def begin(self) -> list[Order]:
@@ -42,13 +42,11 @@ class WaypointOperator(Operator):
     def _next(self) -> Order:
         waypoint = self._plan[self._sent]
         self._sent += 1
-        # What follows a failure is the operator's to decide here: on board the command just fails.
-        return Order(CommandKind.GO_TO, (waypoint,))
+        return Order(CommandKind.GO_TO, (waypoint,), self._rule)
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
         if ack.command_id != self._newest[CommandKind.GO_TO]:
             return []
-        timed_out = ack.stage is Stage.FAILED and ack.reason == TIMEOUT
-        if ack.stage is not Stage.COMPLETED and not (timed_out and self._on_failure == "skip"):
+        if ack.stage is not Stage.COMPLETED and not (self._skips and leg_failed(ack)):
             return self._finish(ended_by_robot(ack))
         return self._after_thought(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()

@@ -13,7 +13,7 @@ from typing import Final
 from waypointctl.log.messages import Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, TIMEOUT
-from waypointctl.ops.ground.operator import CARROT, Operator, ended_by_robot
+from waypointctl.ops.ground.operator import CARROT, Operator, ended_by_robot, leg_failed, rule_of_leg
 from waypointctl.ops.ground.order import Order
 from waypointctl.units import NS_PER_S
 
@@ -27,6 +27,7 @@ class HeadingOperator(Operator):
         """Take charge of a mission."""
         super().__init__(mission)
         script = mission.operator
+        self._rule = rule_of_leg(mission)
         self._skips = mission.failure_rule.then == "skip"
         self._continuous = script.steering == "continuous"
         self._carrot_m = script.carrot_m
@@ -75,8 +76,7 @@ class HeadingOperator(Operator):
             if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns:
                 return self._give_up_leg(now_ns)
             return self._after_thought(now_ns, self._carrot())
-        timed_out = ack.stage is Stage.FAILED and ack.reason == TIMEOUT
-        return self._give_up_leg(now_ns) if timed_out else self._finish(ended_by_robot(ack))
+        return self._give_up_leg(now_ns) if leg_failed(ack) else self._finish(ended_by_robot(ack))
 
     def _leg_is_over(self) -> bool:
         return self._plan[self._leg].index in self.belief.reached
@@ -95,7 +95,7 @@ class HeadingOperator(Operator):
         x_m, y_m = self._start if frame is None else (frame.x_m, frame.y_m)
         distance_m = math.dist((x_m, y_m), (waypoint.x_m, waypoint.y_m))
         if distance_m <= self._carrot_m:
-            return Order(CommandKind.GO_TO, (waypoint,))
+            return Order(CommandKind.GO_TO, (waypoint,), self._rule)
         part = self._carrot_m / distance_m
         place = PlannedWaypoint(
             index=CARROT,
@@ -107,4 +107,4 @@ class HeadingOperator(Operator):
             timeout_ns=waypoint.timeout_ns,
             hold_ns=0,
         )
-        return Order(CommandKind.GO_TO, (place,))
+        return Order(CommandKind.GO_TO, (place,), self._rule)
