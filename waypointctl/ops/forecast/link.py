@@ -23,7 +23,7 @@ from waypointctl.units import seconds
 
 _UP: Final = ("link", "up")
 _DOWN: Final = ("link", "down")
-_SHORTEST_ROUND_TRIP_S: Final = 0.25  # beyond it nobody balances a robot from the ground
+_SHORTEST_ROUND_TRIP_S: Final = 0.04  # from here on nobody balances the ant from the ground: docs/delay.md
 
 
 def link_findings(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
