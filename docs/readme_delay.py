@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from waypointctl.mission.files import load_mission
-from waypointctl.mission.mission import Link, Mission, Way
+from waypointctl.mission.link import Link, Way
+from waypointctl.mission.mission import Mission
 from waypointctl.ops.fly import fly
 from waypointctl.policy.bundle import load_policy
 from waypointctl.units import seconds
