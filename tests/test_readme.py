@@ -52,6 +52,12 @@ def test_the_readmes_tables_are_the_policies_evaluations(script: str) -> None:
     assert table == runpy.run_path(str(ROOT / script))["block"]()
 
 
+def test_the_readmes_flights_take_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
+    (table,) = re.findall(r"<!-- python docs/readme_delay\.py -->\n(.*?)\n<!-- end -->", README, re.DOTALL)
+    runpy.run_path(str(ROOT / "docs" / "readme_delay.py"))["main"]()
+    assert capsys.readouterr().out.strip() == table
+
+
 @pytest.mark.parametrize(
     "document",
     [
