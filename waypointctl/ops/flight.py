@@ -86,12 +86,11 @@ class Flight:
     @property
     def _is_silent(self) -> bool:
         """Whether the robot rests for good, and the operator waits for what will never come: an answer was lost."""
+        if not self._vehicle.plans_nothing or self._station.console_is_open:
+            return False
         if self._next_on_ground_ns is not None and not self._heard_of_rest:
             return False
-        if self._station.console_is_open:
-            return False
-        nothing_sent = self._station.wake_ns is None and self._uplink.direction.next_arrival_ns is None
-        return nothing_sent and self._vehicle.plans_nothing
+        return self._station.wake_ns is None and self._uplink.direction.next_arrival_ns is None
 
     @property
     def _heard_of_rest(self) -> bool:

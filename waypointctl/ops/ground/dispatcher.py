@@ -85,8 +85,11 @@ class Dispatcher:
     @property
     def wake_ns(self) -> int | None:
         """When there is something to do next [ns]; None for never."""
-        times = [sent.answer_by_ns for sent in self._open.values() if sent.answer_by_ns is not None]
-        return min([*times, *(entry[0] for entry in self._agenda[:1])], default=None)
+        earliest = self._agenda[0][0] if self._agenda else None
+        for sent in self._open.values():  # asked for at every control step: no lists
+            if sent.answer_by_ns is not None and (earliest is None or sent.answer_by_ns < earliest):
+                earliest = sent.answer_by_ns
+        return earliest
 
     @property
     def awaits(self) -> bool:

@@ -61,8 +61,11 @@ class Station:
     @property
     def wake_ns(self) -> int | None:
         """When the ground wants to act next, if nothing arrives before [ns]; None for never."""
-        times = (self._schedule.next_ns, self.operator.wake_ns, self.dispatcher.wake_ns, self._pulse.next_ns)
-        return min((time for time in times if time is not None), default=None)
+        earliest = self._schedule.next_ns
+        for time_ns in (self.operator.wake_ns, self.dispatcher.wake_ns, self._pulse.next_ns):
+            if time_ns is not None and (earliest is None or time_ns < earliest):
+                earliest = time_ns
+        return earliest
 
     def begin(self) -> None:
         """Send what is sent at mission start."""
