@@ -36,7 +36,10 @@ class Belief:
     def hear(self, message: Ack | Telemetry) -> None:
         """Take what has arrived."""
         if isinstance(message, Telemetry):
-            self.telemetry = message
+            if self.telemetry is None or message.frame >= self.telemetry.frame:  # one that was overtaken is no news
+                self.telemetry = message
+            return
+        if self.stages.get(message.command_id) in FINAL_STAGES:
             return
         self.stages[message.command_id] = message.stage
         if message.stage in FINAL_STAGES:

@@ -9,7 +9,7 @@ from typing import Final
 from waypointctl.log.messages import Ack, Clock, Command, ConsoleInput, Event, EventKind, Severity, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, rules_of
-from waypointctl.ops.ground.build import answer_time, station_for
+from waypointctl.ops.ground.build import answer_time, patience_ns, station_for
 from waypointctl.ops.ground.console import order_from
 from waypointctl.ops.ground.line_source import QUIT, LineSource, Nobody
 from waypointctl.ops.link.build import direction
@@ -65,8 +65,11 @@ class Flight:
         down: Direction[Ack | Telemetry | BodyFrame] = direction(link.down, files, seed, "link.down")
         self._uplink, self._downlink = LoggedDirection(up, UP, sink), LoggedDirection(down, DOWN, sink)
         noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
+        patience = patience_ns(down, ns(mission.commands.margin_s))
         answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
-        self._station = station_for(mission, policy, noise, sink, self._uplink.send, self._uplink.send, answer_by)
+        self._station = station_for(
+            mission, policy, noise, sink, self._uplink.send, self._uplink.send, answer_by, patience
+        )
         self._vehicle = Vehicle(robot, policy, sink, _reporter(mission, self._downlink), rules_of(mission))
         self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
@@ -88,9 +91,11 @@ class Flight:
         """Whether the robot rests for good, and the operator waits for what will never come: an answer was lost."""
         if not self._vehicle.plans_nothing or self._station.console_is_open:
             return False
-        if self._next_on_ground_ns is not None and not self._heard_of_rest:
+        if self._downlink.direction.next_arrival_ns is not None and not self._heard_of_rest:
             return False
-        return self._station.wake_ns is None and self._uplink.direction.next_arrival_ns is None
+        return self._station.plans_nothing and all(
+            isinstance(one, Heartbeat) for _, one in self._uplink.direction.under_way
+        )
 
     @property
     def _heard_of_rest(self) -> bool:
@@ -174,7 +179,13 @@ class Flight:
 
     def _sleep(self) -> None:
         """Go on to the next control step at which something can happen."""
-        times = (self._next_on_ground_ns, self._uplink.direction.next_arrival_ns, self._vehicle.next_ns(self._now_ns))
+        limit_s = self._mission.expect.max_time_s
+        times = (
+            self._next_on_ground_ns,
+            self._uplink.direction.next_arrival_ns,
+            self._vehicle.next_ns(self._now_ns),
+            None if limit_s is None else ns(limit_s) + 1,
+        )
         next_ns = min(time_ns for time_ns in times if time_ns is not None)
         wake_ns = self._first_step(next_ns)
         self._now_ns = min(wake_ns, self._first_step(self._console.asleep(self._now_ns, wake_ns)))
@@ -192,12 +203,14 @@ class Flight:
         wanted = total if expect.reached == "all" else expect.reached
         ended_ns = self._ground_ns if self._station.finished else self._now_ns
         facts = f"{reached} of {total} waypoints reached in {seconds(ended_ns):.2f} s"
-        if self._is_silent and not self._station.finished:
+        if self._is_silent and not self._station.operator.finished:
             return self._close("failure", f"{SILENT}: {facts}", ended_ns)
-        if not self._station.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
+        if not self._station.operator.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
             return self._close("failure", f"longer than {expect.max_time_s:g} s: {facts}", ended_ns)
         if reached < wanted or self._station.verdict == FALL:
-            return self._close("failure", f"{self._station.verdict or 'skipped'}: {facts}, {wanted} expected", ended_ns)
+            return self._close(
+                "failure", f"{self._station.verdict or 'not all reached'}: {facts}, {wanted} expected", ended_ns
+            )
         return self._close("success", facts, ended_ns)
 
     def interrupt(self) -> FlightResult:

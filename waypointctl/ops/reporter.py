@@ -32,7 +32,7 @@ class Reporter:
         self._downlink = downlink
         self._period_ns = period_ns
         self._beacon_ns = max(beacon_ns, period_ns)
-        self._every_state = every_state
+        self.every_state = every_state
 
     def frame_if_due(self, now_ns: int, executive: Executive, body: Body) -> bool:
         """Send a frame at the telemetry rate; return whether one was due."""
@@ -77,7 +77,7 @@ class Reporter:
 
     def state(self, now_ns: int, step: int, plant: SingleRobot) -> None:
         """Send the state of the body, where every one is asked for."""
-        if not self._every_state:
+        if not self.every_state:
             return
         qpos, qvel = plant.qpos[0].copy(), plant.qvel[0].copy()
         self._downlink.send(now_ns, lambda arrives_ns: BodyFrame(step, qpos, qvel, now_ns, arrives_ns))

@@ -47,6 +47,7 @@ _STILL: Final = np.zeros(1)
 _NOTHING: Final = np.zeros((1, len(TERMS)))
 
 STILL_SPEED: Final = 1e-2  # [m/s, rad/s] of every part; slower is standing still
+PILOT_GONE_NS: Final = 60 * NS_PER_S  # so long without an action from the ground, then there is no pilot any more
 REST_AFTER_NS: Final = 10 * NS_PER_S  # so long, then physics sleeps
 
 # The end of a command is told after a frame of telemetry: the operator hears of the waypoints before the verdict.
@@ -77,6 +78,7 @@ class Vehicle:
         self._reporter = reporter
         self._control: FloatArray = np.zeros((1, robot.num_joints))  # the newest action from the ground
         self._control_step = -1  # whose state it was computed from
+        self._control_ns = 0  # when it arrived
         self._moved_ns = 0  # when it last did
         self._rests = False
         self.rests_since_ns = 0  # when it began to rest last
@@ -97,6 +99,7 @@ class Vehicle:
         if isinstance(arrived, ControlFrame):
             if arrived.step > self._control_step:  # one that was overtaken is old
                 self._control, self._control_step = arrived.values[np.newaxis], arrived.step
+                self._control_ns = now_ns
             self.executive.steer(now_ns)
             return
         if isinstance(arrived, Heartbeat):
@@ -107,21 +110,24 @@ class Vehicle:
 
     def sense(self, now_ns: int) -> None:
         """Let the executive look at the world; report at the telemetry rate and whenever its mode changes."""
+        if self.executive.mode is Mode.STEERED and now_ns - self._control_ns >= PILOT_GONE_NS:
+            self.executive.release()
         before = (self.executive.mode, self.executive.leg, len(self.executive.reached))
         self.executive.sense(now_ns, self._body.position, self._fell, float(self._body.yaw[0]))
         after = (self.executive.mode, self.executive.leg, len(self.executive.reached))
         if self._reporter.frame_if_due(now_ns, self.executive, self._body):
-            self._beacons += self._rests
+            if self._rests:
+                self._beacons += 1
+                self._reporter.put_off(now_ns)
         elif before != after:
             self._reporter.frame(now_ns, self.executive, self._body)
         self._reporter.state(now_ns, self.step, self.plant)
 
     def rests(self, now_ns: int) -> bool:
         """Tell whether the robot has stood still for so long that its physics can sleep until something happens."""
-        executive = self.executive
-        still = (
-            not executive.on_foot and executive.mode is not Mode.STEERED and now_ns - self._moved_ns >= REST_AFTER_NS
-        )
+        still = not self._driven and now_ns - self._moved_ns >= REST_AFTER_NS
+        if self._reporter.every_state and now_ns - self._control_ns < PILOT_GONE_NS:
+            still = False  # a pilot lives on the states that it is sent
         if still != self._rests:
             self._rests = still
             self.rests_since_ns = now_ns
@@ -132,16 +138,16 @@ class Vehicle:
             )
             self._sink(Event(now_ns, kind, Clock.ROBOT, Severity.INFO, text))
             self._beacons = 0
-            if not still:
+            if still:
+                self._reporter.put_off(now_ns)
+            else:
                 self._reporter.go_on(now_ns)
-        if still:
-            self._reporter.put_off(now_ns)
         return still
 
     @property
     def plans_nothing(self) -> bool:
         """Whether a robot at rest, which has said so twice, does nothing more by itself as long as nothing arrives."""
-        return self._rests and self._beacons > 1 and self.executive.next_ns(0) is None
+        return self._rests and self._beacons > 1 and not self.executive.plans
 
     @property
     def _driven(self) -> bool:

@@ -62,6 +62,7 @@ def mission_of(route: Mission, case: Case, think_s: float) -> Mission:
             "autonomy": autonomy.level,
             "operator": route.operator.model_copy(update={"steering": autonomy.steering, "think_s": think_s}),
             "link": Link(up=way, down=way),
+            "schedule": (),
             "waypoints": tuple(waypoints),
             "expect": route.expect.model_copy(update={"max_time_s": min(longest_s, _LONGEST_S)}),
         }

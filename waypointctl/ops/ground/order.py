@@ -19,6 +19,7 @@ class Order:
     value: float = 0.0
     not_before_ns: int = -1
     expires_ns: int = -1
+    fleeting: bool = False  # the next one takes its place, so that nobody waits for this one's acknowledgement
 
     @property
     def words(self) -> str:

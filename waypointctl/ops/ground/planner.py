@@ -22,7 +22,7 @@ class MissionOperator(Operator):
         return [Order(CommandKind.UPLOAD_PLAN, self._plan, self._on_failure, self._released)]
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
-        return self._finish(ended_by_robot(ack)) if ack.command_id == self._newest[CommandKind.UPLOAD_PLAN] else []
+        return self._finish(ended_by_robot(ack)) if ack.command_id == self._newest.get(CommandKind.UPLOAD_PLAN) else []
 
 
 class WaypointOperator(Operator):
@@ -45,7 +45,7 @@ class WaypointOperator(Operator):
         return Order(CommandKind.GO_TO, (waypoint,), self._rule)
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
-        if ack.command_id != self._newest[CommandKind.GO_TO]:
+        if ack.command_id != self._newest.get(CommandKind.GO_TO):
             return []
         if ack.stage is not Stage.COMPLETED and not (self._skips and leg_failed(ack)):
             return self._finish(ended_by_robot(ack))

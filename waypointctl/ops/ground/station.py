@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from waypointctl.log.messages import Ack, GroundControl, Telemetry
+from waypointctl.log.messages import FINAL_STAGES, Ack, GroundControl, Telemetry
 from waypointctl.ops.belief import Belief
 from waypointctl.ops.executive.rules import FALL
 from waypointctl.ops.ground.agenda import Agenda
@@ -30,6 +30,7 @@ class Station:
         self.console_is_open = False
         self._schedule = schedule
         self._pulse = pulse
+        self._concluded: set[int] = set()  # commands whose end has been heard of
 
     @property
     def belief(self) -> Belief:
@@ -59,6 +60,11 @@ class Station:
         return self._schedule.next_ns is None and not self.dispatcher.awaits and self.belief.is_whole
 
     @property
+    def plans_nothing(self) -> bool:
+        """Whether it wants to send nothing more by itself, but for signs of life."""
+        return self._schedule.next_ns is None and self.operator.wake_ns is None and self.dispatcher.wake_ns is None
+
+    @property
     def wake_ns(self) -> int | None:
         """When the ground wants to act next, if nothing arrives before [ns]; None for never."""
         earliest = self._schedule.next_ns
@@ -69,35 +75,40 @@ class Station:
 
     def begin(self) -> None:
         """Send what is sent at mission start."""
-        self.issue(0, self.operator.begin())
+        self.issue(0, self.operator.begin(), own=True)
 
     def hear(self, now_ns: int, message: Ack | Telemetry) -> None:
         """Take what has arrived, and do what follows from it."""
         self.dispatcher.hear(now_ns, message)
-        self.issue(now_ns, self.operator.hear(now_ns, message))
+        if isinstance(message, Ack) and message.stage in FINAL_STAGES:
+            if message.command_id in self._concluded:
+                return  # doubled by the link, or asked for once more: no news
+            self._concluded.add(message.command_id)
+        self.issue(now_ns, self.operator.hear(now_ns, message), own=True)
 
     def see(self, now_ns: int, frame: BodyFrame) -> GroundControl | None:
         """Take a state of the body that has arrived; return the action that answers it, where a pilot flies."""
         if not isinstance(self.operator, Pilot):
             return None
         control, orders = self.operator.see(now_ns, frame)
-        self.issue(now_ns, orders)
+        self.issue(now_ns, orders, own=True)
         return control
 
     def wake(self, now_ns: int) -> None:
         """Do what is due now."""
         self._pulse.beat(now_ns)
         self.issue(now_ns, self._schedule.due(now_ns))
-        self.issue(now_ns, [] if self.operator.finished else self.operator.wake(now_ns))
+        self.issue(now_ns, [] if self.operator.finished else self.operator.wake(now_ns), own=True)
         for command_id in self.dispatcher.wake(now_ns):
             if not self.operator.finished:
-                self.issue(now_ns, self.operator.unanswered(now_ns, command_id))
+                self.issue(now_ns, self.operator.unanswered(now_ns, command_id), own=True)
 
-    def issue(self, now_ns: int, orders: Iterable[Order]) -> None:
-        """Send orders."""
+    def issue(self, now_ns: int, orders: Iterable[Order], *, own: bool = False) -> None:
+        """Send orders; the operator is told the ids of its own."""
         for order in orders:
             command_id = self.dispatcher.issue(now_ns, order)
-            self.operator.issued(command_id, order)
+            if own:
+                self.operator.issued(command_id, order)
 
     def state(self) -> dict[str, object]:
         """Return what the ground does next depends on, as plain data."""

@@ -33,6 +33,7 @@ class HeadingOperator(Operator):
         self._carrot_m = script.carrot_m
         self._period_ns = round(NS_PER_S / script.update_rate_hz)
         self._start = mission.start.position_m
+        self._at_task = False  # a waypoint with a hold or an observation is under way
         self._leg = 0
         self._leg_since_ns = 0
         self._beat_ns: int | None = 0  # when the next carrot is due under `continuous`
@@ -51,7 +52,7 @@ class HeadingOperator(Operator):
     def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
         """Take what has arrived; steering continuously, the next leg begins when the robot reports the waypoint."""
         orders = super().hear(now_ns, message)
-        if self._continuous and not self.finished and self._leg_is_over():
+        if self._continuous and not self.finished and not self._at_task and self._leg_is_over():
             return orders + self._next_leg(now_ns)
         return orders
 
@@ -63,12 +64,14 @@ class HeadingOperator(Operator):
         self._beat_ns += self._period_ns
         if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns:
             return orders + self._give_up_leg(now_ns)
-        return orders + self._after_thought(now_ns, self._carrot())
+        return orders if self._at_task else orders + self._after_thought(now_ns, self._carrot())
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
         if ack.reason == FALL:
             return self._finish(FALL)
-        if self._continuous or ack.command_id != self._newest[CommandKind.GO_TO] or self.finished:
+        if self.finished or ack.command_id != self._newest.get(CommandKind.GO_TO):
+            return []
+        if self._continuous and not self._at_task:
             return []
         if ack.stage is Stage.COMPLETED:
             if self._leg_is_over():
@@ -87,7 +90,7 @@ class HeadingOperator(Operator):
     def _next_leg(self, now_ns: int) -> list[Order]:
         if self._leg + 1 == len(self._plan):
             return self._finish()
-        self._leg, self._leg_since_ns = self._leg + 1, now_ns
+        self._leg, self._leg_since_ns, self._at_task = self._leg + 1, now_ns, False
         return [] if self._continuous else self._after_thought(now_ns, self._carrot())
 
     def _carrot(self) -> Order:
@@ -95,7 +98,9 @@ class HeadingOperator(Operator):
         x_m, y_m = self._start if frame is None else (frame.x_m, frame.y_m)
         distance_m = math.dist((x_m, y_m), (waypoint.x_m, waypoint.y_m))
         if distance_m <= self._carrot_m:
-            return Order(CommandKind.GO_TO, (waypoint,), self._rule)
+            # Where there is something to do the robot is not to be called away from it.
+            self._at_task = bool(waypoint.hold_ns or waypoint.task)
+            return Order(CommandKind.GO_TO, (waypoint,), self._rule, fleeting=self._continuous and not self._at_task)
         part = self._carrot_m / distance_m
         place = PlannedWaypoint(
             index=CARROT,
@@ -107,4 +112,4 @@ class HeadingOperator(Operator):
             timeout_ns=waypoint.timeout_ns,
             hold_ns=0,
         )
-        return Order(CommandKind.GO_TO, (place,), self._rule)
+        return Order(CommandKind.GO_TO, (place,), self._rule, fleeting=self._continuous)
