@@ -33,7 +33,7 @@ def test_before_the_first_frame_nothing_is_known_of_the_robot() -> None:
 
 def test_the_newest_frame_counts_also_if_an_older_one_arrives_later() -> None:
     assert told(frame(1, 12, 14, 0), frame(0, 10, 15)) == [
-        "robot, 8.00 s ago: at (2.00, -2.00) m, heading 90 deg, 0.25 m/s, walking, waypoint 3; waypoints reached: 0"
+        "robot, 8.00 s ago: at (2.00, -2.00) m, heading 90 deg, 0.25 m/s, walking (waypoint 4); waypoints reached: 1"
     ]
 
 

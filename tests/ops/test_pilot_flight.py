@@ -52,6 +52,14 @@ def test_a_robot_balanced_from_too_far_falls_and_the_operator_hears_of_it(policy
     assert result.sim_time_ns >= fall.time_ns + 120_000_000
 
 
+def test_a_scheduled_hold_is_a_hold_until_it_is_resumed(policy: LoadedPolicy) -> None:
+    schedule = [{"at_s": 0.5, "do": "hold"}, {"at_s": 3.0, "do": "resume"}]
+    result, messages = flown(mission_of(*PLACES, autonomy="joint", schedule=schedule), policy)
+    assert result.outcome == "success", result.reason
+    stood = [action for action in only(Action, messages) if action.source == "stance"]
+    assert len(stood) == 125, "2.5 s"
+
+
 def test_a_hold_is_kept_by_the_robot_itself(policy: LoadedPolicy) -> None:
     held = PLACES[0] | {"hold_s": 1.0}
     result, messages = flown(mission_of(held, PLACES[1], autonomy="joint"), policy)

@@ -68,6 +68,17 @@ def test_steered_continuously_a_robot_holds_as_long_as_it_is_to() -> None:
     assert ended - begun == 6 * NS_PER_S
 
 
+@pytest.mark.parametrize("operator", [{"steering": "move_and_wait"}, {"steering": "continuous"}])
+def test_a_scheduled_hold_keeps_an_operator_who_steers_from_steering(operator: dict[str, str]) -> None:
+    schedule = [{"at_s": 1.0, "do": "hold"}, {"at_s": 6.0, "do": "resume"}]
+    far = OUT_OF_REACH | {"timeout_s": 8.0}
+    _, messages = flown(mission_of(far, autonomy="heading", operator=operator, schedule=schedule, delay_ms=200.0))
+    held = [command for command in only(Command, messages) if 1.2 * NS_PER_S < command.received_ns < 6.2 * NS_PER_S]
+    assert held == []
+    after = [command for command in only(Command, messages) if command.received_ns > 6.2 * NS_PER_S]
+    assert operator["steering"] == "move_and_wait" or after
+
+
 def test_frames_that_were_overtaken_do_not_take_belief_back() -> None:
     down = {"delay_s": 2.0, "jitter_s": 2.0, "keep_order": False}
     result, messages = flown(

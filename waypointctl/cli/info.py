@@ -80,8 +80,7 @@ def _show(log: Log) -> None:
 
     out = console()
     outcome = _outcome(log)
-    unsaid = "not said: the log has no such event" if log.is_complete else "not said: the flight was killed"
-    whole = "complete" if log.is_complete else "cut short: its writer was killed, or it was not copied to its end"
+    unsaid, whole = _ending(log)
     out.print(f"{log.path}: {log.duration_s:.3f} s of simulation, {log.message_count} messages", soft_wrap=True)
     out.print(f"outcome: {unsaid if outcome is None else printable(outcome)}", soft_wrap=True)
     out.print(f"{log.contents.size_bytes:,} bytes, written by {log.contents.library}, {whole}")
@@ -89,6 +88,18 @@ def _show(log: Log) -> None:
     out.print(_topic_table(log))
     out.print(_pair_table("attachment", "bytes", {name: f"{len(it):,}" for name, it in log.attachments.items()}))
     out.print(_pair_table("metadata", "", dict(log.metadata)))
+
+
+def _ending(log: Log) -> tuple[str, str]:
+    """Return what to say of an outcome that the log does not tell, and of the file's end."""
+    from waypointctl.log.lock import lock
+
+    if log.is_complete:
+        return "not said: the log has no such event", "complete"
+    with log.path.open("rb") as stream:
+        if not lock(stream):
+            return "not said yet: the flight is under way", "being written"
+    return "not said: the flight was killed", "cut short: its writer was killed, or it was not copied to its end"
 
 
 def _topic_table(log: Log) -> Table:

@@ -55,8 +55,8 @@ class Heard:
         if frame is None:
             return ["robot: nothing heard yet"]
         age_s = seconds(now_ns - frame.issued_ns)
-        target = "" if frame.target < 0 else f", waypoint {frame.target}"
-        reached = ", ".join(map(str, frame.reached)) or "none"
+        target = "" if frame.target < 0 else f" (waypoint {frame.target + 1})"
+        reached = ", ".join(str(index + 1) for index in frame.reached) or "none"
         heading_deg = math.degrees(frame.heading_rad)
         return [
             f"robot, {age_s:.2f} s ago: at ({frame.x_m:.2f}, {frame.y_m:.2f}) m, heading {heading_deg:.0f} deg, "

@@ -30,6 +30,7 @@ class Operator(ABC):
         belief: what it knows.
         finished: whether it has ended the mission.
         verdict: why, where that is a failure.
+        suspended: whether it leads the robot no further for now.
     """
 
     def __init__(self, mission: Mission) -> None:
@@ -37,6 +38,7 @@ class Operator(ABC):
         self.belief = Belief()
         self.finished = False
         self.verdict = ""
+        self.suspended = False  # somebody has told the robot to hold
         self._plan = planned_waypoints(mission)
         self._think_ns = ns(mission.operator.think_s)
         self._agenda: Agenda[Order] = Agenda()
@@ -55,6 +57,23 @@ class Operator(ABC):
     @abstractmethod
     def begin(self) -> list[Order]:
         """Return what to send at mission start; the plan was thought about before it."""
+
+    def interfered(self, now_ns: int, order: Order) -> list[Order]:
+        """Learn what the schedule, or a person at the console, has sent; return what to send because of it.
+
+        An operator who leads the robot step by step stops leading it for a hold, until it is to be resumed. Where the
+        plan is on board the robot itself does that.
+        """
+        if order.kind is CommandKind.HOLD:
+            self.suspended = True
+        elif order.kind is CommandKind.RESUME:
+            self.suspended = False
+            return self._go_on(now_ns)
+        return []
+
+    def _go_on(self, now_ns: int) -> list[Order]:
+        """Return what to send after a hold."""
+        return []
 
     def issued(self, command_id: int, order: Order) -> None:
         """Learn the id of an order that has been sent."""

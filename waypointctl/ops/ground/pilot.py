@@ -71,7 +71,7 @@ class Pilot(Operator):
 
     def see(self, now_ns: int, frame: BodyFrame) -> tuple[GroundControl | None, list[Order]]:
         """Take a state that has arrived; return the action that answers it, and what else to send."""
-        if self.finished or frame.issued_ns < self._rests_until_ns:
+        if self.finished or self.suspended or frame.issued_ns < self._rests_until_ns:
             return None, []
         orders = self._judge(now_ns, frame)
         if self.finished or frame.issued_ns < self._rests_until_ns:

@@ -109,6 +109,8 @@ class Station:
             command_id = self.dispatcher.issue(now_ns, order)
             if own:
                 self.operator.issued(command_id, order)
+            elif not self.operator.finished:
+                self.issue(now_ns, self.operator.interfered(now_ns, order), own=True)
 
     def state(self) -> dict[str, object]:
         """Return what the ground does next depends on, as plain data."""

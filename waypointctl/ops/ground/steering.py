@@ -33,6 +33,7 @@ class HeadingOperator(Operator):
         self._carrot_m = script.carrot_m
         self._period_ns = round(NS_PER_S / script.update_rate_hz)
         self._start = mission.start.position_m
+        self._put_off = False  # a carrot is due that a hold kept back
         self._at_task = False  # a waypoint with a hold or an observation is under way
         self._leg = 0
         self._leg_since_ns = 0
@@ -58,13 +59,13 @@ class HeadingOperator(Operator):
 
     def wake(self, now_ns: int) -> list[Order]:
         """Send what is due: thought about, or the period's carrot."""
-        orders = self._agenda.due(now_ns)
+        orders = self._unless_suspended(self._agenda.due(now_ns))
         if self._beat_ns is None or self._beat_ns > now_ns:
             return orders
         self._beat_ns += self._period_ns
-        if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns:
+        if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns and not self.suspended:
             return orders + self._give_up_leg(now_ns)
-        return orders if self._at_task else orders + self._after_thought(now_ns, self._carrot())
+        return orders if self._at_task or self.suspended else orders + self._after_thought(now_ns, self._carrot())
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
         if ack.reason == FALL:
@@ -78,7 +79,7 @@ class HeadingOperator(Operator):
                 return self._next_leg(now_ns)
             if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns:
                 return self._give_up_leg(now_ns)
-            return self._after_thought(now_ns, self._carrot())
+            return self._unless_suspended(self._after_thought(now_ns, self._carrot()))
         return self._give_up_leg(now_ns) if leg_failed(ack) else self._finish(ended_by_robot(ack))
 
     def _leg_is_over(self) -> bool:
@@ -91,7 +92,19 @@ class HeadingOperator(Operator):
         if self._leg + 1 == len(self._plan):
             return self._finish()
         self._leg, self._leg_since_ns, self._at_task = self._leg + 1, now_ns, False
-        return [] if self._continuous else self._after_thought(now_ns, self._carrot())
+        return [] if self._continuous else self._unless_suspended(self._after_thought(now_ns, self._carrot()))
+
+    def _unless_suspended(self, orders: list[Order]) -> list[Order]:
+        """Return what to send, or put it off until the hold is over."""
+        if not self.suspended:
+            return orders
+        self._put_off = self._put_off or bool(orders)
+        return []
+
+    def _go_on(self, now_ns: int) -> list[Order]:
+        self._leg_since_ns = now_ns
+        put_off, self._put_off = self._put_off, False
+        return [self._carrot()] if put_off else []
 
     def _carrot(self) -> Order:
         waypoint, frame = self._plan[self._leg], self.belief.telemetry
