@@ -47,7 +47,7 @@ def play(log: Log, playback: Playback, interrupted: Callable[[], bool]) -> None:
         InputError: it cannot begin where it should, or be steered as it must be.
     """
     keyboard = Keyboard()
-    if playback.start_paused and not keyboard.is_there:
+    if playback.start_paused and not keyboard.is_terminal:
         raise InputError("--start-paused waits for the space bar, but the input is no terminal")
     last_ns = log.end_ns or 0
     if ns(playback.start_offset_s) > last_ns:
@@ -97,7 +97,7 @@ class _Player:
             self._pace.restart(time_ns)
         if not self._paused:
             self._until_ns = time_ns
-            keys = "  space pause, + - rate, q quit" if self._keyboard.is_there else ""
+            keys = "  space pause, + - rate, q quit" if self._keyboard.is_terminal else ""
             self._view.say(f"x{self._pace.rate:g}{keys}")
 
     def _listen(self, timeout_s: float) -> None:

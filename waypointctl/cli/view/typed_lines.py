@@ -5,12 +5,10 @@ from __future__ import annotations
 import os
 import select
 import sys
-import termios
 import time
-import tty
-from types import TracebackType
-from typing import Any, Final, Self
+from typing import Final
 
+from waypointctl.cli.view.key_by_key import KeyByKey
 from waypointctl.errors import InputError
 
 MOST_COLUMNS: Final = 200  # of a line: no command is as long
@@ -22,7 +20,7 @@ _CLEAR: Final = "\x15"  # Ctrl-U
 _BACK: Final = ("\x7f", "\b")
 
 
-class TypedLines:
+class TypedLines(KeyByKey):
     """Reads lines in a `with` block. The lines of a pipe or a file are read as fast as they come.
 
     Attributes:
@@ -35,26 +33,11 @@ class TypedLines:
         """Look at stdin; without `echo` there is nowhere to show a draft, and a terminal shows it by itself."""
         if sys.stdin is None:
             raise InputError("--console: there is no stdin to read commands from")
+        super().__init__(is_terminal=echo and sys.stdin.isatty())
         self.is_open = True
-        self.is_terminal = echo and sys.stdin.isatty()
         self.draft = ""
         self._last = ""
         self._escape = ""  # a key of several characters, as far as it has come
-        self._before: list[Any] | None = None
-
-    def __enter__(self) -> Self:
-        """Have keys delivered one by one, and not echoed."""
-        if self.is_terminal:
-            self._before = termios.tcgetattr(sys.stdin)
-            tty.setcbreak(sys.stdin)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        """Leave the terminal as it was."""
-        if self._before is not None:
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
 
     def read(self, timeout_s: float) -> list[str]:
         """Return the lines that are ready, if need be after waiting for `timeout_s` for something to be typed."""
