@@ -40,7 +40,7 @@ def test_a_shipped_mission_is_named_as_its_file_and_explains_itself(path: Path) 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_a_shipped_mission_is_dumped_and_read_back(path: Path) -> None:
     mission = load_mission(path).mission
-    assert parse_mission(dump_mission(mission).encode(), "dump") == mission
+    assert parse_mission(dump_mission(mission).encode(), "dump", mission.files) == mission
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)

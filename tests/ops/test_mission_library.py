@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from waypointctl.log.messages import CommandStage, Event, EventKind, Message, Stage, State
+from waypointctl.log.messages import CommandStage, Event, EventKind, GroundControl, Message, Stage, State, Telemetry
 from waypointctl.mission.files import load_mission
 from waypointctl.ops.executive.rules import rules_of
 from waypointctl.ops.fly import fly
@@ -109,3 +110,24 @@ def test_the_patrol_walks_five_of_its_six_legs() -> None:
     reached = events("patrol", EventKind.WAYPOINT_REACHED)
     assert [event.waypoint for event in reached] == [0, 1, 2, 3, 4]
     assert len(events("patrol", EventKind.HOLD_COMPLETED)) == 5
+
+
+def test_the_third_waypoint_is_reached_between_two_passes_and_heard_of_in_the_second() -> None:
+    reached = events("contact-plan", EventKind.WAYPOINT_REACHED)
+    assert [event.time_ns < 20_000_000_000 for event in reached] == [True, True, False]
+    (ended,) = events("contact-plan", EventKind.MISSION_ENDED)
+    assert 45e9 + 1.3e9 < ended.time_ns < 45e9 + 1.5e9  # the contact opens, and one light time passes
+
+
+def test_frames_overtake_each_other_where_the_jitter_has_a_long_tail() -> None:
+    frames = [message for message in flown("long-tail") if isinstance(message, Telemetry)]
+    issued = [frame.issued_ns for frame in frames]
+    assert [frame.received_ns for frame in frames] == sorted(frame.received_ns for frame in frames)
+    assert sum(later < earlier for earlier, later in pairwise(issued)) > 5
+    assert max(frame.received_ns - frame.issued_ns for frame in frames) > 500_000_000
+
+
+def test_over_a_local_network_every_action_comes_from_the_ground() -> None:
+    controls = [message for message in flown("lan-joint") if isinstance(message, GroundControl)]
+    assert len(controls) > 200
+    assert [stage.command_id for stage in stages("lan-joint", Stage.COMPLETED)] == [1]  # the hold at the end
