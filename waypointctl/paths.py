@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import stat
 from collections.abc import Callable
 from contextlib import suppress
@@ -12,7 +13,10 @@ from typing import Final
 from waypointctl.errors import OutputError
 
 _FILE_MEND: Final = "give a file in a folder that you can write to"
+MCAP: Final = b"\x89MCAP0\r\n"  # what a log begins with
+
 _FOLDER_MEND: Final = "Give a folder in a place that you can write to."
+_PLANS: Final = {".plan": "a QGroundControl plan", ".geojson": "a GeoJSON file"}
 
 
 def folder_fault(path: Path) -> str | None:
@@ -24,6 +28,30 @@ def folder_fault(path: Path) -> str | None:
     except (OSError, ValueError) as error:
         return f"cannot be read: {getattr(error, 'strerror', None) or error}"
     return None if stat.S_ISDIR(mode) else "is not a folder"
+
+
+def command_for_log(path: str) -> str:
+    """Return what to say where a log was given for something else."""
+    log = shlex.quote(path)
+    return f"this is a log: `waypointctl replay {log}` shows it, `waypointctl run --resume {log}` goes on with it"
+
+
+def command_for_plan(path: str) -> str:
+    """Return what to say where another tool's plan was given for a mission or a log; nothing for any other file."""
+    plan = Path(path)
+    kind = _PLANS.get(plan.suffix.lower())
+    if kind is None:
+        return ""
+    there = shlex.quote(plan.with_suffix(".yaml").name)
+    return f"this is {kind}; import it first: `waypointctl import {shlex.quote(path)} --out {there}`"
+
+
+def command_for_mission(path: str) -> str:
+    """Return what to say where a mission was given for a log; nothing for a file that is not called like one."""
+    if Path(path).suffix.lower() not in (".yaml", ".yml"):
+        return ""
+    mission = shlex.quote(path)
+    return f"`waypointctl run {mission}` flies a mission and writes its log, `waypointctl validate {mission}` checks it"
 
 
 def refuse_unwritable_file(path: Path, what: str) -> None:

@@ -105,3 +105,14 @@ def test_a_path_of_a_thousand_waypoints_takes_no_time() -> None:
     long = " ".join(f"({n}, {n})" for n in range(1000))
     grid = Grid("", (Column("waypoints", is_text=True, spare=1), Column("n")), ((long, "1"),) * 200)
     assert fitted(grid, 20).left_out == ("waypoints",)
+
+
+@pytest.mark.parametrize("width", range(16, 60, 3))
+def test_where_even_words_have_no_room_they_are_broken_and_nothing_is_lost(width: int) -> None:
+    rows = (("checkpoint_components", "time:1 qpos:15 qfrc_applied:14"), ("sha256", "0123456789abcdef" * 4))
+    fit = fitted(Grid("", (Column("metadata", is_text=True), Column("value", is_text=True)), rows), width)
+    assert total(fit) <= max(width, 26)
+    for given_row, row in zip(rows, fit.grid.rows, strict=True):
+        for text, cell, cell_width in zip(given_row, row, fit.widths, strict=True):
+            assert "".join(cell.split()) == text.replace(" ", "")
+            assert all(cell_len(line) <= cell_width for line in cell.split("\n"))

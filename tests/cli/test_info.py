@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from tests.log.fake_flight import flight, header
 from waypointctl.cli.main import app
 from waypointctl.errors import LogError
+from waypointctl.log.reader import open_log
 from waypointctl.log.writer import LogWriter
 
 
@@ -55,6 +56,23 @@ def test_table_for_people(log_path: Path) -> None:
     assert "2.000 s of simulation" in result.stdout
     assert "complete" in result.stdout
     assert "outcome: the mission ends" in result.stdout.splitlines()
+
+
+@pytest.mark.parametrize("width", [40, 60, 80, 120])
+def test_no_name_and_no_number_is_cut_at_any_width(log_path: Path, width: int) -> None:
+    out = CliRunner().invoke(app, ["info", str(log_path)], env={"COLUMNS": str(width)}).stdout
+    head, _, tables = out.partition("\n\n")
+    assert "written by waypointctl" in head
+    assert "…" not in out
+    assert all(len(line) <= width for line in tables.splitlines())
+    rows = [line.split() for line in tables.splitlines()]
+    topics = {row[0]: row for row in rows if row and row[0].startswith("/")}
+    opened = open_log(log_path)
+    assert list(topics) == list(opened.topics)
+    assert all(str(topic.count) in topics[name] for name, topic in opened.topics.items())
+    for name, data in opened.attachments.items():
+        assert [name, f"{len(data):,}"] in rows
+    assert ("left out: schema" in out) == (width < 80)
 
 
 def test_log_that_is_cut_short_is_shown_as_such(log_path: Path, tmp_path: Path) -> None:

@@ -22,11 +22,14 @@ def fmt(
     """
     from waypointctl.mission.layout.layout import laid_out
     from waypointctl.mission.yaml_source import read_source
+    from waypointctl.paths import command_for_plan
 
     changed, wrong = 0, 0
     for path in missions:
         try:
             source = read_source(path, MissionError)
+            if plan := command_for_plan(str(path)):
+                raise MissionError(plan, where=str(path))
             written = laid_out(source, str(path))
         except MissionError as error:
             wrong += 1

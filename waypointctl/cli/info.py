@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from waypointctl.cli.view.grid_view import GridView
+    from waypointctl.evaluation.grid import Column
     from waypointctl.log.contents import TopicSummary
     from waypointctl.log.reader import Log
 
@@ -83,11 +83,11 @@ def _show(log: Log) -> None:
     unsaid, whole = _ending(log)
     out.print(f"{log.path}: {log.duration_s:.3f} s of simulation, {log.message_count} messages", soft_wrap=True)
     out.print(f"outcome: {unsaid if outcome is None else printable(outcome)}", soft_wrap=True)
-    out.print(f"{log.contents.size_bytes:,} bytes, written by {log.contents.library}, {whole}")
-    out.print()
-    out.print(_topic_table(log))
-    out.print(_pair_table("attachment", "bytes", {name: f"{len(it):,}" for name, it in log.attachments.items()}))
-    out.print(_pair_table("metadata", "", dict(log.metadata)))
+    written = f"{log.contents.size_bytes:,} bytes, written by {printable(log.contents.library)}, {whole}"
+    out.print(written, soft_wrap=True)
+    for table in (_topic_table(log), _attachment_table(log), _metadata_table(log)):
+        out.print()
+        out.print(table)
 
 
 def _ending(log: Log) -> tuple[str, str]:
@@ -102,32 +102,45 @@ def _ending(log: Log) -> tuple[str, str]:
     return "not said: the flight was killed", "cut short: its writer was killed, or it was not copied to its end"
 
 
-def _topic_table(log: Log) -> Table:
+def _topic_table(log: Log) -> GridView:
+    from waypointctl.cli.view.words import printable
+    from waypointctl.evaluation.grid import Column
     from waypointctl.units import seconds
 
-    table = _table("topic", "schema")
-    for column in ("messages", "rate [Hz]", "first [s]", "last [s]"):
-        table.add_column(column, justify="right")
+    columns = (
+        Column("topic", is_text=True),
+        Column("schema", is_text=True, spare=4),
+        Column("messages"),
+        Column("rate [Hz]", spare=3),
+        Column("first [s]", spare=2),
+        Column("last [s]", spare=1),
+    )
+    rows = []
     for topic in log.topics.values():
         rate = "" if topic.rate_hz is None else f"{topic.rate_hz:.1f}"
         times = ("" if time is None else f"{seconds(time):.3f}" for time in (topic.first_ns, topic.last_ns))
-        table.add_row(topic.name, topic.schema, str(topic.count), rate, *times)
-    return table
+        rows.append((printable(topic.name), printable(topic.schema), str(topic.count), rate, *times))
+    return _view(columns, rows)
 
 
-def _pair_table(left: str, right: str, rows: dict[str, str]) -> Table:
-    table = _table(left)
-    table.add_column(right, overflow="fold")
-    for row in rows.items():
-        table.add_row(*row)
-    return table
+def _attachment_table(log: Log) -> GridView:
+    from waypointctl.cli.view.words import printable
+    from waypointctl.evaluation.grid import Column
+
+    rows = [(printable(name), f"{len(data):,}") for name, data in log.attachments.items()]
+    return _view((Column("attachment", is_text=True), Column("bytes")), rows)
 
 
-def _table(*columns: str) -> Table:
-    from rich.box import SIMPLE
-    from rich.table import Table
+def _metadata_table(log: Log) -> GridView:
+    from waypointctl.cli.view.words import printable
+    from waypointctl.evaluation.grid import Column
 
-    table = Table(box=SIMPLE, pad_edge=False)
-    for column in columns:
-        table.add_column(column, no_wrap=True)
-    return table
+    rows = [(printable(name), printable(text)) for name, text in log.metadata.items()]
+    return _view((Column("metadata", is_text=True), Column("value", is_text=True)), rows)
+
+
+def _view(columns: tuple[Column, ...], rows: list[tuple[str, ...]]) -> GridView:
+    from waypointctl.cli.view.grid_view import GridView
+    from waypointctl.evaluation.grid import Grid
+
+    return GridView(Grid("", columns, tuple(rows)))

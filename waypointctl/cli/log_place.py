@@ -9,11 +9,9 @@ from pathlib import Path
 from typing import Final
 
 from waypointctl.errors import OutputError
-from waypointctl.paths import begins
+from waypointctl.paths import MCAP, begins
 
 FOLDER: Final = Path("logs")
-
-_MCAP: Final = b"\x89MCAP0\r\n"
 
 
 @contextmanager
@@ -54,7 +52,7 @@ def _asked(path: Path, force: bool) -> Path:
     if path.exists() and not path.is_file():
         problem = "is not a regular file, and a log would take its place"
         raise OutputError(problem, where=str(path), mend="Name another file, such as flight.mcap.")
-    if path.exists() and not begins(path, _MCAP):
+    if path.exists() and not begins(path, MCAP):
         problem = "is not a log; --force replaces only logs" if force else "is there already, and is not a log"
         raise OutputError(problem, where=str(path), mend="Give another --out.")
     if force:

@@ -25,6 +25,7 @@ from waypointctl.errors import LogError
 from waypointctl.log.contents import ChunkPlace, Contents, TopicSummary
 from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION
 from waypointctl.log.records import MAGIC, CutShort, Record, body_stream, inner_records, raw_message, records
+from waypointctl.paths import command_for_mission, command_for_plan
 
 # What mcap, zstd and protobuf raise over bytes that are not what they should be.
 DAMAGE = (struct.error, ValueError, KeyError, MemoryError, OverflowError, McapError, ZstdError, DecodeError)
@@ -112,7 +113,8 @@ def _check_magic(stream: IO[bytes], path: Path, size: int) -> None:
     if size == 0:
         raise LogError("is empty", where=str(path))
     if stream.read(len(MAGIC)) != MAGIC:
-        raise LogError("is not an MCAP file", where=str(path), mend="A log is what `waypointctl run` writes.")
+        mend = command_for_mission(str(path)) or command_for_plan(str(path)) or "a log is what `waypointctl run` writes"
+        raise LogError("is not an MCAP file", where=str(path), mend=f"{mend[0].upper()}{mend[1:]}.")
 
 
 def _truncated(path: Path, size: int, survey: _Survey) -> LogError:

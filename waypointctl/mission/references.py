@@ -15,6 +15,7 @@ from waypointctl.mission.problems import Problem
 from waypointctl.mission.wording import path_text
 from waypointctl.mission.yaml_source import Reading, examine_tree, read_source
 from waypointctl.mission.yaml_tree import DataPath, Tree, YamlFault, read_tree
+from waypointctl.paths import command_for_plan
 
 ReadFile: TypeAlias = Callable[[str], bytes]  # the content of a file by its name in the mission; may raise MissionError
 
@@ -46,6 +47,8 @@ def examine_mission(source: bytes, where: str, read: ReadFile) -> Reading[Missio
         where: the mission file's name, for the messages; those of its files are told from it.
         read: reads a file that the mission refers to.
     """
+    if plan := command_for_plan(where):
+        return Reading(None, (Problem(where, 0, 0, "", plan),))
     try:
         tree = read_tree(source)
     except YamlFault as fault:

@@ -16,6 +16,7 @@ from pydantic import BaseModel, ValidationError
 from waypointctl.errors import InputError
 from waypointctl.mission.problems import Problem, duplicate_problems, problems_of
 from waypointctl.mission.yaml_tree import MAX_BYTES, Tree, YamlFault, read_tree
+from waypointctl.paths import MCAP, command_for_log
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -32,7 +33,7 @@ def read_source(path: Path, error: type[InputError]) -> bytes:
     """Return the bytes of the file at `path`.
 
     Raises:
-        InputError: of the type `error`: there is no such file, it is a folder, it cannot be read, or is too large.
+        InputError: of the type `error`: there is no such file, or it is a folder, unreadable, too large or a log.
     """
     try:
         with path.open("rb") as file:
@@ -43,6 +44,8 @@ def read_source(path: Path, error: type[InputError]) -> bytes:
         raise error("is a folder, not a file", where=str(path)) from None
     except (OSError, ValueError) as reason:
         raise error(f"cannot be read: {getattr(reason, 'strerror', None) or reason}", where=str(path)) from reason
+    if source.startswith(MCAP):
+        raise error(command_for_log(str(path)), where=str(path))
     if len(source) > MAX_BYTES:
         raise error(f"has more than {MAX_BYTES} bytes", where=str(path))
     return source

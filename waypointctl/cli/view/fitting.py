@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 GAP: Final = 2  # columns of the terminal between two of the table
 
+_NARROWEST: Final = 12  # of a text whose words are broken because there is no room otherwise
 _LINES: Final = 2  # that a cell is broken into rather than leave a column out
 _LONG_WORD: Final = 24  # up to this, or a third of the terminal, a word is never broken
 _SPACE: Final = re.compile(r" (?![^(]*\))")  # not one inside a point: "(7, 12)" is one word
@@ -38,7 +39,8 @@ def fitted(grid: Grid, width: int) -> Fitted:
     """Return what a terminal of `width` columns has room for.
 
     Text is broken into two lines first, between words; then whole columns are left out, so that no number is ever
-    cut and no name broken in the middle. Only where nothing is left to leave out do texts take more lines.
+    cut and no name broken in the middle. Only where nothing is left to leave out do texts take more lines, and only
+    where that is not enough either are their words broken.
     """
     longest = max(_LONG_WORD, width // 3)
     least = {index: _least(column, _cells(grid, index), longest) for index, column in enumerate(grid.columns)}
@@ -107,6 +109,10 @@ def _narrowed(grid: Grid, widths: dict[int, int], longest: int, width: int) -> d
         texts = (column.heading, *_cells(grid, index)) if column.is_text else ()
         least = max((_widest_word(text, longest) for text in texts), default=widths[index])
         narrow[index] = max(least, widths[index] - max(0, _total(narrow.values()) - width))
+    for index in sorted(widths, reverse=True):
+        if grid.columns[index].is_text:
+            too_much = max(0, _total(narrow.values()) - width)
+            narrow[index] -= min(too_much, max(0, narrow[index] - _NARROWEST))
     return narrow
 
 
