@@ -33,6 +33,17 @@ def test_a_line_goes_to_stdout_or_to_a_file_beside_which_the_policy_is_named(lin
     assert program("fmt", "--check", "missions/line.yaml")[0] == 0
 
 
+def test_a_policy_that_is_not_there_is_warned_of(line: Path, program: Program) -> None:
+    warning = "warning: m.yaml: the policy '{}' is not there: {}."
+    default = f" It is the default of --policy, relative to {line.parent}: give --policy DIR."
+    code, _, said = program("import", "line.geojson", "--out", "m.yaml")
+    assert (code, said) == (0, f"{warning.format('policies/ant-waypoint', 'no such folder')}{default}\n")
+    code, _, said = program("import", "line.geojson", "--out", "m.yaml", "--force", "--policy", "m.yaml")
+    assert (code, said) == (0, f"{warning.format('m.yaml', 'is not a folder')}\n")
+    (line.parent / "mine").mkdir()
+    assert program("import", "line.geojson", "--out", "m.yaml", "--force", "--policy", "mine")[2] == ""
+
+
 def test_a_file_that_is_there_is_replaced_on_request_alone(line: Path, program: Program) -> None:
     (line.parent / "m.yaml").write_text("mine")
     code, _, said = program("import", "line.geojson", "--out", "m.yaml")

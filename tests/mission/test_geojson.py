@@ -68,8 +68,16 @@ def test_what_it_says_of_itself(tmp_path: Path) -> None:
         ({"type": "LineString", "coordinates": [[1, 2]]}, r"coordinates: has 1 positions; 2 to 1001"),
         ({"type": "LineString", "coordinates": [[1, 2], [3]]}, r"coordinates\[1\]: has 1 numbers; \[longitude, lat"),
         (
-            {"type": "LineString", "coordinates": [[1, 2], [3, 95]]},
-            r"coordinates\[1\]\[1\]: 95 is not a number within -89",
+            {"type": "LineString", "coordinates": [[1, 2], [3, 195]]},
+            r"coordinates\[1\]\[1\]: 195 is not a number within -89",
+        ),
+        (
+            {"type": "LineString", "coordinates": [[1, 2], [-37.8, 144.9]]},
+            r"coordinates\[1\]: 144\.9 is no latitude: GeoJSON is \[longitude, latitude\], and these look swapped$",
+        ),
+        (
+            {"type": "LineString", "coordinates": [[120, 95], [120.5, 2]]},
+            r"coordinates\[0\]\[1\]: 95 is not a number within -89",
         ),
         (
             {"type": "LineString", "coordinates": [[1, 2], [3, "x"]]},
@@ -88,3 +96,10 @@ def test_a_line_across_a_country_is_refused(tmp_path: Path) -> None:
     path = write(tmp_path / "far.geojson", {"type": "LineString", "coordinates": [[8.0, 47.0], [8.0, 47.1]]})
     with pytest.raises(MissionError, match=r"far\.geojson: spans 11\.1 km; the local frame is for at most 10 km"):
         mission_text(read_geojson(path), "far.geojson", "p")
+
+
+def test_a_swapped_line_far_from_its_origin_is_told_the_order(tmp_path: Path) -> None:
+    swapped = {"type": "LineString", "coordinates": [[47.3977, 8.5456], [47.3977, 8.5457]]}
+    survey = read_geojson(write(tmp_path / "swapped.geojson", swapped), (47.3977, 8.5456))
+    with pytest.raises(MissionError, match=r"spans .* km;.*\n  GeoJSON is \[longitude, latitude\]: see that they are"):
+        mission_text(survey, "swapped.geojson", "p")

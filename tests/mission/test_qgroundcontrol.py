@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from waypointctl.errors import MissionError
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.qgroundcontrol import read_plan
-from waypointctl.mission.survey import mission_text
+from waypointctl.mission.survey import Survey, mission_text
 
 HOME = [47.3977, 8.5456, 488.0]
 STEP = 0.0001  # degrees: 11.12 m north, 7.55 m east
@@ -51,11 +52,59 @@ def test_a_takeoff_is_left_out_a_landing_and_a_return_are_places(tmp_path: Path)
     path = tmp_path / "yard.plan"
     path.write_text(json.dumps(plan(item(22, frame=2), EAST, item(20, frame=2))))
     survey = read_plan(path)
-    assert survey.notes == ("mission.items[0]: a takeoff; the robot walks from where it stands",)
+    assert survey.notes == ("1 x takeoff (command 22): the robot walks from where it stands",)
     assert [stop.name for stop in survey.stops] == ["", "home"]
-    assert "# Left out: mission.items[0]: a takeoff" in mission_text(survey, "yard.plan", "p")
+    assert "# Left out: 1 x takeoff (command 22)" in mission_text(survey, "yard.plan", "p")
     landed = imported(tmp_path, plan(NORTH, item(21, 0, 0, 0, 0, HOME[0], HOME[1] + STEP, 0)))
     assert landed.legs()[1].name == "land"
+
+
+def read(tmp_path: Path, *items: dict[str, Any]) -> Survey:
+    path = tmp_path / "yard.plan"
+    path.write_text(json.dumps(plan(*items)))
+    return read_plan(path)
+
+
+def test_what_changes_nothing_about_the_way_is_left_out_a_line_a_kind(tmp_path: Path) -> None:
+    speed, camera, roi, yaw = item(178, 1, 5, frame=2), item(206, 25, 0, 1, frame=2), item(195, frame=2), item(115)
+    survey = read(tmp_path, speed, NORTH, camera, roi, EAST, yaw, camera, speed, camera, item(20), item(2001))
+    assert survey.stops == read(tmp_path, NORTH, EAST, item(20)).stops
+    assert survey.notes == (
+        "2 x DO_CHANGE_SPEED (command 178): the policy walks at its own speed",
+        "3 x DO_SET_CAM_TRIGG_DIST (command 206): no camera is commanded",
+        "1 x DO_SET_ROI_LOCATION (command 195): there is no gimbal to point",
+        "1 x CONDITION_YAW (command 115): where it faces is the policy's own",
+        "1 x IMAGE_STOP_CAPTURE (command 2001): no camera is commanded",
+    )
+
+
+@pytest.mark.parametrize("command", [17, 18, 31, 82, 21, 85])
+def test_what_a_robot_on_the_ground_does_otherwise_is_walked_to_and_said(tmp_path: Path, command: int) -> None:
+    there = item(command, 3, 0, 0, None, HOME[0] + STEP, HOME[1], 20)
+    survey = read(tmp_path, EAST, there)
+    assert [stop.place for stop in survey.stops[1:]] == [(HOME[0] + STEP, HOME[1])]
+    assert (survey.stops[1].hold_s, survey.stops[1].radius_m) == (0, None)
+    (note,) = survey.notes
+    assert re.match(rf"1 x [a-zA-Z ]+ \(command {command}\): the (robot|mission) ", note)
+
+
+@pytest.mark.parametrize("command", [17, 21, 85])
+def test_what_ends_without_a_place_ends_where_the_robot_stands(tmp_path: Path, command: int) -> None:
+    assert read(tmp_path, EAST, item(command, 0, 0, 0, None, 0, 0, 0, frame=2)).stops == read(tmp_path, EAST).stops
+
+
+def test_a_delay_is_a_longer_hold_where_the_robot_is(tmp_path: Path) -> None:
+    delay = item(93, 2.5, -1, -1, -1, frame=2)
+    survey = read(tmp_path, delay, NORTH, EAST, delay, delay)
+    assert [stop.hold_s for stop in survey.stops] == [0, 4 + 2 * 2.5]
+    assert survey.notes == ("1 x delay (command 93) before the first waypoint: the robot sets out at once",)
+
+
+def test_a_survey_is_walked_along_the_simple_items_that_it_was_laid_out_as(tmp_path: Path) -> None:
+    inner = {"TransectStyleComplexItem": {"Items": [NORTH, item(206, 5, frame=2), EAST], "CameraShots": 3}}
+    survey = read(tmp_path, {"type": "ComplexItem", "complexItemType": "survey", **inner}, NORTH)
+    assert survey.stops == read(tmp_path, NORTH, EAST, NORTH).stops
+    assert len(survey.notes) == 1
 
 
 def test_the_fence_comes_along(tmp_path: Path) -> None:
@@ -83,7 +132,7 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
     rally = {"version": 2, "points": [[*HOME]]}
     path.write_text(json.dumps(plan(NORTH | {"autoContinue": False}, rallyPoints=rally)))
     assert read_plan(path).notes == (
-        "mission.items[0]: that it waits here for a person (autoContinue)",
+        "1 x wait for a person (autoContinue is false): the robot goes on",
         "rallyPoints: 1; the robot has one home, onboard.home",
     )
 
@@ -121,12 +170,14 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
             "plannedHomePosition: has 1 numbers; latitude and longitude",
         ),
         (changed("mission", "items", to=[]), "has no waypoint to walk to"),
-        (changed("mission", "items", 0, "type", to="ComplexItem"), r"items\[0\]\.type: 'ComplexItem' \(a survey"),
+        (changed("mission", "items", 0, "type", to="ComplexItem"), r"items\[0\]: is a ComplexItem \(no type\) without"),
         (changed("mission", "items", 0, "type", to="Sample"), r"items\[0\]\.type: 'Sample' is not 'SimpleItem'"),
         (
-            changed("mission", "items", 0, "command", to=178),
-            r"command: 178 is nothing that a walking .* 16 \(waypoint\), 19",
+            changed("mission", "items", 0, "command", to=94),
+            r"command: 94 is nothing that a walking .* 16 \(waypoint\), .*19 \(loiter\)",
         ),
+        (changed("mission", "items", 0, "command", to=177), "command: 177 is DO_JUMP; the mission's 'repeat' walks"),
+        (changed("mission", "items", 0, "command", to=17), r"items\[0\]: is a loiter without end .* more follows"),
         (changed("mission", "items", 0, "frame", to=1), r"items\[0\]\.frame: 1 is not 0 or 3"),
         (
             changed("mission", "items", 0, "params", to=[1, 2]),
@@ -134,7 +185,7 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
         ),
         (
             changed("mission", "items", 0, "params", to=[0, 0, 0, None, 0, None, 0]),
-            "params: has no place: latitude and",
+            r"items\[0\]\.params: has no place: latitude and",
         ),
         (changed("mission", "items", 0, "params", 0, to=-1), r"params\[0\]: -1 is not a number within 0 and 86400"),
         (changed("mission", "items", 0, "command", to=20), r"items\[0\]: is a return \(command 20\), and more follows"),
@@ -156,7 +207,7 @@ def test_what_cannot_be_walked_is_refused_with_its_place(tmp_path: Path, content
 
 
 def test_all_that_is_wrong_is_said_at_once(tmp_path: Path) -> None:
-    content = changed("mission", "items", 0, "command", to=178)
+    content = changed("mission", "items", 0, "command", to=94)
     content["mission"]["items"][1]["frame"] = 1
     with pytest.raises(
         MissionError, match=r"2 problems\n.*yard\.plan: mission\.items\[0\](.|\n)*yard\.plan: mission\.items\[1\]"

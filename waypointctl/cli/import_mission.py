@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from waypointctl.mission.survey import Survey
 
 _MAX_LATITUDE: Final = 89.0
+_POLICY: Final = Path("policies/ant-waypoint")
 
 
 def import_mission(
@@ -31,7 +32,7 @@ def import_mission(
             show_default="the planned home, or the line's start",
         ),
     ] = None,
-    policy: Annotated[Path, typer.Option(help="Who walks: its folder.")] = Path("policies/ant-waypoint"),
+    policy: Annotated[Path | None, typer.Option(help="Who walks: its folder.", show_default=str(_POLICY))] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")] = False,
 ) -> None:
     """Make a mission of a plan: latitudes and longitudes become x (east) and y (north) in metres around an origin."""
@@ -46,15 +47,25 @@ def import_mission(
             raise OutputError("is there already", where=str(out), mend="--force replaces it; or give another --out.")
     survey = _read(file, None if origin is None else origin_of(origin))
     folder = Path.cwd() if out is None else out.parent
-    text = mission_text(survey, str(file), os.path.relpath(policy, folder))
+    text = mission_text(survey, str(file), os.path.relpath(policy or _POLICY, folder))
     for note in survey.notes:
         typer.echo(f"left out: {note}", err=True)
+    _warn_of_missing_policy(policy, file if out is None else out)
     if out is None:
         sys.stdout.write(text)
         return
     write_whole(out, text.encode(), "the mission")
     count = len(survey.stops)
     typer.echo(f"{out}: {count} waypoint{'s' if count > 1 else ''}; `waypointctl validate {out}` says what to expect")
+
+
+def _warn_of_missing_policy(given: Path | None, mission: Path) -> None:
+    from waypointctl.paths import folder_fault
+
+    policy = given or _POLICY
+    if fault := folder_fault(policy):
+        named = "" if given else f" It is the default of --policy, relative to {Path.cwd()}: give --policy DIR."
+        typer.echo(f"warning: {mission}: the policy {str(policy)!r} is not there: {fault}.{named}", err=True)
 
 
 def origin_of(text: str) -> Place:

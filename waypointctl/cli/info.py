@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -139,7 +140,7 @@ def _metadata_table(log: Log) -> GridView:
     return _view((Column("metadata", is_text=True), Column("value", is_text=True)), rows)
 
 
-def _view(columns: tuple[Column, ...], rows: list[tuple[str, ...]]) -> GridView:
+def _view(columns: tuple[Column, ...], rows: Sequence[tuple[str, ...]]) -> GridView:
     from waypointctl.cli.view.grid_view import GridView
     from waypointctl.evaluation.grid import Grid
 

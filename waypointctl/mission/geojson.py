@@ -11,6 +11,7 @@ from waypointctl.mission.local_frame import Place
 from waypointctl.mission.survey import Stop, Survey, mission_name, place_of
 
 _WGS_84: Final = ("urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:OGC::CRS84", "EPSG:4326")
+_ORDER: Final = "GeoJSON is [longitude, latitude]"
 _MOST: Final = 1000  # waypoints of a mission
 
 
@@ -36,7 +37,8 @@ def read_geojson(path: Path, origin: Place | None = None) -> Survey:
     root.report.refuse()
     stops = tuple(Stop(place) for place in places[1:])
     notes = tuple(root.report.notes)
-    return Survey(mission_name(name or path.stem), origin or places[0], places[0], stops, notes=notes)
+    name = mission_name(name or path.stem)
+    return Survey(name, origin or places[0], places[0], stops, notes=notes, order=_ORDER)
 
 
 def _refuse_other_frames(root: Part) -> None:
@@ -95,6 +97,17 @@ def _places(line: Part) -> Iterator[Place]:
         if not 2 <= len(numbers) <= 3:
             position.complain(f"has {len(numbers)} numbers; [longitude, latitude] are needed, an altitude is left out")
             continue
+        if _is_swapped(position.value):
+            position.complain(f"{position.value[1]:g} is no latitude: {_ORDER}, and these look swapped")
+            continue
         place = place_of(numbers[1], numbers[0])
         if place is not None:
             yield place
+
+
+def _is_swapped(position: list[object]) -> bool:
+    """Tell whether a position's numbers would be a place the other way round alone."""
+    longitude, latitude = position[:2]
+    if not (isinstance(longitude, int | float) and isinstance(latitude, int | float)):
+        return False
+    return abs(longitude) <= 90 < abs(latitude) <= 180

@@ -58,6 +58,7 @@ class Survey:
         stops: in order.
         zones: of the fence.
         notes: what the file says beside, and is left out.
+        order: how the file's format writes a place, where it is easily written the other way round.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Survey:
     stops: tuple[Stop, ...]
     zones: tuple[Zone, ...] = ()
     notes: tuple[str, ...] = ()
+    order: str = ""
 
     @property
     def places(self) -> tuple[Place, ...]:
@@ -104,7 +106,8 @@ def mission_text(survey: Survey, where: str, policy: str) -> str:
     span = span_m([frame.point(place) for place in (survey.origin, *survey.places)])
     if span > MAX_SPAN_M:
         problem = f"spans {span / 1000:.1f} km; the local frame is for at most {MAX_SPAN_M / 1000:g} km"
-        raise MissionError(problem, where=where, mend="Cut it, or give an --origin near it.")
+        mend = f"{survey.order}: see that they are not swapped. Else cut" if survey.order else "Cut"
+        raise MissionError(problem, where=where, mend=f"{mend} it, or give an --origin near it.")
     text = "".join(f"{line}\n" for line in _lines(survey, frame, where, policy))
     parse_mission(text.encode(), f"{where} as a mission")
     return laid_out(text.encode(), where).decode()
