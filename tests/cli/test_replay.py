@@ -163,7 +163,7 @@ def test_shown_again_it_takes_its_time(alone: Path, program: Program) -> None:
         (("--start-offset", "99"), "the flight is over at 2.04 s"),
         (("--start-paused",), "no terminal"),
         (("--loop", "--verify"), "leave out --verify"),
-        (("--rate", "1", "--json"), "leave out --verify, --json and --png"),
+        (("--rate", "1", "--json"), "leave out --verify, --json, --png and --pictures"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(

@@ -30,6 +30,7 @@ from waypointctl.log.messages import (
     Message,
     Mode,
     Observation,
+    Picture,
     PlannedWaypoint,
     Reward,
     Severity,
@@ -91,6 +92,7 @@ BY_TYPE: dict[type, st.SearchStrategy[Message]] = {
         whole,
         whole,
     ),
+    Picture: st.builds(Picture, times, names, names, st.binary(max_size=400)),
     Checkpoint: st.builds(Checkpoint, times, whole, vectors, names, names),
 }
 

@@ -31,4 +31,5 @@ def facts(mission: str, recording: Recording) -> dict[str, Any]:
         "seed": recording.seed,
         "log": str(recording.path),
         "log_sha256": recording.sha256,
+        "pictures": recording.pictures,
     }

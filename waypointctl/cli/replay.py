@@ -25,6 +25,12 @@ def replay(
     png: Annotated[
         Path | None, typer.Option(help="Also draw path, speed and commands into this PNG.", show_default=False)
     ] = None,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", help="Also write what the robot's camera saw, a PNG a picture.", show_default=False
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
     rate: Annotated[
         float | None,
@@ -41,6 +47,7 @@ def replay(
     Everything comes from the log. Exit with 0 if the replay is exact, 1 if it diverged or cannot be verified. With
     --rate, --start-offset, --loop or --start-paused the flight is only shown, live on a terminal.
     """
+    from waypointctl.cli.pictures import picture_files, write_pictures
     from waypointctl.cli.view import playback
     from waypointctl.cli.view.story_json import json_text, story_json, verification_json
     from waypointctl.cli.view.summary import print_story
@@ -49,14 +56,16 @@ def replay(
     from waypointctl.replay.logged import mission_name, story_of
 
     if rate is not None or start_offset is not None or loop or start_paused:
-        if verify or json or png is not None:
-            raise typer.BadParameter("the flight is either shown or verified: leave out --verify, --json and --png.")
+        if verify or json or png is not None or pictures is not None:
+            problem = "the flight is either shown or verified: leave out --verify, --json, --png and --pictures."
+            raise typer.BadParameter(problem)
         _play(open_log(log), playback.Playback(rate or 1.0, start_offset or 0.0, loop, start_paused))
         return
     if png is not None:
         refuse_unwritable_file(png, "the picture")
         refuse_other_content(png, _PNG, "a PNG")
     opened = open_log(log)
+    files = None if pictures is None else picture_files(opened, pictures)
     verification = _prove(opened, stderr=json)
     found = verification_json(verification)
     if not verify or png is not None:
@@ -66,6 +75,8 @@ def replay(
             found["story"] = story_json(story, mission_name(opened))
         if png is not None:
             _draw(story, opened, verification, png)
+    if pictures is not None and files is not None:
+        write_pictures(files, pictures)
     if json:
         sys.stdout.write(f"{json_text(found)}\n")
     raise typer.Exit(0 if verification.verdict == "exact" else 1)

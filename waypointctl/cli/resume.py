@@ -58,6 +58,7 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
     from waypointctl.cli.flight_answer import EXIT_CODES, answer
     from waypointctl.cli.flight_view import flight_view
     from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.pictures import say_missing
     from waypointctl.cli.view.summary import print_flight
     from waypointctl.replay.resume import Interrupted, go_on
 
@@ -75,6 +76,7 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
     except Interrupted:
         typer.echo(f"interrupted before it was where {flight.log.path} ends; that log is as it was", err=True)
         return _INTERRUPTED
+    say_missing(recording)
     print_flight(view.watch.chronicle.story(), recording, time.monotonic() - began_s, stderr=asked.json)
     if asked.json:
         sys.stdout.write(answer(mission.name, recording))
@@ -97,7 +99,8 @@ def _say_complete(asked: Resumption) -> int:
     if asked.json:
         learned = sum(waypoint.learned_ns is not None for waypoint in story.waypoints)
         result = FlightResult(story.outcome, story.reason, learned, len(story.waypoints), story.ended_ns)
-        sys.stdout.write(answer(mission_name(log), recording_of(result, path, int(log.metadata["seed"]))))
+        recording = recording_of(result, path, int(log.metadata["seed"]), log.count("/camera"))
+        sys.stdout.write(answer(mission_name(log), recording))
     return 0
 
 

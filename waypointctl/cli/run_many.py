@@ -104,6 +104,7 @@ def _fly(
     path: Path, many: Many, load: LoadMission, policies: dict[Path, LoadedPolicy], interrupted: Callable[[], bool]
 ) -> Outcome:
     from waypointctl.cli.log_place import claimed
+    from waypointctl.cli.pictures import say_missing
     from waypointctl.ops.record import record
     from waypointctl.policy.bundle import load_policy
 
@@ -112,7 +113,9 @@ def _fly(
     if folder not in policies:
         policies[folder] = load_policy(many.policy or file.policy_path)
     with claimed(file.mission.name, many.out, force=many.force) as log:
-        return Outcome(path, file.mission.name, record(file, policies[folder], log, interrupted=interrupted))
+        recording = record(file, policies[folder], log, interrupted=interrupted, pictures=True)
+    say_missing(recording)
+    return Outcome(path, file.mission.name, recording)
 
 
 def _reason(outcome: Outcome) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 
 from waypointctl.log.messages import (
     Ack,
@@ -28,6 +29,7 @@ from waypointctl.log.messages import (
     LinkRecord,
     Mode,
     Observation,
+    Picture,
     PlannedWaypoint,
     Reward,
     Severity,
@@ -36,6 +38,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.log.proto import messages_pb2 as pb
+from waypointctl.units import NS_PER_S
 
 _SOURCES: Final = ("policy", "ground", "stance", "off")  # who had the motors
 
@@ -160,6 +163,13 @@ def event(data: bytes) -> Event:
     return Event(
         it.time_ns, EventKind(it.kind), Clock(it.clock), Severity(it.severity), it.text, it.waypoint, it.command_id
     )
+
+
+def picture(data: bytes) -> Picture:
+    """Decode a Picture."""
+    it = CompressedImage.FromString(data)
+    time_ns = it.timestamp.seconds * NS_PER_S + it.timestamp.nanos
+    return Picture(time_ns, it.frame_id, it.format, it.data)
 
 
 def checkpoint(data: bytes) -> Checkpoint:

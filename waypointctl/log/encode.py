@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
+
+from waypointctl.log.foxglove.geometry import timestamp
 from waypointctl.log.messages import (
     Ack,
     Checkpoint,
@@ -11,6 +14,7 @@ from waypointctl.log.messages import (
     Event,
     GroundControl,
     LinkRecord,
+    Picture,
     PlannedWaypoint,
     Telemetry,
 )
@@ -135,6 +139,14 @@ def event(message: Event) -> bytes:
         waypoint=message.waypoint,
         command_id=message.command_id,
     ).SerializeToString()
+
+
+def picture(message: Picture) -> bytes:
+    """Encode a Picture."""
+    data: bytes = CompressedImage(
+        timestamp=timestamp(message.time_ns), frame_id=message.frame_id, data=message.data, format=message.format
+    ).SerializeToString()
+    return data
 
 
 def checkpoint(message: Checkpoint) -> bytes:

@@ -307,6 +307,16 @@ class ConsoleInput:
 
 
 @dataclass(frozen=True, slots=True)
+class Picture:
+    """What the robot's camera saw when an observation was taken; foxglove.CompressedImage in the log."""
+
+    time_ns: int  # of the OBSERVATION_TAKEN, whose State it follows
+    frame_id: str  # the camera's name
+    format: str  # "png"
+    data: bytes  # the file; png.py says what it says of itself
+
+
+@dataclass(frozen=True, slots=True)
 class Checkpoint:
     """Everything that a replay needs to start in the middle."""
 
@@ -330,5 +340,6 @@ Message: TypeAlias = (
     | LinkRecord
     | ConsoleInput
     | Event
+    | Picture
     | Checkpoint
 )

@@ -92,6 +92,10 @@ class Log:
         """Every topic, those for viewers too, with how many messages it has and from when to when."""
         return {topic.name: topic for topic in self.contents.topics.values()}
 
+    def count(self, topic: str) -> int:
+        """Return how many messages there are on a topic, 0 where the log has no such topic."""
+        return self.topics[topic].count if topic in self.topics else 0
+
     @property
     def message_count(self) -> int:
         """How many messages there are, those for viewers too."""

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from google.protobuf.message import Message as ProtobufMessage
 
 from waypointctl.log import decode, encode, steps
@@ -24,6 +25,7 @@ from waypointctl.log.messages import (
     LinkRecord,
     Message,
     Observation,
+    Picture,
     Reward,
     State,
     Telemetry,
@@ -53,6 +55,7 @@ def _instant(
     | LinkRecord
     | ConsoleInput
     | Event
+    | Picture
     | Checkpoint,
 ) -> tuple[int, int]:
     return message.time_ns, message.time_ns
@@ -76,6 +79,8 @@ TOPICS: Final = (
     Topic("/console", ConsoleInput, pb.ConsoleInput, encode.console_input, decode.console_input, _instant),
     Topic("/event", Event, pb.Event, encode.event, decode.event, _instant),
     Topic("/checkpoint", Checkpoint, pb.Checkpoint, encode.checkpoint, decode.checkpoint, _instant),
+    Topic("/camera", Picture, CompressedImage, encode.picture, decode.picture, _instant),
 )
+ON_DEMAND: Final = frozenset({Picture})  # their topics are in a log only where it has such a message
 BY_KIND: Final = {topic.kind: topic for topic in TOPICS}
 BY_NAME: Final = {topic.name: topic for topic in TOPICS}

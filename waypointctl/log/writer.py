@@ -16,7 +16,7 @@ from waypointctl.log.foxglove.view import VIEW_TOPICS, FoxgloveView, Frame
 from waypointctl.log.header import LAYOUT_NAME, METADATA_NAME, SCHEMA_VERSION, Attachment, LogHeader
 from waypointctl.log.lock import lock
 from waypointctl.log.messages import Message
-from waypointctl.log.topics import BY_KIND, TOPICS
+from waypointctl.log.topics import BY_KIND, ON_DEMAND, TOPICS
 from waypointctl.units import NS_PER_S
 
 
@@ -102,12 +102,13 @@ class LogWriter:
             self._finish()
 
     def _begin(self, header: LogHeader) -> None:
-        root = header.kinematics.body_names[0]
-        for attachment in (*header.attachments, Attachment(LAYOUT_NAME, "application/json", layout(root))):
+        observes = any(waypoint.task for waypoint in header.waypoints)
+        view = layout(header.kinematics.body_names[0], camera=observes)
+        for attachment in (*header.attachments, Attachment(LAYOUT_NAME, "application/json", view)):
             self._file.attach(attachment)
         own = {"schema_version": str(SCHEMA_VERSION), "robot": header.robot}
         self._file.describe(METADATA_NAME, own | dict(header.metadata) | own)
-        schemas = {topic.name: topic.schema for topic in TOPICS} | VIEW_TOPICS
+        schemas = {topic.name: topic.schema for topic in TOPICS if topic.kind not in ON_DEMAND} | VIEW_TOPICS
         self._channels = {name: self._file.open(name, schema) for name, schema in schemas.items()}
         for frame in self._view.start():
             self._show(frame)
@@ -127,6 +128,8 @@ class LogWriter:
             message = self._waiting.popleft()
             topic = BY_KIND[type(message)]
             log_time_ns, publish_time_ns = topic.times_ns(message)
+            if topic.name not in self._channels:
+                self._channels[topic.name] = self._file.open(topic.name, topic.schema)
             self._file.write(self._channels[topic.name], log_time_ns, publish_time_ns, topic.encode(message))
             for frame in self._view(message):
                 self._show(frame)

@@ -9,10 +9,13 @@ from pathlib import Path
 
 from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile
+from waypointctl.ops.camera import OnboardCamera
 from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
 from waypointctl.ops.ground.line_source import LineSource
+from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.ops.header import flight_header
+from waypointctl.ops.shutter import with_pictures
 from waypointctl.ops.sink import Sink, tee
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.require import require
@@ -29,12 +32,16 @@ class Recording:
         path: of the log.
         sha256: of the log's bytes.
         seed: of everything random in it.
+        pictures: how many the log has.
+        no_pictures: why there are none, and how to mend that, where there should be some.
     """
 
     result: FlightResult
     path: Path
     sha256: str
     seed: int
+    pictures: int = 0
+    no_pictures: str = ""
 
 
 def record(
@@ -45,6 +52,7 @@ def record(
     watch: Sink | None = None,
     interrupted: Callable[[], bool] = lambda: False,
     console: LineSource | None = None,
+    pictures: bool = False,
 ) -> Recording:
     """Fly a mission and write its log.
 
@@ -55,6 +63,7 @@ def record(
         watch: sees every message too, as it happens.
         interrupted: asked before every control step; True ends the flight and closes the log.
         console: where a person's commands come from, if there is a person.
+        pictures: take one at each observation, where there is something that can draw.
 
     Raises:
         PolicyError: the policy was made for another robot or another observation layout.
@@ -69,14 +78,19 @@ def record(
         components=layout(policy.observation_layout).components,
         control_period_ns=robot.control_period_ns,
     )
-    with LogWriter(out, flight_header(mission_file, policy, robot)) as writer:
+    with (
+        OnboardCamera(robot, planned_waypoints(mission)) as camera,
+        LogWriter(out, flight_header(mission_file, policy, robot)) as writer,
+    ):
         sink = writer if watch is None else tee(writer, watch)
+        if pictures:
+            sink = with_pictures(sink, camera)
         result = fly(mission, policy, sink, robot=robot, interrupted=interrupted, console=console)
-    return recording_of(result, out, mission.seed)
+    return recording_of(result, out, mission.seed, camera.taken, camera.trouble)
 
 
-def recording_of(result: FlightResult, out: Path, seed: int) -> Recording:
-    """Return what is said of a flight whose log is closed."""
+def recording_of(result: FlightResult, out: Path, seed: int, pictures: int = 0, no_pictures: str = "") -> Recording:
+    """Return what is said of a flight whose log is closed; Recording says what the last two are."""
     with out.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
-    return Recording(result, out, digest, seed)
+    return Recording(result, out, digest, seed, pictures, no_pictures)

@@ -14,6 +14,8 @@ from waypointctl.log.header import LogHeader
 from waypointctl.log.reader import Log
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.camera import OnboardCamera
+from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.ops.header import (
     MISSION,
     MISSION_FILE_HASH,
@@ -54,6 +56,11 @@ class Carried:
     def mission(self) -> Mission:
         """The mission, with the seed it was flown with."""
         return self.mission_file.mission
+
+    @property
+    def camera(self) -> OnboardCamera:
+        """A camera of the robot, that takes the pictures of this flight."""
+        return OnboardCamera(self.robot, planned_waypoints(self.mission))
 
     def header(self) -> LogHeader:
         """Return the header of a log of this flight that is made here."""

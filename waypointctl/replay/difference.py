@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
@@ -96,5 +97,12 @@ def _texts(logged: Any, replayed: Any) -> tuple[str, str]:
     return f"...{a[begin : same + EXCERPT]}...", f"...{b[begin : same + EXCERPT]}..."
 
 
+def shown(data: bytes) -> str:
+    """Return bytes as people can tell them from others."""
+    return f"{len(data)} bytes, {hashlib.sha256(data).hexdigest()[:12]}"
+
+
 def _text(value: Any) -> str:
+    if isinstance(value, bytes):
+        return shown(value)
     return f"{value!r} (0x{bits_of(value):016x})" if isinstance(value, float) else str(value)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from itertools import zip_longest
 
 from waypointctl.log.reader import Log
 from waypointctl.log.records import RawMessage
+from waypointctl.replay.difference import shown
 from waypointctl.replay.verdict import Divergence
 from waypointctl.replay.witness import Diverged
 
@@ -40,7 +40,7 @@ def _same(what: str, logged: Mapping[str, str | bytes], replayed: Mapping[str, s
 def _short(value: str | bytes | None) -> str:
     if value is None:
         return "nothing"
-    return value if isinstance(value, str) else f"{len(value)} bytes, {hashlib.sha256(value).hexdigest()[:12]}"
+    return value if isinstance(value, str) else shown(value)
 
 
 def _named(record: tuple[str, RawMessage] | None) -> str:

@@ -17,7 +17,7 @@ from typing import Final
 
 from waypointctl.errors import InputError, LogError
 from waypointctl.log.lock import lock
-from waypointctl.log.messages import Message
+from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.reader import Log, open_log
 from waypointctl.log.scan import open_file
 from waypointctl.log.writer import LogWriter
@@ -25,7 +25,9 @@ from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
 from waypointctl.ops.ground.line_source import QUIT, LineSource
 from waypointctl.ops.record import Recording, recording_of
+from waypointctl.ops.shutter import Camera, with_pictures
 from waypointctl.ops.sink import Sink
+from waypointctl.replay.audited_camera import AuditedCamera
 from waypointctl.replay.carried import PROGRAM, Carried, altered, carried_by, differing, unverifiable
 from waypointctl.replay.logged_lines import LoggedLines
 from waypointctl.replay.milestones import Milestones, milestones_of
@@ -119,8 +121,9 @@ def go_on(
         return interrupted()
 
     try:
-        with LogWriter(flight.path, carried.header(), part=beside) as writer:
-            sink = _passage(witness, writer, again, watch)
+        with carried.camera as camera, LogWriter(flight.path, carried.header(), part=beside) as writer:
+            audited = AuditedCamera(camera, witness, same_program=not differing(flight.log, PROGRAM))
+            sink = with_pictures(_passage(witness, writer, again, watch), _camera(witness, audited, camera))
             policy = AuditedPolicy(carried.policy, witness, bitwise=True)
             result = fly(carried.mission, policy, sink, robot=carried.robot, interrupted=asked, console=lines)
             _require_all_seen(witness, result)
@@ -128,7 +131,17 @@ def go_on(
         raise _not_the_same(flight.log, error.where) from None
     finally:
         beside.unlink(missing_ok=True)  # after an error in the first part; later it has its place
-    return recording_of(result, flight.path, carried.mission.seed)
+    taken = audited.handed_on + camera.taken
+    return recording_of(result, flight.path, carried.mission.seed, taken, camera.trouble)
+
+
+def _camera(witness: Witness, again: Camera, anew: Camera) -> Camera:
+    """Return a camera that takes the old log's pictures as long as that lasts, and then its own."""
+
+    def take(event: Event, state: State) -> Picture | None:
+        return (anew if witness.has_ended else again)(event, state)
+
+    return take
 
 
 def _passage(witness: Witness, writer: LogWriter, again: Sink, watch: Sink) -> Sink:

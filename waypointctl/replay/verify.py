@@ -12,7 +12,9 @@ from waypointctl.log.reader import Log, open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.ops.fly import fly
 from waypointctl.ops.header import platform_facts
+from waypointctl.ops.shutter import with_pictures
 from waypointctl.ops.sink import tee
+from waypointctl.replay.audited_camera import AuditedCamera
 from waypointctl.replay.carried import KERNELS, PROGRAM, Carried, altered, carried_by, differing, unverifiable
 from waypointctl.replay.logged_lines import LoggedLines
 from waypointctl.replay.milestones import milestones_of
@@ -31,9 +33,9 @@ def verify_log(log: Log) -> Verification:
 
     Everything comes from the log: mission, model, policy, seed. Physics is driven by the logged actions, each of
     which is computed again from the observation. States, observations, actions, reward terms and sums, events,
-    commands, acknowledgements and telemetry with their times of delivery, and checkpoints have to be equal. Where
-    the same program runs on the same processor, a second log is written on the way, and every record of the first
-    has to be in it: viewers' topics, metadata and attachments too.
+    commands, acknowledgements and telemetry with their times of delivery, and checkpoints have to be equal. Pictures
+    are drawn again where the same renderer is. Where the same program runs on the same processor, a second log is
+    written on the way, and every record of the first has to be in it: viewers' topics, metadata and attachments too.
 
     Raises:
         LogError: the log cannot be read.
@@ -51,17 +53,18 @@ def verify_log(log: Log) -> Verification:
 
 
 def _fly_again(log: Log, carried: Carried) -> Verification:
-    elsewhere = differing(log, KERNELS)
+    elsewhere, another_program = differing(log, KERNELS), differing(log, PROGRAM)
     witness = Witness(log.sealed_messages(), bitwise=not elsewhere)
     audited = AuditedPolicy(carried.policy, witness, bitwise=not elsewhere)
     mission = carried.mission
     try:
         by_hand = LoggedLines(witness, mission, milestones_of(log))
-        with _second_log(carried) as second:
+        with carried.camera as camera, _second_log(carried) as second:
+            pictures = AuditedCamera(camera, witness, same_program=not another_program)
             fly(
                 mission,
                 audited,
-                tee(witness, second),
+                with_pictures(tee(witness, second), pictures),
                 robot=carried.robot,
                 interrupted=by_hand.interrupted,
                 console=by_hand,
@@ -69,7 +72,7 @@ def _fly_again(log: Log, carried: Carried) -> Verification:
             if witness.upcoming is not None:
                 raise witness.diverged("/event", "end", type(witness.upcoming).__name__, "the flight is over")
             second.close()
-            records = compare_records(log, open_log(second.path)) if not differing(log, PROGRAM) else None
+            records = compare_records(log, open_log(second.path)) if not another_program else None
     except Diverged as error:
         if error.rounding and elsewhere:
             reason = f"rounded otherwise at step {error.where.step} on {error.where.topic}: {' and '.join(elsewhere)}"
@@ -79,7 +82,7 @@ def _fly_again(log: Log, carried: Carried) -> Verification:
         ended = witness.diverged("/event", "end", "the log ends", "the flight goes on")
         return _diverged(ended.where, witness, log)
     steps = witness.compared["/action"]
-    checks = _checks(witness, audited, elsewhere, records)
+    checks = _checks(witness, audited, pictures, elsewhere, records)
     same = "every bit the same" if not elsewhere else "every bit of the physics the same"
     return Verification(Verdict.EXACT, steps, None, f"{steps} control steps replayed, {same}", checks)
 
@@ -106,7 +109,9 @@ def _software(facts: Mapping[str, str]) -> str:
     return f"{facts.get('version_waypointctl')} ({facts.get('source')})"
 
 
-def _checks(witness: Witness, audited: AuditedPolicy, elsewhere: list[str], records: int | None) -> tuple[str, ...]:
+def _checks(
+    witness: Witness, audited: AuditedPolicy, pictures: AuditedCamera, elsewhere: list[str], records: int | None
+) -> tuple[str, ...]:
     counts = witness.compared
     actions = (
         f"within rounding ({', '.join(elsewhere)}), actions at most {audited.largest_difference:.1e} apart"
@@ -129,6 +134,7 @@ def _checks(witness: Witness, audited: AuditedPolicy, elsewhere: list[str], reco
         f"{_several(counts['/telemetry'], 'telemetry frame')}, with each time of delivery",
         f"{_several(counts['/checkpoint'], 'checkpoint')}, with the link's random streams",
         *(typed if counts["/console"] else ()),
+        *pictures.checks,
         whole,
     )
 

@@ -13,9 +13,9 @@ from waypointctl.log.kinematics import WORLD
 _COLORS: Final = ("#4e98e2", "#f5774d", "#5cd6a9", "#f7df71", "#a395e2")
 
 
-def layout(root: str) -> bytes:
-    """Return the layout as JSON, its camera behind the body `root`."""
-    panels = {
+def layout(root: str, *, camera: bool = False) -> bytes:
+    """Return the layout as JSON, its view from behind the body `root`; with `camera` the robot's pictures too."""
+    panels: dict[str, Any] = {
         "3D!scene": _scene_panel(root),
         "Plot!speed": _plot(
             "Speed [m/s]",
@@ -45,12 +45,16 @@ def layout(root: str) -> bytes:
     }
     plots = _split("column", "Plot!speed", _split("column", "Plot!reward", "Plot!latency", 50), 34)
     story = _split("column", "StateTransitions!modes", "RosOut!log", 45)
+    scene: Any = "3D!scene"
+    if camera:
+        panels["Image!camera"] = {"imageMode": {"imageTopic": "/camera"}}
+        scene = _split("row", scene, "Image!camera", 60)
     whole = {
         "configById": panels,
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": {"speed": 1},
-        "layout": _split("row", _split("column", "3D!scene", story, 62), plots, 58),
+        "layout": _split("row", _split("column", scene, story, 62), plots, 58),
     }
     return json.dumps(whole, indent=2).encode() + b"\n"
 

@@ -1,0 +1,58 @@
+"""What is said of a flight's pictures, and where they are written."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from waypointctl.log.reader import Log
+    from waypointctl.ops.record import Recording
+    from waypointctl.replay.pictures import PictureFile
+
+_PNG: Final = b"\x89PNG"
+
+
+def say_missing(recording: Recording) -> None:
+    """Say on stderr why a flight that observed has no pictures, if that is so."""
+    if recording.no_pictures:
+        print(f"no pictures: {recording.no_pictures}", file=sys.stderr, flush=True)
+
+
+def picture_files(log: Log, folder: Path) -> list[PictureFile]:
+    """Return a log's pictures for a folder that they can be written to.
+
+    Raises:
+        OutputError: the folder cannot be written, or a name is taken by what is no picture.
+    """
+    from waypointctl.paths import refuse_other_content, refuse_unwritable_folder
+    from waypointctl.replay.pictures import pictures_in
+
+    refuse_unwritable_folder(folder)
+    files = pictures_in(log)
+    for file in files:
+        refuse_other_content(folder / file.name, _PNG, "a PNG")
+    return files
+
+
+def write_pictures(files: list[PictureFile], folder: Path) -> None:
+    """Write pictures into a folder, which is made if need be, and say so.
+
+    Raises:
+        OutputError: they cannot be written.
+    """
+    from waypointctl.errors import OutputError
+    from waypointctl.paths import write_whole
+
+    if not files:
+        why = "nothing was observed, or nothing could draw where it was flown"
+        print(f"the log has no pictures: {why}", file=sys.stderr)
+        return
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(folder)) from error
+    for file in files:
+        write_whole(folder / file.name, file.data, "the picture")
+        print(f"written: {folder / file.name}", file=sys.stderr)

@@ -1,0 +1,47 @@
+"""The pictures of a flight as files, each named for the waypoint that was observed."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+from waypointctl.log.messages import Picture
+from waypointctl.log.png import TITLE, texts_of
+from waypointctl.log.reader import Log
+
+_UNSAFE: Final = re.compile(r"[^\w.-]+")
+_LONGEST: Final = 60  # characters of a name; a file's may have 255 bytes
+
+
+@dataclass(frozen=True, slots=True)
+class PictureFile:
+    """A picture to be written."""
+
+    name: str  # of the file: its number in the flight, and the waypoint's name where it is safe
+    data: bytes
+
+
+def pictures_in(log: Log) -> list[PictureFile]:
+    """Return the pictures of a log in the order in which they were taken.
+
+    Raises:
+        LogError: a message cannot be read.
+    """
+    pictures = [message for message in log.messages(("/camera",)) if isinstance(message, Picture)]
+    digits = max(2, len(str(len(pictures))))
+    return [
+        PictureFile(f"{number:0{digits}}-{_safe(_title(picture))}.{_safe(picture.format)}", picture.data)
+        for number, picture in enumerate(pictures, 1)
+    ]
+
+
+def _title(picture: Picture) -> str:
+    try:
+        return texts_of(picture.data).get(TITLE, "")
+    except ValueError:
+        return "damaged"  # the proof says what is wrong with it
+
+
+def _safe(text: str) -> str:
+    return _UNSAFE.sub("-", text).strip("-.")[:_LONGEST] or "picture"

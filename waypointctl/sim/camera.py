@@ -1,0 +1,129 @@
+"""The robot's camera: on a mast behind its torso, looking along its heading and a little down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.sim.offscreen import NoRendering, OffscreenContext
+from waypointctl.sim.robots import Robot
+from waypointctl.sim.scenery import FAR_M, HEIGHT, WIDTH, scenery
+
+FloatArray = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+
+BEHIND_M: Final = 0.7  # the mast, behind the torso's centre: the front legs are in the picture
+ABOVE_M: Final = 1.0  # the camera, above the torso's centre
+PITCH_DEG: Final = -16.0
+
+POST_M: Final = 1.2  # height of a waypoint's marker
+POST_COLOUR: Final = (1.0, 0.5, 0.05, 1.0)
+_POST_RADIUS_M: Final = 0.03
+_KNOB_RADIUS_M: Final = 0.08
+_FOOT_RADIUS_M: Final = 0.2
+_FOOT_HEIGHT_M: Final = 0.01
+_CLEAR_M: Final = 1.5  # a post nearer to the camera would hide the view: only its foot is drawn
+_NAMED_M: Final = 25.0  # names of what is farther away would lie on each other
+_MOST_MARKERS: Final = 200  # the nearest
+_GLOW: Final = 0.4  # of the markers, or those between camera and sun are black
+
+
+@dataclass(frozen=True, slots=True)
+class Marker:
+    """A place that is marked with a post."""
+
+    name: str
+    x_m: float
+    y_m: float
+
+
+class MastCamera:
+    """Draws what a robot's camera sees. It computes on data of its own: the physics never notices.
+
+    Attributes:
+        renderer: what draws; where it is the same, a picture is the same to the last bit.
+    """
+
+    def __init__(self, robot: Robot, markers: Iterable[Marker]) -> None:
+        """Set up the scene; `close` it at the end.
+
+        Raises:
+            NoRendering: there is nothing here that could draw.
+        """
+        self._markers = tuple(markers)
+        self._context = OffscreenContext(WIDTH, HEIGHT)
+        self.renderer = f"{self._context.renderer}, MuJoCo {mujoco.__version__}"
+        self._model = scenery(robot)
+        self._data = mujoco.MjData(self._model)
+        try:
+            self._drawing = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
+            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._drawing)
+        except mujoco.FatalError as error:
+            self._context.close()
+            raise NoRendering(f"{self.renderer} cannot draw: {error}") from error
+        self._scene = mujoco.MjvScene(self._model, self._model.ngeom + 3 * _MOST_MARKERS + 10)
+
+    def take(self, qpos: FloatArray) -> Pixels:
+        """Return the picture at qpos (nq,): (480, 640, 3), red green blue, the first row on top."""
+        data, scene = self._data, self._scene
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(self._model, data)
+        mujoco.mj_camlight(self._model, data)
+        view, seen = viewpoint(qpos), mujoco.mjtCatBit.mjCAT_ALL
+        mujoco.mjv_updateScene(self._model, data, mujoco.MjvOption(), mujoco.MjvPerturb(), view, seen, scene)
+        scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
+        scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False  # speckled on a ground without end, and the dearest part
+        self._mark(view.lookat)
+        frame = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
+        mujoco.mjr_render(frame, scene, self._drawing)
+        pixels = np.empty((HEIGHT, WIDTH, 3), np.uint8)
+        mujoco.mjr_readPixels(pixels, None, frame, self._drawing)
+        return np.ascontiguousarray(pixels[::-1])
+
+    def close(self) -> None:
+        """Give the drawing's memory back."""
+        self._drawing.free()
+        self._context.close()
+
+    def _mark(self, camera: FloatArray) -> None:
+        """Set a marker at each place near the camera (3,) [m]."""
+        far = [(math.hypot(it.x_m - camera[0], it.y_m - camera[1]), it) for it in self._markers]
+        near = sorted((pair for pair in far if pair[0] < FAR_M), key=lambda pair: pair[0])
+        for distance_m, it in near[:_MOST_MARKERS]:
+            cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
+            self._shape(cylinder, (_FOOT_RADIUS_M, _FOOT_HEIGHT_M, 0), (it.x_m, it.y_m, _FOOT_HEIGHT_M))
+            if distance_m < _CLEAR_M:
+                continue
+            self._shape(cylinder, (_POST_RADIUS_M, POST_M / 2, 0), (it.x_m, it.y_m, POST_M / 2))
+            name = it.name if distance_m < _NAMED_M else ""
+            self._shape(mujoco.mjtGeom.mjGEOM_SPHERE, (_KNOB_RADIUS_M,) * 3, (it.x_m, it.y_m, POST_M), name)
+
+    def _shape(
+        self, kind: mujoco.mjtGeom, size: tuple[float, ...], position: tuple[float, float, float], name: str = ""
+    ) -> None:
+        geom = self._scene.geoms[self._scene.ngeom]
+        upright = np.eye(3).ravel()
+        mujoco.mjv_initGeom(geom, kind, np.array(size), np.array(position), upright, np.array(POST_COLOUR, np.float32))
+        geom.category = int(mujoco.mjtCatBit.mjCAT_DECOR)
+        geom.emission = _GLOW
+        geom.label = name.encode("ascii", "replace").decode()[:60]  # MuJoCo's font knows no more, and has room for 99
+        self._scene.ngeom += 1
+
+
+def viewpoint(qpos: FloatArray) -> mujoco.MjvCamera:
+    """Return the camera at qpos (nq,). It is level however the torso rolls and pitches, as one on gimbals."""
+    w, x, y, z = qpos[3:7].tolist()
+    heading = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    behind = np.array([math.cos(heading), math.sin(heading), 0.0]) * BEHIND_M
+    camera = mujoco.MjvCamera()
+    camera.type = mujoco.mjtCamera.mjCAMERA_FREE
+    camera.lookat[:] = qpos[:3] - behind + np.array([0.0, 0.0, ABOVE_M])
+    camera.distance = 0.0  # it stands where it would look at
+    camera.azimuth, camera.elevation = math.degrees(heading), PITCH_DEG
+    return camera
