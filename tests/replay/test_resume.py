@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 
 from tests.log.fake_flight import bits
 from tests.ops.scripted_lines import ScriptedLines
-from tests.replay.rewriting import altered
+from tests.replay.rewriting import Flown, altered
 from tests.replay.test_verify_console import LINES, session
 from waypointctl.errors import LogError
 from waypointctl.log.lock import lock
@@ -223,10 +224,26 @@ def test_a_log_that_is_damaged_is_refused(whole: Whole, tmp_path: Path, where: s
     assert part.read_bytes() == bytes(data)
 
 
-@pytest.mark.parametrize("size", [0, 5, 1000])
-def test_a_log_without_its_beginning_is_refused(whole: Whole, tmp_path: Path, size: int) -> None:
+@pytest.mark.parametrize("size", [0, 5, 8, 1000])
+def test_of_a_flight_killed_before_it_began_it_is_said_to_run_it_again(whole: Whole, tmp_path: Path, size: int) -> None:
+    part = whole.cut(tmp_path, size)
+    again = f"`waypointctl run MISSION.yaml --out {part.with_suffix('')} --force`"
+    said = rf"flight\.mcap\.part: nothing was flown yet: .*\n.*{re.escape(again)}"
+    with pytest.raises(LogError, match=said):
+        resumed(part)
+    for truncated in (True, False):
+        with pytest.raises(LogError, match=said):
+            open_log(part, allow_truncated=truncated)
+    copy = part.rename(tmp_path / "copy.mcap")
     with pytest.raises(LogError, match=r"empty|cut short|not an MCAP"):
-        resumed(whole.cut(tmp_path, size))
+        open_log(copy, allow_truncated=True)
+
+
+def test_a_flight_killed_just_before_its_first_message_is_flown(flown: Flown, tmp_path: Path) -> None:
+    data = flown.path.read_bytes()
+    (tmp_path / "flight.mcap.part").write_bytes(data[: open_log(flown.path).contents.chunks[0].offset])
+    resumed(tmp_path / "flight.mcap.part")
+    assert (tmp_path / "flight.mcap").read_bytes() == data
 
 
 def test_a_log_that_is_not_there_is_said(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import struct
 import zlib
 from pathlib import Path
@@ -29,6 +30,7 @@ from waypointctl.paths import command_for_mission, command_for_plan
 
 # What mcap, zstd and protobuf raise over bytes that are not what they should be.
 DAMAGE = (struct.error, ValueError, KeyError, MemoryError, OverflowError, McapError, ZstdError, DecodeError)
+PART: Final = ".part"  # of the name of a log that is being written
 _VERSION: Final = re.compile("[0-9]{1,9}")  # Python reads no number of thousands of digits
 
 
@@ -110,6 +112,8 @@ def chunk_bytes(record: Record) -> bytes:
 
 
 def _check_magic(stream: IO[bytes], path: Path, size: int) -> None:
+    if path.suffix == PART and size < len(MAGIC) and MAGIC.startswith(stream.read(size)):
+        raise _nothing_flown(path)
     if size == 0:
         raise LogError("is empty", where=str(path))
     if stream.read(len(MAGIC)) != MAGIC:
@@ -117,7 +121,18 @@ def _check_magic(stream: IO[bytes], path: Path, size: int) -> None:
         raise LogError("is not an MCAP file", where=str(path), mend=f"{mend[0].upper()}{mend[1:]}.")
 
 
+def _nothing_flown(path: Path) -> LogError:
+    return LogError(
+        "nothing was flown yet: its flight was killed before it began, or is only just beginning",
+        where=str(path),
+        mend=f"Run the mission again: `waypointctl run MISSION.yaml --out {shlex.quote(str(path.with_suffix('')))} "
+        "--force`.",
+    )
+
+
 def _truncated(path: Path, size: int, survey: _Survey) -> LogError:
+    if path.suffix == PART and not survey.has_begun:
+        return _nothing_flown(path)
     last_ns = max((chunk.last_ns for chunk in survey.chunks), default=None)
     kept = "it has no message" if last_ns is None else f"its messages reach to {last_ns / 1e9:.3f} s"
     return LogError(
@@ -134,6 +149,7 @@ class _Survey:
     def __init__(self, path: str) -> None:
         self._path = path
         self.chunks: list[ChunkPlace] = []
+        self.has_begun = False  # there is metadata, which comes after the attachments
         self._library = ""
         self._metadata: dict[str, str] | None = None
         self._attachments: dict[str, bytes] = {}
@@ -159,6 +175,8 @@ class _Survey:
         if is_complete and not (self._ended and self._footed):
             raise damaged(self._path, size, "its end has no footer")
         if self._metadata is None:
+            if not is_complete and Path(self._path).suffix == PART:
+                raise _nothing_flown(Path(self._path))
             if not is_complete:
                 raise LogError("is cut short before its metadata: nothing of it can be read", where=self._path)
             raise LogError("is an MCAP file, but not a log of waypointctl", where=self._path)
@@ -182,7 +200,7 @@ class _Survey:
             case Opcode.METADATA:
                 metadata = Metadata.read(body_stream(record.body))
                 if metadata.name == METADATA_NAME:
-                    self._metadata = metadata.metadata
+                    self._metadata, self.has_begun = metadata.metadata, True
             case Opcode.CHUNK:
                 self._count(record)
             case Opcode.DATA_END:
