@@ -59,6 +59,7 @@ def run(
     from waypointctl.cli.flight_view import flight_view
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.log_place import claimed
+    from waypointctl.cli.pictures import say_missing
     from waypointctl.cli.run_many import Many, run_many
     from waypointctl.cli.view.summary import print_flight
     from waypointctl.ops.record import record
@@ -90,9 +91,16 @@ def run(
         began_s = time.monotonic()
         with flight_view(mission_file.mission, rate, interrupted, console=console) as view:
             recording = record(
-                mission_file, loaded, path, watch=view.sink, interrupted=interrupted, console=view.console
+                mission_file,
+                loaded,
+                path,
+                watch=view.sink,
+                interrupted=interrupted,
+                console=view.console,
+                pictures=True,
             )
         wall_s = time.monotonic() - began_s
+    say_missing(recording)
     print_flight(view.watch.chronicle.story(), recording, wall_s, stderr=json)
     if json:
         sys.stdout.write(answer(mission_file.mission.name, recording))
@@ -121,10 +129,17 @@ def _mission(path: Path, seed: int | None, policy: Path | None) -> MissionFile:
 
 def _refuse_missing_policy(mission_file: MissionFile) -> None:
     """Refuse a mission whose policy is not there, with the place where it is named."""
+    import shlex
+
     from waypointctl.errors import MissionError
     from waypointctl.paths import folder_fault
 
     if fault := folder_fault(mission_file.policy_path):
         problem = f"policy: {mission_file.policy_path}: {fault}"
-        mend = "A policy is a folder with manifest.json, named relative to the mission's file; --policy flies another."
+        named, beside = mission_file.mission.policy, mission_file.path.parent.resolve()
+        mend = (
+            f"The mission names {named!r}, relative to its own folder {beside}. "
+            "A policy is a folder with manifest.json; "
+            f"`waypointctl run {shlex.quote(str(mission_file.path))} --policy DIR` flies the one in DIR."
+        )
         raise MissionError(problem, where=mission_file.policy_place, mend=mend)
