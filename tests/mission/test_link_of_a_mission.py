@@ -126,7 +126,8 @@ def test_any_link_is_dumped_and_read_back(text: str) -> None:
     [
         (
             "{preset: mon}",
-            "4:16: link.preset: 'mon' is not 'moon', 'moon-relay', 'mars-near', 'mars-far', 'iss' or 'lan'",
+            "4:16: link.preset: 'mon' is not 'moon', 'moon-relay', 'mars-near', 'mars-far', 'iss' or 'lan'; "
+            "did you mean 'moon'?",
         ),
         ("{loss: 2}", "4:14: link.loss: 2 is not <= 1"),
         (

@@ -98,7 +98,7 @@ def test_a_mission_cannot_be_changed() -> None:
         (HEAD + "waypoints: [[1, 10001]]", "3:17: waypoints[0][1]: 10001 is not <= 10000 m"),
         (
             HEAD + "waypoints: [{}]",
-            "3:13: waypoints[0].position_m: is missing; write 'position_m: ...' in m, or 'position: ...' with a unit",
+            "3:13: waypoints[0].position: is missing; write 'position: ...' with a unit, or 'position_m: ...' in m",
         ),
         (
             HEAD + "waypoints:\n- position_m: [1, 2]\n  tolerance_m: -0.5",
@@ -127,13 +127,34 @@ def test_a_mission_cannot_be_changed() -> None:
         (MINIMAL + "seed: true", "4:7: seed: true is not a whole number"),
         (MINIMAL + "seed: '3'", "4:7: seed: '3' is not a whole number"),
         (MINIMAL + f"seed: {2**63}", f"4:7: seed: {2**63} is not < {2**63}"),
-        (MINIMAL + "robot: atn", "4:8: robot: 'atn' is not 'ant'"),
+        (MINIMAL + "robot: atn", "4:8: robot: 'atn' is not 'ant'; did you mean 'ant'?"),
         (
             MINIMAL + "autonomy: alone",
             "4:11: autonomy: 'alone' is not 'mission', 'waypoint', 'heading' or 'joint'",
         ),
+        (
+            MINIMAL + "autonomy: way point",
+            "4:11: autonomy: 'way point' is not 'mission', 'waypoint', 'heading' or 'joint'; did you mean 'waypoint'?",
+        ),
         (MINIMAL + "on_failure: retry", "4:13: on_failure: 'retry' is not 'abort', 'skip', 'hold' or 'return_home'"),
-        (MINIMAL + "link: 1.28 s", "4:7: link: '1.28 s' is not a mapping of keys to values"),
+        (
+            MINIMAL + "link: 1.28 s",
+            "4:7: link: '1.28 s' is not a mapping of keys to values; write 'link: {delay: 1.28 s}' for a one-way delay",
+        ),
+        (
+            MINIMAL + "link: Moon",
+            "4:7: link: 'Moon' is not a mapping of keys to values; write 'link: {preset: moon}'",
+        ),
+        (
+            MINIMAL + "link: mars",
+            "4:7: link: 'mars' is not a mapping of keys to values; write 'link: {preset: mars-near}' "
+            "or 'link: {preset: mars-far}'",
+        ),
+        (
+            MINIMAL + "link: saturn",
+            "4:7: link: 'saturn' is not a mapping of keys to values; "
+            "for a preset write 'link: {preset: moon|moon-relay|mars-near|mars-far|iss|lan}'",
+        ),
         (MINIMAL + "link: {delay: -1 s}", "4:15: link.delay: -1 s is not >= 0 s"),
         (MINIMAL + "link: {delay: 11 d}", "4:15: link.delay: 11 d is not <= 864000 s"),
         (
@@ -150,6 +171,10 @@ def test_a_mission_cannot_be_changed() -> None:
             MINIMAL + "link: {dealy: 1 s}",
             "4:8: link.dealy: unknown key; did you mean 'delay_s' (a number in s) "
             "or 'delay' (with its unit: ns, us, ms, s, min, h, d)?",
+        ),
+        (
+            MINIMAL + "operator: {released: 2}",
+            "4:22: operator.released: 2 is more than the 1 waypoint of the plan; write -1 to release them all",
         ),
         (MINIMAL + "telemetry: {rate: 51 Hz}", "4:19: telemetry.rate: 51 Hz is not <= 50 Hz"),
         (MINIMAL + "telemetry: {rate_hz: 0}", "4:22: telemetry.rate_hz: 0 is not >= 0.001 Hz"),

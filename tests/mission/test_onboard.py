@@ -61,7 +61,7 @@ def test_a_waypoint_is_observed_if_it_or_the_defaults_say_so() -> None:
         ("onboard: {stuck: {for: 0 s}}", "4:24: onboard.stuck.for: 0 s is not > 0 s"),
         (
             "onboard: {link_loss: {do: hold}}",
-            "4:22: onboard.link_loss.after_s: is missing; write 'after_s: ...' in s, or 'after: ...' with a unit",
+            "4:22: onboard.link_loss.after: is missing; write 'after: ...' with a unit, or 'after_s: ...' in s",
         ),
         (
             "onboard: {geofence: {keep_in: [{corners: [[0, 0], [1, 1]]}]}}",

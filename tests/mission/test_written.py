@@ -27,6 +27,7 @@ waypoints:
         (("waypoints", 0, "timeout_s"), "waypoints[0]", (7, 5)),
         (("onboard", "link_loss"), "onboard.link_loss", (1, 1)),
         (("link", "up", "windows"), "link", (2, 1)),
+        (("expect", "max_time_s"), "expect.max_time", (1, 1)),
     ],
 )
 def test_a_place_in_the_model_is_one_in_the_file(path: DataPath, written: str, place: tuple[int, int]) -> None:

@@ -131,7 +131,7 @@ def test_a_quantity_has_two_spellings(source: str) -> None:
             "{size: 2 m, sise: 1}",
             "1:13: sise: unknown key; did you mean 'size_m' (a number in m) or 'size' (with its unit: mm, cm, m, km)?",
         ),
-        ("slope: 3", "1:1: size_m: is missing; write 'size_m: ...' in m, or 'size: ...' with a unit"),
+        ("slope: 3", "1:1: size: is missing; write 'size: ...' with a unit, or 'size_m: ...' in m"),
     ],
 )
 def test_a_quantity_written_wrongly_says_how_to_mend_it(source: str, problem: str) -> None:

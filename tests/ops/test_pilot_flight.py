@@ -68,3 +68,33 @@ def test_a_hold_is_kept_by_the_robot_itself(policy: LoadedPolicy) -> None:
     first = sources.index("stance")
     assert sources[first : first + 50] == ["stance"] * 50
     assert sources[first + 51] == "ground"
+
+
+OBSERVED = PLACES[0] | {"hold_s": 1.0, "observe": True}
+
+
+@pytest.mark.parametrize("delay_ms", [0.0, 10.0])
+def test_a_picture_is_taken_by_a_robot_that_stands(policy: LoadedPolicy, delay_ms: float) -> None:
+    result, messages = flown(mission_of(OBSERVED, PLACES[1], autonomy="joint", delay_ms=delay_ms), policy)
+    assert result.outcome == "success", result.reason
+    (taken,) = (event for event in only(Event, messages) if event.kind is EventKind.OBSERVATION_TAKEN)
+    assert taken.waypoint == 0
+    assert taken.time_ns in {state.time_ns for state in only(State, messages)}, "a picture is made from it"
+    sources = {action.time_ns: action.source for action in only(Action, messages)}
+    stood = [sources[time_ns] for time_ns in range(taken.time_ns - 2_000_000_000, taken.time_ns, 20_000_000)]
+    assert stood == ["stance"] * 100, "the hold of 1 s, and 1 s for the picture"
+    assert sources[taken.time_ns + 40_000_000] == "ground", "the pilot goes on"
+
+
+def test_a_mission_from_the_ground_may_end_with_a_picture(policy: LoadedPolicy) -> None:
+    result, messages = flown(mission_of(PLACES[1], OBSERVED, autonomy="joint"), policy)
+    assert result.outcome == "success", result.reason
+    assert [event.waypoint for event in only(Event, messages) if event.kind is EventKind.OBSERVATION_TAKEN] == [1]
+
+
+def test_a_picture_that_is_given_up_ends_the_mission(policy: LoadedPolicy) -> None:
+    schedule = [{"at_s": 2.0, "do": "abort"}]
+    result, messages = flown(mission_of(OBSERVED, PLACES[1], autonomy="joint", schedule=schedule), policy)
+    assert result.outcome == "failure"
+    assert result.reason.startswith("cancelled by command 2:")
+    assert all(event.kind is not EventKind.OBSERVATION_TAKEN for event in only(Event, messages))

@@ -49,7 +49,7 @@ def names_differ(waypoints: tuple[Waypoint, ...]) -> tuple[Waypoint, ...]:
         name = waypoint.name if waypoint.name is not None else f"WP{index + 1}"
         if name in first:
             problem = f"{name!r} is the name of waypoints[{first[name]}] already"
-            errors.append(_error(problem, (index, "name"), name))
+            errors.append(error_at(problem, (index, "name"), name))
         first.setdefault(name, index)
     if errors:
         raise ValidationError.from_exception_data("waypoints", errors)
@@ -75,9 +75,10 @@ def expected_within(reached: int | str, count: int) -> None:
     """
     if isinstance(reached, int) and reached > count:
         problem = f"{reached} is more than the {count} waypoints of the mission"
-        raise ValidationError.from_exception_data("expect", [_error(problem, ("reached",), reached)])
+        raise ValidationError.from_exception_data("expect", [error_at(problem, ("reached",), reached)])
 
 
-def _error(problem: str, loc: tuple[str | int, ...], value: object) -> InitErrorDetails:
+def error_at(problem: str, loc: tuple[str | int, ...], value: object) -> InitErrorDetails:
+    """Return a problem with a value somewhere below what is being checked, for a ValidationError."""
     kind = PydanticCustomError("mission", "{problem}", {"problem": problem})
     return InitErrorDetails(type=kind, loc=loc, input=value)

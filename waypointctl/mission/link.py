@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Final, Literal, TypeAlias
 
-from pydantic import AfterValidator, Discriminator, Field, Strict, Tag, ValidationInfo, field_validator
+from pydantic import AfterValidator, Discriminator, Field, Strict, Tag, ValidationInfo, field_validator, model_validator
 
 from waypointctl.mission.checks import jitter_within
 from waypointctl.mission.contact_plan import is_moment
@@ -16,7 +16,7 @@ from waypointctl.mission.link_checks import alone, file_beside, in_order, times_
 from waypointctl.mission.presets import PRESETS, PresetName, over_preset
 from waypointctl.mission.probability import Probability
 from waypointctl.mission.quantity import Quantity
-from waypointctl.units import DURATION_UNITS_S, SIZE_UNITS_BYTES
+from waypointctl.units import DURATION_UNITS_S, SIZE_UNITS_BYTES, number_in
 
 DAY_S: Final = DURATION_UNITS_S["d"]
 
@@ -169,6 +169,14 @@ class Link(FileModel):
     up: Way = Field(Way(), description="commands, from the operator to the robot")
     down: Way = Field(Way(), description="telemetry and acknowledgements, from the robot to the operator")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _no_bare_word(cls, given: Any) -> Any:
+        """Tell whoever writes a word alone how a preset is written."""
+        if isinstance(given, str):
+            raise ValueError(f"{given!r} is not a mapping of keys to values; {_mend(given)}")
+        return given
+
     @classmethod
     def _spread(cls, given: dict[Any, Any]) -> dict[Any, Any]:
         """Hand what is for both ways to each, the way back through the contact plan, and fill up from the preset."""
@@ -185,3 +193,16 @@ class Link(FileModel):
                 if isinstance(own, dict):
                     data[way] = over_preset(preset, own, Way.bare_names())
         return data
+
+
+def _mend(word: str) -> str:
+    """Return how to write what somebody has written in place of a link's mapping."""
+    import difflib  # 10 ms that a good file need not wait for
+
+    if number_in(word) is not None:
+        return f"write 'link: {{delay: {word}}}' for a one-way delay"
+    near = [word] if word in PRESETS else [name for name in PRESETS if name.startswith(word)]
+    near = near or difflib.get_close_matches(word, PRESETS, n=1, cutoff=0.5)
+    if near:
+        return "write " + " or ".join(f"'link: {{preset: {name}}}'" for name in near)
+    return f"for a preset write 'link: {{preset: {'|'.join(PRESETS)}}}'"

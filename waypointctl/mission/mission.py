@@ -9,9 +9,9 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Final, Literal
+from typing import Annotated, ClassVar, Final, Literal, Self
 
-from pydantic import AfterValidator, Field, PrivateAttr, Strict, ValidationInfo, field_validator
+from pydantic import AfterValidator, Field, PrivateAttr, Strict, ValidationInfo, field_validator, model_validator
 
 from waypointctl.mission.checks import expected_within, file_name, line_of_text, names_differ
 from waypointctl.mission.fields import DAY_S as DAY_S
@@ -25,6 +25,7 @@ from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.link import Link
 from waypointctl.mission.onboard import Onboard, OnFailure
 from waypointctl.mission.operator import Commanding, OperatorScript
+from waypointctl.mission.possible import possible
 from waypointctl.mission.quantity import Quantity
 from waypointctl.mission.schedule import ScheduledCommand
 
@@ -175,6 +176,11 @@ class Mission(FileModel):
             data = info.data
             expected_within(expect.reached, len(_order(data["waypoints"], data["repeat"], data["start_at"])))
         return expect
+
+    @model_validator(mode="after")
+    def _asks_for_what_can_be(self) -> Self:
+        possible(self)
+        return self
 
     @property
     def num_legs(self) -> int:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, get_args
 
@@ -110,7 +111,8 @@ def _placed(details: ErrorDetails, tree: Tree, model: type[BaseModel]) -> tuple[
     loc, kind = details["loc"], details["type"]
     path, value = _in_file(loc, tree.data)
     if kind == "missing":
-        return tree.values[path], path_text((*path, loc[-1])), _missing_text(loc)
+        name = loc[-1] if isinstance(loc[-1], int) else bare_name(loc[-1]) or loc[-1]
+        return tree.values[path], path_text((*path, name)), _missing_text(loc)
     if kind == "extra_forbidden":
         return tree.keys.get(path, tree.values[path]), path_text(path), _unknown_key_text(loc, model)
     return tree.values[path], path_text(path), _value_text(details, path, value)
@@ -143,7 +145,7 @@ def _value_text(details: ErrorDetails, path: DataPath, value: object) -> str:
     context = {name: _round(bound) for name, bound in context.items()}
     if kind in _SAYS:
         return _SAYS[kind].format(**context)
-    expected = _EXPECTED[kind].format(**context)
+    expected = _EXPECTED[kind].format(**context) + _nearest(kind, value, context)
     field = next((part for part in reversed(details["loc"]) if isinstance(part, str)), "")
     if bare_name(field) is None:
         return f"{shown(value)} is not {expected}"
@@ -153,6 +155,16 @@ def _value_text(details: ErrorDetails, path: DataPath, value: object) -> str:
         # Text that has come as far as this is a number with its unit, and needs no quotes.
         return f"{value if isinstance(value, str) else shown(value)} is not {expected} {unit_of(field)}"
     return f"{shown(value)} is not {expected}"
+
+
+def _nearest(kind: str, value: object, context: Mapping[str, object]) -> str:
+    """Return which of the allowed words was probably meant, where one is near."""
+    if kind not in ("literal_error", "enum") or not isinstance(value, str):
+        return ""
+    import difflib  # 10 ms that a good file need not wait for
+
+    near = difflib.get_close_matches(value, re.findall(r"'([^']*)'", str(context["expected"])), n=1)
+    return f"; did you mean '{near[0]}'?" if near else ""
 
 
 def _number_mend(field: str, path: DataPath) -> str:
@@ -173,7 +185,7 @@ def _missing_text(loc: tuple[str | int, ...]) -> str:
     bare = bare_name(name)
     if bare is None:
         return "is missing"
-    return f"is missing; write '{name}: ...' in {unit_of(name)}, or '{bare}: ...' with a unit"
+    return f"is missing; write '{bare}: ...' with a unit, or '{name}: ...' in {unit_of(name)}"
 
 
 def _unknown_key_text(loc: tuple[str | int, ...], model: type[BaseModel]) -> str:

@@ -10,6 +10,8 @@ from waypointctl.units import bare_name
 def written_at(tree: Tree, path: DataPath) -> tuple[str, Mark]:
     """Return a place in a model as the file writes it, and where; of what is left to a default the part around it.
 
+    What is written nowhere goes by its bare name.
+
     Args:
         tree: of the file.
         path: by the fields' names; a key may be written without its unit, and what is for each way of a link once.
@@ -23,4 +25,5 @@ def written_at(tree: Tree, path: DataPath) -> tuple[str, Mark]:
         elif part not in ("up", "down"):
             break
     mark = tree.keys.get(written) or tree.values.get(written)
-    return path_text(written) or path_text(path), mark or Mark(1, 1)
+    bare = [(bare_name(part) or part) if isinstance(part, str) else part for part in path]
+    return path_text(written) or path_text(bare), mark or Mark(1, 1)

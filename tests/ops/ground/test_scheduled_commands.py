@@ -34,7 +34,7 @@ def test_scheduled_commands_are_due_at_their_times_in_order() -> None:
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        ("{at: 1 s, do: go_to}", "go_to needs 'position_m'"),
+        ("{at: 1 s, do: go_to}", "go_to needs 'position'"),
         ("{at: 1 s, do: hold, released: 2}", "'released' is nothing for hold"),
         ("{at: 9 s, do: hold, expires: 5 s}", "it expires at 5 s, before it can be obeyed"),
         ("{at: 1 s, do: dance}", "go_to"),

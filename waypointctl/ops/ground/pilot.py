@@ -3,6 +3,9 @@
 The robot reports its body's state at each control step. Each state that arrives is answered with an action computed
 from it, which is one round trip old when the motors get it. Without delay that is the flight of a policy on board,
 bit for bit; with delay it is a robot balanced from afar.
+
+A picture is taken on board. Where one is asked for, the pilot hands the waypoint over with its hold and its task, sends
+no actions until it hears that they are done, and goes on from there.
 """
 
 from __future__ import annotations
@@ -21,11 +24,12 @@ from waypointctl.log.messages import (
     GroundControl,
     Mode,
     Severity,
+    Stage,
     Telemetry,
 )
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, TIMEOUT
-from waypointctl.ops.ground.operator import Operator
+from waypointctl.ops.ground.operator import Operator, ended_by_robot, leg_failed
 from waypointctl.ops.ground.order import Order
 from waypointctl.ops.link.frames import BodyFrame
 from waypointctl.policy.protocol import Policy
@@ -51,6 +55,7 @@ class Pilot(Operator):
         self._leg = 0
         self._since_ns = 0  # on the robot's clock, as its frames tell it
         self._rests_until_ns = -1  # on the robot's clock
+        self._at_task = False  # the robot has been told to hold and observe, and its end has not been heard of
         self._goals = self._goals_of(0)
 
     @property
@@ -71,10 +76,10 @@ class Pilot(Operator):
 
     def see(self, now_ns: int, frame: BodyFrame) -> tuple[GroundControl | None, list[Order]]:
         """Take a state that has arrived; return the action that answers it, and what else to send."""
-        if self.finished or self.suspended or frame.issued_ns < self._rests_until_ns:
+        if self.finished or self.suspended or self._stands(frame):
             return None, []
         orders = self._judge(now_ns, frame)
-        if self.finished or frame.issued_ns < self._rests_until_ns:
+        if self.finished or self._stands(frame):
             return None, orders
         body = body_of(frame.qpos[np.newaxis], frame.qvel[np.newaxis])
         observation = self._layout.observe(body, Goals(self._goals, self._noise))
@@ -83,7 +88,12 @@ class Pilot(Operator):
 
     def state(self) -> dict[str, object]:
         """Return what it will do next depends on, as plain data."""
-        return super().state() | {"leg": self._leg, "since_ns": self._since_ns, "rests_until_ns": self._rests_until_ns}
+        own = {"leg": self._leg, "since_ns": self._since_ns, "rests_until_ns": self._rests_until_ns}
+        return super().state() | own | ({"at_task": True} if self._at_task else {})
+
+    def _stands(self, frame: BodyFrame) -> bool:
+        """Tell whether the robot is to be left alone: it holds, or does what is to be done at a waypoint."""
+        return self._at_task or frame.issued_ns < self._rests_until_ns
 
     def _judge(self, now_ns: int, frame: BodyFrame) -> list[Order]:
         """See whether the leg is over. It is judged after its first control period, as on board."""
@@ -94,24 +104,27 @@ class Pilot(Operator):
         if reached(acceptance, frame.qpos[np.newaxis, :2], self._goals[:, 0])[0]:
             self._reached.append(waypoint.index)
             self._tell(now_ns, EventKind.WAYPOINT_REACHED, f"{waypoint.name} reached, as seen from the ground")
-            return self._next_leg(frame, waypoint.hold_ns)
+            if waypoint.task:
+                self._at_task = True
+                return [Order(CommandKind.GO_TO, (waypoint,), "abort")]
+            return self._next_leg(frame.issued_ns, waypoint.hold_ns)
         if frame.issued_ns - self._since_ns < waypoint.timeout_ns:
             return []
         self._tell(now_ns, EventKind.WAYPOINT_TIMEOUT, f"{waypoint.name} not reached in time", Severity.WARNING)
         if self._skips:
-            return self._next_leg(frame, 0)
+            return self._next_leg(frame.issued_ns, 0)
         return [Order(CommandKind.HOLD), *self._finish(TIMEOUT)]
 
-    def _next_leg(self, frame: BodyFrame, hold_ns: int) -> list[Order]:
-        orders = []
-        if hold_ns or self._leg + 1 == len(self._plan):
-            orders = [Order(CommandKind.HOLD)]
-        if self._leg + 1 == len(self._plan):
+    def _next_leg(self, since_ns: int, hold_ns: int) -> list[Order]:
+        """Turn to the next waypoint, after a hold; since_ns is on the robot's clock."""
+        is_last = self._leg + 1 == len(self._plan)
+        orders = [Order(CommandKind.HOLD)] if hold_ns or is_last else []
+        if is_last:
             return orders + self._finish()
         self._leg += 1
         self._goals = self._goals_of(self._leg)
-        self._rests_until_ns = frame.issued_ns + hold_ns if hold_ns else -1
-        self._since_ns = max(frame.issued_ns, self._rests_until_ns)
+        self._rests_until_ns = since_ns + hold_ns if hold_ns else -1
+        self._since_ns = max(since_ns, self._rests_until_ns)
         return orders
 
     def _goals_of(self, leg: int) -> FloatArray:
@@ -123,4 +136,13 @@ class Pilot(Operator):
         self._announce(Event(now_ns, kind, Clock.OPERATOR, severity, text, self._plan[self._leg].index))
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
-        return self._finish(FALL) if ack.reason == FALL and not self.finished else []
+        if self.finished:
+            return []
+        if ack.reason == FALL:
+            return self._finish(FALL)
+        if not self._at_task or ack.command_id != self._newest.get(CommandKind.GO_TO):
+            return []
+        self._at_task = False
+        if ack.stage is Stage.COMPLETED or (self._skips and leg_failed(ack)):
+            return self._next_leg(ack.issued_ns, 0)
+        return self._finish(ended_by_robot(ack))
