@@ -18,10 +18,13 @@ TICK_NS: Final = 20_000_000
 
 # What may become of a command on board, as the names of its stages one after the other.
 LIVES: Final = re.compile(
-    "received( (rejected|expired|skipped)| accepted( (cancelled|expired|skipped|superseded|completed|failed)"
+    "received( (rejected|expired|skipped|cancelled)| accepted( (cancelled|expired|skipped|superseded|completed|failed)"
     "| started( (completed|failed|cancelled|superseded|expired))?)?)?"
 )
 AT_WAYPOINT: Final = {Mode.WALKING, Mode.HOLDING, Mode.OBSERVING}
+# An older command of these kinds is not obeyed any more once a newer one of ENDING was.
+OVERTAKEN: Final = frozenset(CommandKind) - {CommandKind.CANCEL, CommandKind.ABORT}
+ENDING: Final = {CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME, CommandKind.ABORT}
 NOTHING_UNDER_WAY: Final = {Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN, Mode.STEERED}
 
 WAYPOINTS: Final = (
@@ -69,14 +72,26 @@ class Stream:
         self.rig.on_stage = self._note_releases
         self.commands: dict[int, Command] = {}
         self.released: set[int] = set()
+        self.releases: set[int] = set()  # commands
+        self.under_way: list[Command] = []
         self.seen: set[int] = set()
         self.arrivals = 0
         self.issued = 1000
 
     def issue(self, command: Command) -> None:
         """Send a command under an id that no other has."""
+        self.withhold(command)
+        self.obey(self.under_way.pop())
+
+    def withhold(self, command: Command) -> None:
+        """Send a command under an id that no other has; it arrives later, perhaps after newer ones."""
         self.issued += 1
-        self.obey(replace(command, id=self.issued))
+        self.under_way.append(replace(command, id=self.issued))
+
+    def deliver(self, part: float) -> None:
+        """Let a command arrive that was withheld: any of them, by `part` of 1."""
+        if self.under_way:
+            self.obey(self.under_way.pop(int(part * len(self.under_way))))
 
     def obey(self, command: Command) -> None:
         """Send a command as it is; one whose id has arrived before is answered, and changes nothing."""
@@ -123,6 +138,7 @@ class Stream:
         for life in lives.values():
             assert LIVES.fullmatch(" ".join(life)), life
         self._check_waypoints()
+        self._check_order()
         unfinished = {i for i, life in lives.items() if life[-1] not in FINAL_STAGES}
         started = {i for i in unfinished if lives[i][-1] is Stage.STARTED}
         if executive.mode is Mode.FALLEN:
@@ -147,6 +163,24 @@ class Stream:
         elif executive.mode not in (Mode.PAUSED, Mode.SAFE):
             assert target is None
 
+    def _check_order(self) -> None:
+        """Nothing that a newer command had done with was begun after it."""
+        ended_by = held_by = resumed_by = 0
+        for it in self.rig.stages_said:
+            command = self.commands[it.command_id]
+            if it.stage is not Stage.STARTED or command.not_before_ns >= 0:
+                continue
+            if command.kind in OVERTAKEN:
+                assert it.command_id > ended_by, it
+            if command.kind is CommandKind.HOLD:
+                assert it.command_id > resumed_by, it
+                held_by = max(held_by, it.command_id)
+            elif command.kind is CommandKind.RESUME:
+                assert it.command_id > held_by, it
+                resumed_by = max(resumed_by, it.command_id)
+            elif command.kind in ENDING:
+                ended_by = max(ended_by, it.command_id)
+
     def close(self) -> None:
         """End the flight: every command that was received has come to one end."""
         self.rig.executive.close(self.now_ns)
@@ -159,11 +193,19 @@ class Stream:
     def _note_releases(self, stage: CommandStage) -> None:
         """Remember every waypoint that a command releases, when it does."""
         command = self.commands[stage.command_id]
+        indices = [waypoint.index for waypoint in command.waypoints]
         if stage.stage is Stage.STARTED and command.kind is CommandKind.RELEASE:
-            plan: Any = self.rig.executive.state()["plan"]
-            indices = [item["waypoint"]["index"] for item in plan["items"]]
+            self.releases.add(command.id)
+            self._release(command.released, [])
         elif stage.stage is Stage.ACCEPTED:
-            indices = [waypoint.index for waypoint in command.waypoints]
-        else:
-            return
-        self.released.update(indices if command.released < 0 else indices[: command.released])
+            released = indices if command.released < 0 else indices[: command.released]
+            self.released.update(released)
+            for newer in (self.commands[command_id] for command_id in self.releases if command_id > command.id):
+                self._release(newer.released, indices)
+
+    def _release(self, count: int, added: list[int]) -> None:
+        """Remember a release of the plan that there is and what is added to it, or replaces it."""
+        plan: Any = self.rig.executive.state()["plan"]
+        planned = [item["waypoint"]["index"] for item in plan["items"]]
+        for indices in (added, planned + added):
+            self.released.update(indices if count < 0 else indices[:count])

@@ -255,8 +255,8 @@ def test_another_time_is_for_this_waypoint_and_those_to_come(walking: Rig) -> No
 
 @pytest.mark.parametrize("kind", [CommandKind.SET_TOLERANCE, CommandKind.SET_TIMEOUT])
 def test_what_has_no_waypoints_to_come_has_nothing_to_set(rig: Rig, kind: CommandKind) -> None:
-    rig.send(1.0, kind, id=2, value=3.0)
-    assert rig.ended(2) == (Stage.REJECTED, "there are no waypoints to come")
+    rig.send(1.0, kind, id=1, value=3.0)
+    assert rig.ended(1) == (Stage.REJECTED, "there are no waypoints to come")
 
 
 def test_it_returns_home_and_is_done_there(walking: Rig) -> None:

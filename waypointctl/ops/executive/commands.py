@@ -1,18 +1,4 @@
-"""What each kind of command does on board.
-
-A command that arrives for the first time is RECEIVED. Then, in this order, it is
-
-1. REJECTED if its arguments are wrong (arguments.py) or a waypoint of it lies outside the fence,
-2. EXPIRED, "late", if its `expires` is over,
-3. ACCEPTED and kept if its `not_before` is still to come,
-4. judged by what the robot is doing: REJECTED if it cannot be obeyed (`objection`), or SKIPPED, "late: ...", if it came
-   too late to be of use (`lateness`): a release of what is released already, a skip of a waypoint that is over, a plan
-   that arrives after its `not_before` and of which every waypoint has been reached,
-5. ACCEPTED and STARTED. One that adds to the plan is STARTED when the robot comes to its first waypoint.
-
-A command that was kept is judged as in 4 when its time has come; what cannot be obeyed then has FAILED. After its
-`expires` a command is EXPIRED, not yet started or under way: its waypoints leave the plan, and the robot goes on with
-what other commands want, or stands. What arrives after its `not_before` and before its `expires` starts at once.
+"""What each kind of command does on board; start.py says when it comes to that.
 
 docs/commands.md is the table of this for people.
 """
@@ -53,9 +39,9 @@ class Kind:
     waits: bool = False
 
 
-def by(command: Command) -> str:
+def by(command_id: int) -> str:
     """Return the reason of what a command does to another."""
-    return f"by command {command.id}"
+    return f"by command {command_id}"
 
 
 def names_of(command: Command) -> str:
@@ -73,8 +59,24 @@ def names_of(command: Command) -> str:
 
 
 def _replace_plan(walk: Walk, now_ns: int, command: Command) -> None:
-    walk.plan.extend(command)
+    _extend(walk, command)
     walk.proceed(now_ns)
+
+
+def _extend(walk: Walk, command: Command) -> None:
+    """Add a command's waypoints to the plan, changed as those that were issued later and came before it want them."""
+    plan, sequence = walk.plan, walk.sequence
+    plan.extend(command)
+    added = plan.open_items(command.id)
+    timeout_s = sequence.value_for(command, CommandKind.SET_TIMEOUT)
+    tolerance_m = sequence.value_for(command, CommandKind.SET_TOLERANCE)
+    plan.change(added, tolerance_m=tolerance_m, timeout_ns=None if timeout_s is None else ns(timeout_s))
+    plan.release(sequence.released_for(command))
+
+
+def _may_be_early(walk: Walk, command: Command) -> bool:
+    """Tell whether what a command is about may still be on its way."""
+    return not walk.life.knows_all_before(command.id)
 
 
 def _all_reached(walk: Walk, command: Command) -> str:
@@ -85,7 +87,7 @@ def _all_reached(walk: Walk, command: Command) -> str:
 
 
 def _append(walk: Walk, now_ns: int, command: Command) -> None:
-    walk.plan.extend(command)
+    _extend(walk, command)
     if walk.mode is Mode.DONE:
         walk.proceed(now_ns)
     else:
@@ -106,31 +108,33 @@ def _release(walk: Walk, now_ns: int, command: Command) -> None:
 
 
 def _more_than_planned(walk: Walk, command: Command) -> str:
-    if command.released > len(walk.plan.items):
-        return f"there are {len(walk.plan.items)} waypoints in the plan"
-    return _no_plan(walk, command)
+    count = len(walk.plan.items)
+    if 0 < count >= command.released or _may_be_early(walk, command):
+        return ""
+    return f"there are {count} waypoints in the plan" if count else _no_plan(walk, command)
 
 
 def _released_already(walk: Walk, command: Command) -> str:
     released, count = walk.plan.released, len(walk.plan.items)
-    if released < (count if command.released < 0 else command.released):
+    if released < (count if command.released < 0 else command.released) or _may_be_early(walk, command):
         return ""
     return f"late: {released} of {count} waypoints are released already"
 
 
 def _hold(walk: Walk, now_ns: int, command: Command) -> None:
     if walk.mode in UNDER_WAY or (walk.mode is Mode.SAFE and walk.can_go_on):
-        walk.suspend(now_ns, Signal.PAUSE, by(command))
+        walk.suspend(now_ns, Signal.PAUSE, by(command.id))
     elif walk.mode is Mode.STEERED:
         walk.rest()
 
 
 def _resume(walk: Walk, now_ns: int, command: Command) -> None:
-    walk.go_on(now_ns)
+    if walk.can_go_on:  # else what it resumes after is still to come
+        walk.go_on(now_ns)
 
 
 def _nothing_held(walk: Walk, command: Command) -> str:
-    return "" if walk.can_go_on else "there is nothing to go on with"
+    return "" if walk.can_go_on or _may_be_early(walk, command) else "there is nothing to go on with"
 
 
 def _skip(walk: Walk, now_ns: int, command: Command) -> None:
@@ -159,7 +163,10 @@ def _over_already(walk: Walk, command: Command) -> str:
 
 
 def _cancel(walk: Walk, now_ns: int, command: Command) -> None:
-    take_back(walk, now_ns, command.target_id, Stage.CANCELLED, by(command))
+    if walk.life.knows(command.target_id):
+        take_back(walk, now_ns, command.target_id, Stage.CANCELLED, by(command.id))
+    else:
+        walk.sequence.cancel(command.target_id, command.id)
 
 
 def take_back(walk: Walk, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
@@ -172,16 +179,29 @@ def take_back(walk: Walk, now_ns: int, command_id: int, stage: Stage, reason: st
 
 def _not_open(walk: Walk, command: Command) -> str:
     target_id, life = command.target_id, walk.life
-    if target_id == command.id or not life.knows(target_id):
+    if target_id == command.id or not (life.knows(target_id) or 1 <= target_id < command.id):
         return "unknown command"
-    return "" if life.is_open(target_id) else f"already final: {life.records[target_id].stage}"
+    return (
+        ""
+        if life.is_open(target_id) or not life.knows(target_id)
+        else f"already final: {life.records[target_id].stage}"
+    )
 
 
 def _abort(walk: Walk, now_ns: int, command: Command) -> None:
     others = [command_id for command_id in walk.life.open_ids if command_id != command.id]
+    if walk.sequence.overtaking(command) is not None:
+        for command_id in issued_before(walk, command):
+            take_back(walk, now_ns, command_id, Stage.CANCELLED, by(command.id))
+        return
     walk.rest()
     for command_id in others:
-        walk.life.advance(now_ns, command_id, Stage.CANCELLED, by(command))
+        walk.life.advance(now_ns, command_id, Stage.CANCELLED, by(command.id))
+
+
+def issued_before(walk: Walk, command: Command) -> list[int]:
+    """Return the open commands that were issued before one."""
+    return [command_id for command_id in walk.life.open_ids if command_id < command.id]
 
 
 def _set_tolerance(walk: Walk, now_ns: int, command: Command) -> None:
@@ -195,7 +215,8 @@ def _set_timeout(walk: Walk, now_ns: int, command: Command) -> None:
 
 
 def _none_to_come(walk: Walk, command: Command) -> str:
-    return "there are no waypoints to come" if walk.plan.current is None else ""
+    nothing = walk.plan.current is None and not _may_be_early(walk, command)
+    return "there are no waypoints to come" if nothing else ""
 
 
 def _return_home(walk: Walk, now_ns: int, command: Command) -> None:
@@ -216,25 +237,3 @@ KINDS: Final = {
     CommandKind.SET_TIMEOUT: Kind(_set_timeout, _none_to_come),
     CommandKind.RETURN_HOME: Kind(_return_home, lasts=True),
 }
-SUPERSEDING: Final = frozenset({CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME})
-
-
-def start(walk: Walk, now_ns: int, command: Command) -> None:
-    """Judge a command by what the robot is doing, and do it; it is new, or has been kept until now."""
-    kind, life = KINDS[command.kind], walk.life
-    kept = life.records[command.id].stage is Stage.ACCEPTED
-    if reason := kind.objection(walk, command):
-        life.advance(now_ns, command.id, Stage.FAILED if kept else Stage.REJECTED, reason)
-        return
-    if reason := kind.lateness(walk, command):
-        life.advance(now_ns, command.id, Stage.SKIPPED, reason)
-        return
-    if not kept:
-        life.advance(now_ns, command.id, Stage.ACCEPTED)
-    if command.kind in SUPERSEDING:
-        walk.end_all(now_ns, Stage.SUPERSEDED, by(command))
-    if not kind.waits:
-        life.advance(now_ns, command.id, Stage.STARTED)
-    kind.do(walk, now_ns, command)
-    if not kind.lasts:
-        life.advance(now_ns, command.id, Stage.COMPLETED)

@@ -22,11 +22,12 @@ from waypointctl.log.messages import (
     Stage,
 )
 from waypointctl.ops.executive.arguments import wrong_arguments
-from waypointctl.ops.executive.commands import names_of, start, take_back
+from waypointctl.ops.executive.commands import KINDS, by, names_of, take_back
 from waypointctl.ops.executive.judgement import OBSERVATION_NS, judge
 from waypointctl.ops.executive.life import Life
 from waypointctl.ops.executive.machine import ON_FOOT, TRANSITIONS, Signal
 from waypointctl.ops.executive.rules import FALL, Rules
+from waypointctl.ops.executive.start import is_overtaken, start
 from waypointctl.ops.executive.walk import Walk
 from waypointctl.ops.executive.watch import FenceWatch, LinkWatch
 
@@ -113,19 +114,34 @@ class Executive:
             life.repeat(now_ns, command)
             return
         life.receive(now_ns, command)
+        self._walk.sequence.receive(command.id)
         text = f"command {command.id} received: {command.kind} {names_of(command)}".rstrip()
         self._walk.tell(now_ns, EventKind.COMMAND_RECEIVED, text, command_id=command.id)
+        self._judge(now_ns, command)
+
+    def _judge(self, now_ns: int, command: Command) -> None:
+        """Start a command that has just arrived, keep it for later, or end it."""
+        life, cancelled = self._life, self._walk.sequence.take_cancel(command.id)
         if self.mode is Mode.FALLEN:
             life.advance(now_ns, command.id, Stage.REJECTED, FALL)
         elif reason := wrong_arguments(command, self._walk.rules.fence):
             life.advance(now_ns, command.id, Stage.REJECTED, reason)
         elif 0 <= command.expires_ns < now_ns:
             life.advance(now_ns, command.id, Stage.EXPIRED, "late")
+        elif cancelled is not None and not KINDS[command.kind].lasts:
+            life.advance(now_ns, command.id, Stage.CANCELLED, by(cancelled))
         elif command.not_before_ns > now_ns:
-            life.advance(now_ns, command.id, Stage.ACCEPTED)
-            life.postpone(command)
+            self._keep(now_ns, command)
         else:
             start(self._walk, now_ns, command)
+        if cancelled is not None and life.is_open(command.id):  # it has ended what came before it
+            take_back(self._walk, now_ns, command.id, Stage.CANCELLED, by(cancelled))
+
+    def _keep(self, now_ns: int, command: Command) -> None:
+        """Keep a command for its time, unless an abort that was issued later has come before it."""
+        if not is_overtaken(self._walk, now_ns, command):
+            self._life.advance(now_ns, command.id, Stage.ACCEPTED)
+            self._life.postpone(command)
 
     def sense(self, now_ns: int, position: FloatArray, fell: bool, heading_rad: float = 0.0) -> None:
         """Look at the world and the clock.
@@ -188,7 +204,9 @@ class Executive:
     def state(self) -> dict[str, object]:
         """Return all that a replay needs to go on from here, as plain data."""
         watches = {"link": asdict(self._link), "fence": asdict(self._fence)}
-        return {**self._walk.state(), "commands": self._life.state(), **watches}
+        # While every command has come in its turn, the sequence follows from the commands themselves.
+        sequence = {} if self._walk.sequence.kept else {"sequence": self._walk.sequence.state()}
+        return {**self._walk.state(), "commands": self._life.state(), **watches, **sequence}
 
     def _fall(self, now_ns: int) -> None:
         walk = self._walk

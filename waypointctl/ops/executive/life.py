@@ -54,6 +54,10 @@ class Life:
         """Tell whether a command has arrived."""
         return command_id in self.records
 
+    def knows_all_before(self, command_id: int) -> bool:
+        """Tell whether every command with a smaller id has arrived: the ground counts them from 1."""
+        return all(earlier in self.records for earlier in range(1, command_id))
+
     def receive(self, now_ns: int, command: Command) -> None:
         """Enter a command that arrives for the first time."""
         self.records[command.id] = Record(Stage.RECEIVED, "", command.attempt, command.expires_ns)

@@ -12,20 +12,14 @@ from numpy.typing import NDArray
 from waypointctl.log.messages import Clock, Event, EventKind, Mode, PlannedWaypoint, Severity, Stage
 from waypointctl.ops.executive.leg import Leg
 from waypointctl.ops.executive.life import Life
-from waypointctl.ops.executive.machine import SUSPENDED, UNDER_WAY, Machine, Signal
+from waypointctl.ops.executive.machine import ON_AGAIN, SUSPENDED, UNDER_WAY, Machine, Signal
 from waypointctl.ops.executive.plan import Item, Plan
 from waypointctl.ops.executive.rules import Rules
+from waypointctl.ops.executive.sequence import Sequence
 
 FloatArray = NDArray[np.float64]
 
 BY_RULE: Final = -1  # in place of a command's id: a rule sent it home
-
-_ON_AGAIN: Final = {
-    Mode.WALKING: Signal.WALK_ON,
-    Mode.HOLDING: Signal.HOLD_ON,
-    Mode.OBSERVING: Signal.OBSERVE_ON,
-    Mode.RETURNING: Signal.RETURN_ON,
-}
 _NO_GOALS: Final = np.zeros((1, 2, 2))
 
 
@@ -39,6 +33,7 @@ class Walk:
         announce: told every event.
         machine: its mode.
         plan: what is to be walked.
+        sequence: as the ground issued what has arrived.
         leg: the way to a waypoint, or home, while there is one.
         stood_ns: when the hold or the observation began.
         reached: indices in the mission, each once, in the order of reaching them.
@@ -54,6 +49,7 @@ class Walk:
     announce: Callable[[Event], None]
     machine: Machine = field(default_factory=Machine)
     plan: Plan = field(default_factory=Plan)
+    sequence: Sequence = field(default_factory=Sequence)
     leg: Leg | None = None
     stood_ns: int = 0
     reached: list[int] = field(default_factory=list)
@@ -112,7 +108,7 @@ class Walk:
     def go_on(self, now_ns: int) -> None:
         """Go on with what a pause kept it from; its clocks stood still meanwhile."""
         self.tell(now_ns, EventKind.WALK_RESUMED, "going on", self.plan.current)
-        signal = None if self.suspended is None else _ON_AGAIN.get(self.suspended)
+        signal = None if self.suspended is None else ON_AGAIN.get(self.suspended)
         self.cause = ""
         if signal is None:  # it waited for a release, or what was under way is over
             self.proceed(now_ns)
