@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from typing import Final
 
 from waypointctl.log.messages import (
@@ -16,6 +15,7 @@ from waypointctl.log.messages import (
     CommandStage,
     Event,
     EventKind,
+    LinkRecord,
     Message,
     PlannedWaypoint,
     Reward,
@@ -24,7 +24,9 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
+from waypointctl.replay.growing_records import GrowingCommand, GrowingWaypoint
 from waypointctl.replay.growing_track import GrowingTrack
+from waypointctl.replay.link_story import LinkStory, WayTally
 from waypointctl.replay.story import CommandStory, Effort, Fate, FloatArray, Story, WaypointStory, is_on_map
 
 _FATES: Final = {
@@ -47,29 +49,6 @@ def tell(messages: Iterable[Message], waypoints: Iterable[PlannedWaypoint] = ())
     return chronicle.story()
 
 
-@dataclass(slots=True)
-class _Command:
-    what: str = ""
-    issued_ns: int = 0
-    received_ns: int | None = None
-    carried_ns: int | None = None
-    onboard: Stage | None = None
-    ended_ns: int | None = None
-    attempts: int = 0
-    losses: int = 0
-    acks: list[Ack] = field(default_factory=list)
-
-
-@dataclass(slots=True)
-class _Waypoint:
-    planned: PlannedWaypoint
-    fate: Fate = Fate.OPEN
-    started_ns: int | None = None
-    ended_ns: int | None = None
-    reached_ns: int | None = None
-    learned_ns: int | None = None
-
-
 class Chronicle:
     """Takes each message of a flight; ask it for the story at any time.
 
@@ -86,9 +65,10 @@ class Chronicle:
         self.state: State | None = None
         self.telemetry: Telemetry | None = None
         self.events: list[Event] = []
-        self._waypoints = {waypoint.index: _Waypoint(waypoint) for waypoint in waypoints}
-        self._commands: dict[int, _Command] = {}
+        self._waypoints = {waypoint.index: GrowingWaypoint(waypoint) for waypoint in waypoints}
+        self._commands: dict[int, GrowingCommand] = {}
         self._truth, self._belief = GrowingTrack(), GrowingTrack()
+        self._link = {"up": WayTally(), "down": WayTally()}
         self._states_off_map = self._frames_off_map = 0
         self._reward: dict[str, float] = {}
         self._reward_total = 0.0
@@ -116,35 +96,20 @@ class Chronicle:
                 self._receive(message)
             case CommandStage():
                 self._advance(message)
+            case LinkRecord() if message.way in self._link:
+                self._link[message.way].add(message)
             case Event():
                 self._note(message)
 
     @property
     def commands(self) -> tuple[CommandStory, ...]:
         """The commands so far, by id."""
-        return tuple(
-            CommandStory(
-                id=id_,
-                what=c.what,
-                issued_ns=c.issued_ns,
-                received_ns=c.received_ns,
-                uplink_ns=c.carried_ns,
-                onboard=c.onboard,
-                ended_ns=c.ended_ns,
-                attempts=c.attempts,
-                losses=c.losses,
-                acks=tuple(c.acks),
-            )
-            for id_, c in sorted(self._commands.items())
-        )
+        return tuple(command.story(id_) for id_, command in sorted(self._commands.items()))
 
     @property
     def waypoints(self) -> tuple[WaypointStory, ...]:
         """The waypoints of the mission, and what has become of them so far."""
-        return tuple(
-            WaypointStory(w.planned, w.fate, w.started_ns, w.ended_ns, w.reached_ns, w.learned_ns)
-            for _, w in sorted(self._waypoints.items())
-        )
+        return tuple(waypoint.story() for _, waypoint in sorted(self._waypoints.items()))
 
     def way(self, most: int) -> tuple[FloatArray, FloatArray]:
         """Return where the robot has been so far, x (n,) and y (n,) [m], in about `most` points."""
@@ -168,6 +133,7 @@ class Chronicle:
             belief=self._belief.track(),
             states_off_map=self._states_off_map,
             frames_off_map=self._frames_off_map,
+            link=LinkStory(self._link["up"].story(), self._link["down"].story()),
         )
 
     def _ending(self) -> tuple[str, str, int]:
@@ -222,7 +188,7 @@ class Chronicle:
             entry.what = f"{command.kind} {', '.join(waypoint.name for waypoint in command.waypoints)}".rstrip()
         for waypoint in command.waypoints:
             if waypoint.index >= 0:  # else it is a place, none of the mission's waypoints
-                self._waypoints.setdefault(waypoint.index, _Waypoint(waypoint))
+                self._waypoints.setdefault(waypoint.index, GrowingWaypoint(waypoint))
 
     def _advance(self, it: CommandStage) -> None:
         self.now_ns = max(self.now_ns, it.time_ns)
@@ -247,7 +213,7 @@ class Chronicle:
         if waypoint is not None:
             self._visit(waypoint, event)
 
-    def _visit(self, waypoint: _Waypoint, event: Event) -> None:
+    def _visit(self, waypoint: GrowingWaypoint, event: Event) -> None:
         waypoint.fate = _FATES.get(event.kind, waypoint.fate)
         if event.kind is EventKind.LEG_STARTED:
             waypoint.started_ns = event.time_ns
@@ -262,5 +228,5 @@ class Chronicle:
             if waypoint.started_ns is not None and waypoint.ended_ns is None:
                 waypoint.ended_ns = time_ns
 
-    def _command(self, command_id: int) -> _Command:
-        return self._commands.setdefault(command_id, _Command())
+    def _command(self, command_id: int) -> GrowingCommand:
+        return self._commands.setdefault(command_id, GrowingCommand())

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.log.messages import FINAL_STAGES, Ack, Event, EventKind, PlannedWaypoint, Stage
+from waypointctl.replay.link_story import LinkStory
 from waypointctl.units import NS_PER_S
 
 FloatArray = NDArray[np.float64]
@@ -188,6 +189,7 @@ class Story:
         belief: where the operator was told it was.
         states_off_map: how many states `truth` and `effort` leave out, as no robot can be there.
         frames_off_map: how many telemetry frames `belief` leaves out.
+        link: what it did besides delaying.
     """
 
     outcome: str
@@ -204,6 +206,7 @@ class Story:
     belief: Track
     states_off_map: int
     frames_off_map: int
+    link: LinkStory
 
     @property
     def reached(self) -> int:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
+    from waypointctl.replay.link_story import WayStory
     from waypointctl.replay.story import CommandStory, Story, WaypointStory
     from waypointctl.replay.verdict import Verification
 
@@ -70,6 +71,19 @@ def story_json(story: Story, mission: str) -> Plain:
         "frames_off_map": story.frames_off_map,
         "waypoints": [_waypoint(waypoint) for waypoint in story.waypoints],
         "commands": [_command(command) for command in story.commands],
+        "link": {"up": _way(story.link.up), "down": _way(story.link.down)},
+    }
+
+
+def _way(way: WayStory) -> Plain:
+    return {
+        "lost": way.lost,
+        "queue_full": way.queue_full,
+        "no_contact": way.no_contact,
+        "not_arrived": dict(way.not_arrived),
+        "doubled": way.doubled,
+        "waited": way.waited,
+        "longest_wait_s": seconds(way.longest_wait_ns),
     }
 
 

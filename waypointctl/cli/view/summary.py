@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from waypointctl.cli.console import console
+from waypointctl.cli.view.link_losses import link_lines
 from waypointctl.cli.view.tables import command_table, effort_lines, reward_table, waypoint_table
 from waypointctl.cli.view.words import printable, size
 from waypointctl.units import seconds
@@ -28,7 +29,7 @@ def print_flight(story: Story, recording: Recording, wall_s: float, *, stderr: b
     out.print()
     _print_outcome(out, story)
     _print_tables(out, story)
-    for line in effort_lines(story):
+    for line in (*effort_lines(story), *link_lines(story.link)):
         out.print(line, soft_wrap=True)
     flown_s = seconds(recording.result.sim_time_ns)
     out.print(f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
@@ -72,7 +73,7 @@ def print_story(story: Story, title: str, *, stderr: bool) -> None:
     _print_tables(out, story)
     out.print(reward_table(story))
     out.print()
-    for line in effort_lines(story):
+    for line in (*effort_lines(story), *link_lines(story.link)):
         out.print(line, soft_wrap=True)
 
 

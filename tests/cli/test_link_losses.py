@@ -1,0 +1,51 @@
+"""What the link did, as people and programs are told it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tests.cli.flying import EASY, Program
+from waypointctl.cli.view.link_losses import link_lines
+from waypointctl.log.messages import LinkFate, LinkRecord
+from waypointctl.log.reader import open_log
+from waypointctl.replay.link_story import LinkStory, WayStory
+
+
+def test_a_line_for_each_way_on_which_there_is_something_to_tell() -> None:
+    up = WayStory(lost=3, not_arrived=(("command", 1), ("heartbeat", 2)), doubled=1)
+    kinds = (("ack", 1), ("bodyframe", 2), ("telemetry", 63), ("tele\x1bgram", 1))
+    down = WayStory(61, 4, 2, kinds, waited=12, longest_wait_ns=3_200_000_000)
+    assert link_lines(LinkStory(up, down)) == [
+        "link up    3 lost (1 command, 2 heartbeats), 1 doubled",
+        "link down  61 lost; 4 dropped, the queue was full; 2 dropped, no contact was left "
+        "(1 acknowledgement, 2 states, 63 telemetry frames, 1 tele\N{REPLACEMENT CHARACTER}gram), 12 waited, "
+        "at most 3.20 s",
+    ]
+    assert link_lines(LinkStory(WayStory(), WayStory(waited=1, longest_wait_ns=10_000_000))) == [
+        "link down  1 waited, at most 0.01 s"
+    ]
+    assert link_lines(LinkStory()) == []
+
+
+def test_run_and_replay_tell_the_same_and_json_has_the_counts(yard: Path, program: Program) -> None:
+    (yard / "lossy.yaml").write_text(EASY.replace("{delay: 0.5 s}", "{delay: 0.5 s, loss: 30 %}"))
+    code, flown, _ = program("run", "lossy.yaml", "--out", "lossy.mcap")
+    assert code == 0
+    records = [m for m in open_log(yard / "lossy.mcap").messages() if isinstance(m, LinkRecord)]
+    lost = [m for m in records if m.way == "down" and m.fate is LinkFate.LOST]
+    told = [line for line in flown.splitlines() if line.startswith("link down  ")]
+    assert len(told) == 1
+    assert told[0].startswith(f"link down  {len(lost)} lost (")
+    assert told[0] in program("replay", "lossy.mcap")[1].splitlines()
+    link = json.loads(program("replay", "lossy.mcap", "--json")[1])["story"]["link"]
+    assert link["down"]["lost"] == sum(link["down"]["not_arrived"].values()) == len(lost) > 0
+    assert link["up"]["lost"] == sum(m.way == "up" for m in records)
+
+
+def test_of_a_link_that_only_delays_nothing_is_told(yard: Path, program: Program) -> None:
+    code, flown, _ = program("run", "easy.yaml", "--out", "easy.mcap")
+    assert code == 0
+    assert "link up" not in flown
+    assert "link down" not in flown
+    assert json.loads(program("replay", "easy.mcap", "--json")[1])["story"]["link"]["up"]["lost"] == 0

@@ -1,0 +1,87 @@
+"""What the link did: counted by hand, and against what arrived in a flight over a bad link."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.replay.hand_made import flight
+from tests.replay.rewriting import Flown, fly_once
+from waypointctl.log.messages import Ack, CommandStage, LinkFate, LinkRecord, Stage, Telemetry
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.replay.chronicle import tell
+from waypointctl.replay.link_story import LinkStory, WayStory
+from waypointctl.units import seconds
+
+# Acknowledgements are asked for again and again, frames fill the queue.
+BAD_LINK = b"""\
+name: bad
+policy: ./policy
+seed: 11
+waypoints:
+  - {name: here, position: [0.2 m, 0 m], tolerance: 10 m, hold: 4 s}
+telemetry: {rate: 20 Hz}
+operator: {heartbeat: 1 s}
+link:
+  up: {delay: 0.1 s, loss: 30 %}
+  down: {delay: 0.1 s, loss: 20 %, duplicate: 20 %, rate: 9 kbit/s, queue: 200 B, windows: [{from: 0.5 s, to: 1 h}]}
+expect: {max_time: 6 s}
+"""
+
+
+def record(way: str, what: str, fate: LinkFate, time_ns: int = 0, departs_ns: int = 0) -> LinkRecord:
+    return LinkRecord(time_ns, way, what, 1, 10, departs_ns, (), fate)
+
+
+def test_each_way_is_counted_by_what_became_of_its_messages() -> None:
+    records = [
+        record("up", "command", LinkFate.LOST),
+        record("up", "heartbeat", LinkFate.LOST, 5, 9),  # it had waited before
+        record("up", "command", LinkFate.NO_CONTACT, 5, -1),
+        record("down", "telemetry", LinkFate.QUEUE_FULL, 5, -1),
+        record("down", "telemetry", LinkFate.WAITED, 5, 7),
+        record("down", "ack", LinkFate.DOUBLED, 5, 5),
+        record("down", "ack", LinkFate.DOUBLED, 5, 11),
+        record("sideways", "ack", LinkFate.LOST),  # of an altered log
+    ]
+    up = WayStory(2, 0, 1, (("command", 2), ("heartbeat", 1)), 0, 1, 4)
+    down = WayStory(0, 1, 0, (("telemetry", 1),), 2, 2, 6)
+    assert tell([*flight(), *records]).link == LinkStory(up, down)
+    assert up
+    assert down
+
+
+def test_where_nothing_is_lost_doubled_or_late_there_is_nothing_to_tell() -> None:
+    link = tell(flight()).link
+    assert link == LinkStory()
+    assert not link.up
+    assert not link.down
+
+
+@pytest.fixture(scope="module")
+def bad(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., LoadedPolicy]) -> Flown:
+    folder: Path = tmp_path_factory.mktemp("bad")
+    return fly_once(folder, make_policy(folder / "policy", gain=0.0), BAD_LINK)
+
+
+def test_the_counts_are_what_is_missing_or_there_twice_in_the_log(bad: Flown) -> None:
+    messages = bad.messages
+    link = tell(messages).link
+    arrived = [message.frame for message in messages if isinstance(message, Telemetry)]
+    missing = set(range(max(arrived) + 1)) - set(arrived)
+    after = [m for m in messages if isinstance(m, LinkRecord) and m.what == "telemetry" and m.number > max(arrived)]
+    assert dict(link.down.not_arrived)["telemetry"] == len(missing) + sum(not m.arrives_ns for m in after)
+    stages = [m for m in messages if isinstance(m, CommandStage) and m.stage is Stage.LOST]
+    assert dict(link.up.not_arrived).get("command", 0) == len(stages)
+    assert dict(link.up.not_arrived)["heartbeat"] > 0
+    acks = [message for message in messages if isinstance(message, Ack)]
+    twice = len(arrived) - len(set(arrived)) + len(acks) - len({(a.stage, a.issued_ns) for a in acks})
+    ends_ns = max(message.received_ns for message in messages if isinstance(message, Ack | Telemetry))
+    late = [m for m in messages if isinstance(m, LinkRecord) and len(m.arrives_ns) == 2 and m.arrives_ns[1] > ends_ns]
+    assert link.down.doubled == twice + len(late)
+    assert link.down.queue_full > 0
+    assert link.down.waited > 0
+    emptied_s = 200 * 8 / 9000  # the queue at the link's rate, after half a second without contact
+    assert 0.5 <= seconds(link.down.longest_wait_ns) <= 0.5 + emptied_s
