@@ -28,6 +28,8 @@ SCHEMA: dict[str, tuple[set[str], set[str], list[str]]] = {
         {"assertions", "time", "classname", "status", "class", "file", "line"},
         ["skipped", "error", "failure", "system-out", "system-err"],
     ),
+    "properties": (set(), set(), ["property"]),
+    "property": ({"name", "value"}, set(), []),
     "failure": (set(), {"type", "message"}, []),
     "error": (set(), {"type", "message"}, []),
     "skipped": (set(), {"type", "message"}, []),
@@ -61,13 +63,21 @@ def test_it_counts_and_tells_what_became_of_each() -> None:
     (suite,) = ElementTree.fromstring(junit_xml(CASES))
     counts = {"tests": "4", "failures": "1", "errors": "1", "skipped": "1", "time": "37.550"}
     assert counts.items() <= suite.attrib.items()
-    success, failure, error, skipped = suite
+    success, failure, error, skipped = suite.findall("testcase")
     assert [child.tag for child in success] == ["system-out"]
     assert failure.get("name") == "b & <b>.yaml"
     assert failure[0].attrib == {"type": "failure", "message": "timeout: 1 of 2"}
     assert failure[0].text == "timeout: 1 of 2\nsecond line"
     assert error[0].text == 'c.yaml:1:1: "x" \ufffd \ufffd'
     assert [child.tag for child in skipped] == ["skipped"]
+    assert skipped[0].attrib == {"message": "not flown"}
+    assert sum(float(case.get("time", "")) for case in suite.findall("testcase")) == pytest.approx(37.55)
+
+
+def test_it_says_whose_seconds_its_times_are() -> None:
+    (suite,) = ElementTree.fromstring(junit_xml(CASES))
+    assert suite[0].tag == "properties"
+    assert [each.attrib for each in suite[0]] == [{"name": "clock", "value": "simulation"}]
 
 
 def test_the_same_flights_give_the_same_bytes_without_a_clock() -> None:

@@ -1,6 +1,6 @@
 """JUnit XML of flights: a suite with a case a mission, as CI servers read it (Jenkins' junit-10.xsd).
 
-Times in it are simulation times; no wall clock is in it.
+Times in it are simulated seconds, as its property `clock` says; no wall clock is in it.
 """
 
 from __future__ import annotations
@@ -48,6 +48,8 @@ def junit_xml(cases: Sequence[Case]) -> bytes:
     root = ElementTree.Element("testsuites", {"name": SUITE, **numbers, "time": time})
     skipped = str(sum(case.verdict == "skipped" for case in cases))
     suite = ElementTree.SubElement(root, "testsuite", {"name": SUITE, **numbers, "skipped": skipped, "time": time})
+    properties = ElementTree.SubElement(suite, "properties")
+    ElementTree.SubElement(properties, "property", {"name": "clock", "value": "simulation"})
     for case in cases:
         _add(suite, case)
     ElementTree.indent(root)
@@ -59,7 +61,7 @@ def _add(suite: ElementTree.Element, case: Case) -> None:
     attributes = {"classname": SUITE, "name": _clean(case.name), "time": _time(case.time_s)}
     element = ElementTree.SubElement(suite, "testcase", attributes)
     if case.verdict == "skipped":
-        ElementTree.SubElement(element, "skipped").text = _clean(case.text)
+        ElementTree.SubElement(element, "skipped", {"message": _clean(case.text.partition("\n")[0])})
     elif case.verdict != "success":
         told = {"type": case.verdict, "message": _clean(case.text.partition("\n")[0])}
         ElementTree.SubElement(element, case.verdict, told).text = _clean(case.text)

@@ -47,7 +47,9 @@ def run(
     ] = None,
     junit: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.xml", help="Write a JUnit report, a case a mission.", show_default=False),
+        typer.Option(
+            metavar="FILE.xml", help="Write a JUnit report, a case a mission, in simulated seconds.", show_default=False
+        ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
 ) -> None:
