@@ -24,6 +24,7 @@ from waypointctl.log.writer import LogWriter
 from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
 from waypointctl.ops.ground.line_source import QUIT, LineSource
+from waypointctl.ops.header import platform_facts
 from waypointctl.ops.record import Recording, recording_of
 from waypointctl.ops.shutter import Camera, with_pictures
 from waypointctl.ops.sink import Sink
@@ -160,6 +161,13 @@ def _passage(witness: Witness, writer: LogWriter, again: Sink, watch: Sink) -> S
     return take
 
 
+def made_elsewhere(log: Log) -> str:
+    """Return in what the program or processor that made a log differs from this one, in words; empty if in nothing."""
+    here = platform_facts()
+    facts = ((name, log.metadata.get(key, "unknown"), here[key]) for key, name in PROGRAM.items())
+    return ", ".join(f"{name} was {there} and is {now}" for name, there, now in facts if there != now)
+
+
 class _Lines:
     """The console: what the log has of it, then a person, or the end of it."""
 
@@ -214,6 +222,6 @@ def _not_the_same(log: Log, where: Divergence) -> LogError:
         f"cannot be gone on with: flown again, the flight parts from it at step {where.step} on {where.topic}, "
         f"{where.component}: logged {where.logged}, now {where.replayed}"
     )
-    others = differing(log, PROGRAM)
-    why = f"It was made elsewhere: {', '.join(others)}. " if others else "It has been altered. "
+    others = made_elsewhere(log)
+    why = f"It was made elsewhere ({others}), where it can be gone on with. " if others else "It has been altered. "
     return LogError(problem, where=str(log.path), mend=f"{why}{_KEPT}")
