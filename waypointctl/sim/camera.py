@@ -28,7 +28,7 @@ _POST_RADIUS_M: Final = 0.03
 _KNOB_RADIUS_M: Final = 0.08
 _FOOT_RADIUS_M: Final = 0.2
 _FOOT_HEIGHT_M: Final = 0.01
-_CLEAR_M: Final = 1.5  # a post nearer to the camera would hide the view: only its foot is drawn
+_CLEAR_M: Final = 2.0  # a post nearer to the camera would hide the view: only its foot is drawn
 _NAMED_M: Final = 25.0  # names of what is farther away would lie on each other
 _MOST_MARKERS: Final = 200  # the nearest
 _GLOW: Final = 0.4  # of the markers, or those between camera and sun are black
@@ -72,10 +72,13 @@ class MastCamera:
     def take(self, qpos: FloatArray) -> Pixels:
         """Return the picture at qpos (nq,): (480, 640, 3), red green blue, the first row on top."""
         data, scene = self._data, self._scene
+        self._context.make_current()
         data.qpos[:] = qpos
         mujoco.mj_kinematics(self._model, data)
         mujoco.mj_camlight(self._model, data)
         view, seen = viewpoint(qpos), mujoco.mjtCatBit.mjCAT_ALL
+        # A ground without end is laid around the camera that the scene has, which would be the last picture's.
+        mujoco.mjv_updateCamera(self._model, data, view, scene)
         mujoco.mjv_updateScene(self._model, data, mujoco.MjvOption(), mujoco.MjvPerturb(), view, seen, scene)
         scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
         scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False  # speckled on a ground without end, and the dearest part
@@ -88,6 +91,7 @@ class MastCamera:
 
     def close(self) -> None:
         """Give the drawing's memory back."""
+        self._context.make_current()
         self._drawing.free()
         self._context.close()
 

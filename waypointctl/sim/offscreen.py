@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import importlib
 import os
+import warnings
 from typing import Any, Final
 
 from waypointctl.errors import InputError
@@ -24,7 +25,7 @@ class NoRendering(InputError):
 
 
 class OffscreenContext:
-    """An OpenGL context; it is current until it is closed.
+    """An OpenGL context, current as soon as it is made.
 
     Attributes:
         renderer: what draws, such as "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5 Mesa 22.3.6".
@@ -38,19 +39,37 @@ class OffscreenContext:
         """
         backend = _backend(os.environ.get(VARIABLE, "").strip().lower())
         try:
-            # Each of mujoco's modules picks PyOpenGL's platform for the whole process: import the one that is used.
-            self._context: Any = importlib.import_module(f"mujoco.{backend}").GLContext(width, height)
-            self._context.make_current()
+            self._context = _opened(backend, width, height)
             self.renderer = _renderer()
-        # A driver that is missing or broken shows as whatever its binding stumbles over, AttributeError among them.
+        # A driver that is missing or broken shows as whatever its binding stumbles over.
         except Exception as error:
-            problem = f"{backend} gives no OpenGL context: {str(error).strip() or type(error).__name__}"
             mend = f"{VARIABLE} chooses another: {', '.join(_ALLOWED)}. {_INSTALL}"
-            raise NoRendering(" ".join(problem.split()), mend=mend) from error
+            raise NoRendering(f"{backend} gives no OpenGL context: {_in_words(error)}", mend=mend) from error
+
+    def make_current(self) -> None:
+        """Draw here from now on: there may be others."""
+        self._context.make_current()
 
     def close(self) -> None:
         """Give it back; at the program's end its library may be gone already."""
         self._context.free()
+
+
+def _opened(backend: str, width: int, height: int) -> Any:
+    """Return a context of one of mujoco's modules, made current."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # GLFW warns of what makes it fail
+        # Each of the modules picks PyOpenGL's platform for the whole process: import none but the one that is used.
+        context = importlib.import_module(f"mujoco.{backend}").GLContext(width, height)
+        context.make_current()
+    return context
+
+
+def _in_words(error: Exception) -> str:
+    """Return what is wrong with a driver, as far as it is said."""
+    if isinstance(error, AttributeError | TypeError) or not str(error).strip():
+        return "its library is missing or broken"  # the binding met nothing where a function should be
+    return " ".join(str(error).split())
 
 
 def _backend(asked: str) -> str:
