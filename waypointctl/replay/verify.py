@@ -130,8 +130,9 @@ def _checks(
         f"{_several(counts['/reward'], 'reward')}, every term and sum",
         f"{_several(counts['/event'], 'event')}, {_several(counts['/link'], 'message')} that the link lost, doubled or "
         "let wait",
-        f"{_several(counts['/command'], 'command')}, {_several(counts['/ack'], 'acknowledgement')} and "
-        f"{_several(counts['/telemetry'], 'telemetry frame')}, with each time of delivery",
+        f"{_several(counts['/command'], 'command')}, {_several(counts['/command_stage'], 'command stage')}, "
+        f"{_several(counts['/ack'], 'acknowledgement')} and {_several(counts['/telemetry'], 'telemetry frame')}, with "
+        "each time of delivery",
         f"{_several(counts['/checkpoint'], 'checkpoint')}, with the link's random streams",
         *(typed if counts["/console"] else ()),
         *pictures.checks,
