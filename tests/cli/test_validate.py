@@ -197,7 +197,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "speed": {"mps": 2.0, "source": "assumed, since no evaluation of p tells its speed"},
                 "expected_time_s": 6.5,
                 "expected": [
-                    {"autonomy": autonomy, "time_s": pytest.approx(time_s), "exchanges": exchanges}
+                    {"autonomy": autonomy, "time_s": pytest.approx(time_s), "exchanges": exchanges, "blocked": None}
                     for autonomy, (time_s, exchanges) in times.items()
                 ],
                 "not_counted": [],

@@ -6,8 +6,8 @@ import pytest
 
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.forecast.duration import AUTONOMIES, Autonomy, expected, walks_of
-from waypointctl.ops.forecast.traffic import traffic_of, upload_bytes
+from waypointctl.ops.forecast.duration import AUTONOMIES, Autonomy, Blocked, expected, walks_of
+from waypointctl.ops.forecast.traffic import ACK_BYTES, traffic_of, upload_bytes
 
 BASE = "name: n\npolicy: p\nwaypoints: [[8, 6], [8, 16]]\n"  # 10 m and 10 m
 
@@ -41,7 +41,7 @@ def test_steering_at_a_rate_is_as_fast_as_its_goals_are_fresh() -> None:
     fast = parse("operator: {steering: continuous, update_rate: 10 Hz}\n")
     slow = parse("link: {delay: 2 s}\noperator: {steering: continuous, update_rate: 1 Hz}\n")
     assert time_s(fast, "heading") == pytest.approx(10)
-    assert time_s(slow, "heading") == pytest.approx(20 / (1 / 5) + 4)  # 1 m in 4 s of link and 1 s of update
+    assert time_s(slow, "heading") == pytest.approx(20 / (0.75 / 5) + 4)  # 0.75 m in 4 s of link and 1 s of update
 
 
 def test_holds_are_in_it_and_what_is_too_far_for_its_time_is_left_behind() -> None:
@@ -83,3 +83,26 @@ def test_very_many_goals_are_told_from_some_of_them() -> None:
     assert found.exchanges > 100_000
     assert expected(mission, 2.0, traffic_of(mission), "waypoint").exchanges == 2
     assert found.time_s == pytest.approx(found.exchanges * 2, rel=0.1)
+
+
+def test_what_never_gets_through_is_known() -> None:
+    dead = parse("link: {up: {loss: 1}}\n")
+    for autonomy in AUTONOMIES:
+        found = expected(dead, 2.0, traffic_of(dead), autonomy)
+        assert (found.time_s, found.blocked and (found.blocked.way, found.blocked.ready_s)) == (None, ("up", 0))
+    deaf = parse("link: {down: {loss: {p: 0, r: 0, one_minus_k: 1}}}\n")
+    found = expected(deaf, 2.0, traffic_of(deaf), "waypoint")
+    assert found.blocked == Blocked("down", 5.0, ACK_BYTES)  # 10 m to the first waypoint
+    short = parse("link: {up: {windows: [{from: 1 s, to: 3 s}]}}\n")
+    assert time_s(short, "mission") == pytest.approx(1 + 10)
+    found = expected(short, 2.0, traffic_of(short), "waypoint")
+    assert found.blocked is not None
+    assert (found.blocked.way, found.blocked.ready_s) == ("up", 1 + 5)
+
+
+def test_a_plan_that_is_not_released_to_its_end_has_none() -> None:
+    held = "operator: {released: 1}\n"
+    assert time_s(parse(held), "mission") is None
+    assert time_s(parse(held), "waypoint") == pytest.approx(10), "the operator releases nothing there"
+    for command in ("release, released: -1", "release, released: 2", "abort", "go_to, position: [1 m, 1 m]"):
+        assert time_s(parse(f"{held}schedule: [{{at: 1 s, do: {command}}}]\n"), "mission") == pytest.approx(10)

@@ -8,7 +8,7 @@ schedule of commands adds is not in it, nor that an operator who steers gives a 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final, Literal, TypeAlias
@@ -16,9 +16,10 @@ from typing import Final, Literal, TypeAlias
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.judgement import OBSERVATION_NS, OBSERVE
-from waypointctl.ops.forecast.traffic import Traffic, go_to_bytes, upload_bytes
+from waypointctl.ops.forecast.release import waits_for_ever
+from waypointctl.ops.forecast.traffic import ACK_BYTES, Traffic, go_to_bytes, upload_bytes
 from waypointctl.ops.ground.operator import planned_waypoints
-from waypointctl.units import NS_PER_S, ns, seconds
+from waypointctl.units import ns, seconds
 
 Autonomy: TypeAlias = Literal["mission", "waypoint", "heading", "joint"]
 AUTONOMIES: Final[tuple[Autonomy, ...]] = ("mission", "waypoint", "heading", "joint")
@@ -43,6 +44,21 @@ class Walk:
 
 
 @dataclass(frozen=True, slots=True)
+class Blocked:
+    """A message that everything after it waits for, and that never arrives.
+
+    Attributes:
+        way: "up" for a command, "down" for its acknowledgement.
+        ready_s: when it is handed to the link.
+        size_bytes: its size.
+    """
+
+    way: Literal["up", "down"]
+    ready_s: float
+    size_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
 class Expected:
     """How long a mission is expected to take.
 
@@ -50,11 +66,13 @@ class Expected:
         autonomy: who decides what.
         time_s: from the first command to the operator's knowing of the end; None for never.
         exchanges: how often the operator has to hear before it can say what is next.
+        blocked: the message that never gets through, where that is why the time is None.
     """
 
     autonomy: Autonomy
     time_s: float | None
     exchanges: int
+    blocked: Blocked | None = None
 
 
 def walks_of(mission: Mission, speed_mps: float) -> tuple[Walk, ...]:
@@ -91,6 +109,8 @@ def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Aut
     spent_s = [
         seconds(walk.waypoint.timeout_ns) * retry if walk.duration_s is None else walk.duration_s for walk in walks
     ]
+    if autonomy == "mission" and waits_for_ever(mission):
+        return Expected(autonomy, None, 1)
     if autonomy == "mission":
         return _at_once(autonomy, sum(spent_s), upload_bytes(mission), traffic)
     if autonomy == "joint":
@@ -98,29 +118,54 @@ def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Aut
     steered = autonomy == "heading"
     if steered and mission.operator.steering == "continuous":
         return _continuous(mission, walks, spent_s, speed_mps, traffic)
-    think_ns = ns(mission.operator.think_s)
-    counts = [moves_of(walk, mission) if steered else 1 for walk in walks]
-    sizes = [go_to_bytes(walk.waypoint) for walk in walks]
-    moves = ((spent / n, size) for spent, size, n in zip(spent_s, sizes, counts, strict=True) for _ in range(n))
+    if steered:
+        counts, heard = steered_moves(mission, walks, spent_s, traffic)
+    else:
+        counts = [1] * len(walks)
+        heard = [*_in_turn(_moves(walks, spent_s, counts), traffic, ns(mission.operator.think_s))]
     count = sum(counts)
-    time_s = _in_turn(islice(moves, _MOST_CARROTS), traffic, think_ns)
-    return Expected(autonomy, None if time_s is None else time_s * max(count / _MOST_CARROTS, 1.0), count)
+    last = heard[-1]
+    if isinstance(last, Blocked):
+        return Expected(autonomy, None, count, last)
+    return Expected(autonomy, seconds(last) * max(count / _MOST_CARROTS, 1.0), count)
 
 
 def _at_once(autonomy: Autonomy, walking_s: float, size: int, traffic: Traffic) -> Expected:
-    return Expected(autonomy, _in_turn([(walking_s, size)], traffic, 0), 1)
+    (heard,) = _in_turn([(walking_s, size)], traffic, 0)
+    return Expected(autonomy, None, 1, heard) if isinstance(heard, Blocked) else Expected(autonomy, seconds(heard), 1)
 
 
-def _in_turn(moves: Iterable[tuple[float, int]], traffic: Traffic, think_ns: int) -> float | None:
-    """Return when the operator hears of the last of some moves (duration [s], command [bytes]); None for never."""
+def _moves(walks: Sequence[Walk], spent_s: Sequence[float], counts: Sequence[int]) -> Iterator[tuple[float, int]]:
+    """Yield the moves of some legs, each of them made of several: (duration [s], command [bytes])."""
+    for walk, spent, count in zip(walks, spent_s, counts, strict=True):
+        size = go_to_bytes(walk.waypoint)
+        yield from ((spent / count, size) for _ in range(count))
+
+
+def _in_turn(moves: Iterable[tuple[float, int]], traffic: Traffic, think_ns: int) -> Iterator[int | Blocked]:
+    """Yield when the operator hears of the end of each of some moves [ns]; what never gets through is the last."""
     now_ns = 0
     for place, (move_s, size) in enumerate(moves):
-        arrives_ns = traffic.arrives_up_ns(now_ns + think_ns * (place > 0), size)
-        heard_ns = None if arrives_ns is None else traffic.heard_ns(arrives_ns + ns(move_s))
+        ready_ns = now_ns + think_ns * (place > 0)
+        arrives_ns = traffic.arrives_up_ns(ready_ns, size)
+        if arrives_ns is None:
+            yield Blocked("up", seconds(ready_ns), size)
+            return
+        heard_ns = traffic.heard_ns(arrives_ns + ns(move_s))
         if heard_ns is None:
-            return None
+            yield Blocked("down", seconds(arrives_ns + ns(move_s)), ACK_BYTES)
+            return
         now_ns = heard_ns
-    return seconds(now_ns)
+        yield now_ns
+
+
+def steered_moves(
+    mission: Mission, walks: Sequence[Walk], spent_s: Sequence[float], traffic: Traffic
+) -> tuple[list[int], list[int | Blocked]]:
+    """Return of how many short moves each leg is made, and when the operator hears of each, as far as is worked out."""
+    counts = [moves_of(walk, mission) for walk in walks]
+    moves = islice(_moves(walks, spent_s, counts), _MOST_CARROTS)
+    return counts, [*_in_turn(moves, traffic, ns(mission.operator.think_s))]
 
 
 def moves_of(walk: Walk, mission: Mission) -> int:
@@ -130,15 +175,30 @@ def moves_of(walk: Walk, mission: Mission) -> int:
     return max(math.ceil((walk.way_m - carrot_m) / step_m), 0) + 1
 
 
+def pose_age_s(mission: Mission, traffic: Traffic) -> float | Blocked:
+    """Return how old, steering at a rate, the pose behind a goal is when the next goal takes its place [s]."""
+    (heard,) = _in_turn([(0.0, go_to_bytes(planned_waypoints(mission)[0]))], traffic, 0)
+    return heard if isinstance(heard, Blocked) else seconds(heard) + 1 / mission.operator.update_rate_hz
+
+
+def slower_by(age_s: float, mission: Mission, speed_mps: float) -> float:
+    """Return how many times as long a way takes that is steered at a rate, from poses of some age.
+
+    A goal ahead of an old pose bounds the speed: within its age the robot comes to where the goal counts as reached,
+    and no further.
+    """
+    carrot_m = mission.operator.carrot_m
+    near_m = min(carrot_m * _NEAR_CARROT, *(waypoint.tolerance_m for waypoint in planned_waypoints(mission)))
+    return max(speed_mps * age_s / (carrot_m - near_m), 1.0)
+
+
 def _continuous(
     mission: Mission, walks: tuple[Walk, ...], spent_s: list[float], speed_mps: float, traffic: Traffic
 ) -> Expected:
-    """Return the time of steering at a rate: a goal that is `carrot` ahead of an old pose bounds the speed."""
-    arrives_ns = traffic.arrives_up_ns(0, go_to_bytes(walks[0].waypoint))
-    heard_ns = None if arrives_ns is None else traffic.heard_ns(arrives_ns)
-    if heard_ns is None:
-        return Expected("heading", None, 1)
-    age_s = heard_ns / NS_PER_S + 1 / mission.operator.update_rate_hz
-    slower = max(speed_mps * age_s / mission.operator.carrot_m, 1.0)
+    """Return the time of steering at a rate."""
+    age_s = pose_age_s(mission, traffic)
+    if isinstance(age_s, Blocked):
+        return Expected("heading", None, 1, age_s)
+    slower = slower_by(age_s, mission, speed_mps)
     holds_s = sum(stands_s(walk.waypoint) for walk in walks if walk.duration_s is not None)
     return _at_once("heading", (sum(spent_s) - holds_s) * slower + holds_s, 1, traffic)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.forecast.duration import AUTONOMIES, Expected, expected
 from waypointctl.ops.forecast.finding import Finding
 from waypointctl.ops.forecast.link import link_findings
+from waypointctl.ops.forecast.release import release_findings
 from waypointctl.ops.forecast.route import route_findings
+from waypointctl.ops.forecast.schedule import schedule_findings
+from waypointctl.ops.forecast.steering import steering_findings
 from waypointctl.ops.forecast.traffic import traffic_of
+from waypointctl.ops.forecast.unused import unused_findings
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +57,29 @@ def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
     traffic = traffic_of(mission)
     times = tuple(expected(mission, speed.mps, traffic, autonomy) for autonomy in AUTONOMIES)
     own = next(each for each in times if each.autonomy == mission.autonomy)
-    findings = [*route_findings(mission, speed.mps, traffic), *link_findings(mission, traffic)]
+    findings = [
+        *route_findings(mission, speed.mps),
+        *release_findings(mission),
+        *steering_findings(mission, speed.mps, traffic),
+        *schedule_findings(mission, traffic),
+        *link_findings(mission, traffic, own),
+        *unused_findings(mission),
+    ]
     limit_s = mission.expect.max_time_s
     if limit_s is not None and own.time_s is not None and own.time_s > limit_s:
         text = f"{limit_s:g} s are allowed, and about {own.time_s:.1f} s are expected"
         findings.append(Finding("max_time", ("expect", "max_time_s"), text))
-    return Forecast(speed, times, own, tuple(findings), tuple(_not_counted(mission)))
+    return Forecast(speed, times, own, tuple(_once(findings)), tuple(_not_counted(mission)))
+
+
+def _once(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Yield of what is wrong with a waypoint, each time that it is walked to, the first alone."""
+    seen = set()
+    for finding in findings:
+        key = (finding.kind, finding.path)
+        if finding.path[0] != "waypoints" or key not in seen:
+            seen.add(key)
+            yield finding
 
 
 def _not_counted(mission: Mission) -> Iterator[str]:
@@ -66,3 +87,5 @@ def _not_counted(mission: Mission) -> Iterator[str]:
         yield "the schedule"
     if mission.link.up.loss or mission.link.down.loss:
         yield "losses"
+    if mission.link.up.jitter_file or mission.link.down.jitter_file:
+        yield "jitter"  # as measured: its mean need not be 0

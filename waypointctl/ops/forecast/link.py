@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import Any, Final
+from operator import itemgetter
+from typing import Any, Final, TypeAlias
 
+from waypointctl.mission.link import Way
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.duration import Expected
 from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.losses import loss_findings
 from waypointctl.ops.forecast.traffic import (
     ACK_BYTES,
     CONTROL_HZ,
@@ -23,42 +27,97 @@ from waypointctl.units import seconds
 
 _UP: Final = ("link", "up")
 _DOWN: Final = ("link", "down")
-_SHORTEST_ROUND_TRIP_S: Final = 0.04  # from here on nobody balances the ant from the ground: docs/delay.md
+# From this round trip on nobody balances the ant from the ground: 0 of 20 flights of each route, against 19 and 13 of
+# 20 at 0.02 s (docs/delay.md, "joint, by round trip").
+FALLS_FROM_RTT_S: Final = 0.04
+
+Path: TypeAlias = tuple[str, str]
 
 
-def link_findings(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
-    """Yield what may go wrong between the operator and the robot."""
-    yield from _contacts(_UP, traffic.up, "the largest command", command_bytes(mission))
-    yield from _contacts(_DOWN, traffic.down, "an acknowledgement", ACK_BYTES)
-    yield from _queue(mission, traffic)
+def link_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iterator[Finding]:
+    """Yield what may go wrong between the operator and the robot; own: what is expected of the mission."""
+    yield from loss_findings(mission.link)
+    largest = command_bytes(mission)
+    yield from _contacts(mission, _UP, traffic.up, {"the largest command": largest})
+    down = {"an acknowledgement": ACK_BYTES, "a frame of telemetry": frame_bytes(mission)}
+    yield from _contacts(mission, _DOWN, traffic.down, down)
+    yield from _never(mission, traffic, own)
+    yield from _queue_up(traffic.up, largest)
+    yield from _queue_down(traffic.down, down)
     yield from _rates(mission, traffic)
     yield from _link_loss(mission, traffic)
     yield from _joint(mission, traffic)
 
 
-def _contacts(path: tuple[str, str], way: Direction[Any], what: str, size: int) -> Iterator[Finding]:
+def _contacts(mission: Mission, path: Path, way: Direction[Any], sizes: Mapping[str, int]) -> Iterator[Finding]:
+    """Yield the largest of some messages that is too long for a contact."""
     windows = way.contacts.windows
+    what, size = max(sizes.items(), key=itemgetter(1))
+    never = [(name, each) for name, each in sizes.items() if way.contacts.place(0, each) is None]
     short = [each for each in windows if airtime_ns(size, each.rate_bps) > each.end_ns - each.begin_ns]
     direction = path[1]
-    if way.contacts.place(0, size) is None:
+    if never:
+        what, size = never[0]
         text = f"{what} ({size} bytes) fits in no contact {direction}: nothing of it will ever arrive"
-        yield Finding("contact", (*path, "windows"), text)
+        yield Finding("contact", _contact_path(mission, path), text)
     elif short:
         first = short[0]
         text = (
             f"{what} ({size} bytes) takes {seconds(airtime_ns(size, first.rate_bps)):.3g} s, and {len(short)} of "
             f"{len(windows)} contacts {direction} are shorter, the one at {seconds(first.begin_ns):g} s first"
         )
-        yield Finding("contact", (*path, "windows"), text)
+        yield Finding("contact", _contact_path(mission, path), text)
 
 
-def _queue(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
-    """Yield a queue that has no room for a command that has to wait for the first contact."""
-    size, room = command_bytes(mission), traffic.up.queue_bytes
-    opens_ns = traffic.up.contacts.next_open_ns(0)
-    if size > room and opens_ns:
-        text = f"the queue has room for {room} bytes; the first command has {size}, waits for a contact, and is lost"
+def _contact_path(mission: Mission, path: Path) -> tuple[str, ...]:
+    """Return where the mission says what contacts there are in a direction."""
+    way: Way = getattr(mission.link, path[1])
+    return (*path, "windows" if way.contact_plan is None else "contact_plan")
+
+
+def _never(mission: Mission, traffic: Traffic, own: Expected) -> Iterator[Finding]:
+    """Yield why a mission is expected to end never, where nothing else says so."""
+    blocked = own.blocked
+    if blocked is None:
+        return
+    path, way, is_dead = (
+        (_UP, traffic.up, traffic.up_is_dead) if blocked.way == "up" else (_DOWN, traffic.down, traffic.down_is_dead)
+    )
+    if is_dead or way.contacts.place(0, blocked.size_bytes) is None:
+        return
+    what, follows = (
+        ("a command", "the mission stops there")
+        if blocked.way == "up"
+        else ("the robot's answer", "the operator never hears of it")
+    )
+    text = (
+        f"{what} ({blocked.size_bytes} bytes) is ready at {blocked.ready_s:.1f} s and fits in no contact {blocked.way} "
+        f"from then on; the last ends at {seconds(way.contacts.windows[-1].end_ns):g} s: {follows}"
+    )
+    yield Finding("contact", _contact_path(mission, path), text)
+
+
+def _queue_up(way: Direction[Any], size: int) -> Iterator[Finding]:
+    """Yield a queue that has no room for a command that has to wait for a contact."""
+    opens_ns = way.contacts.next_open_ns(0)
+    if size > way.queue_bytes and (opens_ns or longest_gap_ns(way.contacts)):
+        which = "the first command has" if opens_ns else "the largest command has"
+        when = "waits for a contact, and is lost" if opens_ns else "is lost where it has to wait for a contact"
+        text = f"the queue has room for {way.queue_bytes} bytes; {which} {size}, {when}"
         yield Finding("queue", (*_UP, "queue_bytes"), text)
+
+
+def _queue_down(way: Direction[Any], sizes: Mapping[str, int]) -> Iterator[Finding]:
+    """Yield a queue that has no room for what the robot sends, where it has to wait."""
+    waits = any(window.rate_bps is not None for window in way.contacts.windows)
+    waits = waits or bool(way.contacts.next_open_ns(0)) or longest_gap_ns(way.contacts) > 0
+    too_large = [f"{what} has {size}" for what, size in sizes.items() if size > way.queue_bytes]
+    if waits and too_large:
+        text = (
+            f"the queue has room for {way.queue_bytes} bytes; {', '.join(too_large)}: what has to wait, for a contact "
+            "or for what is being sent, is lost"
+        )
+        yield Finding("queue", (*_DOWN, "queue_bytes"), text)
 
 
 def _rates(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
@@ -99,7 +158,7 @@ def _link_loss(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
     """Yield a rule for the loss of the link that would see one where there is none."""
     rule, beat_s = mission.onboard.link_loss, mission.operator.heartbeat_s
     path = ("onboard", "link_loss")
-    if rule is None:
+    if rule is None or (beat_s is None and mission.autonomy == "joint"):  # a pilot's actions are heard all the time
         return
     if beat_s is None:
         text = (
@@ -128,9 +187,16 @@ def longest_gap_ns(contacts: Contacts) -> int:
 def _joint(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
     if mission.autonomy != "joint":
         return
-    round_trip_s = seconds(traffic.up.delay(0) + traffic.down.delay(0))
-    if round_trip_s >= _SHORTEST_ROUND_TRIP_S:
+    sizes = ((traffic.up, action_bytes()), (traffic.down, body_bytes()))
+    round_trip_s = sum(seconds(way.delay(0) + _airtime_ns(way.contacts, size)) for way, size in sizes)
+    if round_trip_s >= FALLS_FROM_RTT_S:
         text = (
-            f"autonomy joint over a round trip of {round_trip_s:g} s: actions that old do not keep a robot on its feet"
+            f"autonomy joint over a round trip of {round_trip_s:.3g} s: every flight of the delay study fell from "
+            f"{FALLS_FROM_RTT_S:g} s on (docs/delay.md); choose autonomy mission, waypoint or heading"
         )
         yield Finding("delay", ("autonomy",), text)
+
+
+def _airtime_ns(contacts: Contacts, size: int) -> int:
+    """Return how long a message takes to be sent in the first contact [ns]."""
+    return airtime_ns(size, contacts.windows[0].rate_bps) if contacts.windows else 0

@@ -8,29 +8,15 @@ from itertools import pairwise
 
 from waypointctl.mission.mission import Leg, Mission
 from waypointctl.ops.executive.rules import rules_of
-from waypointctl.ops.forecast.duration import moves_of, walks_of
+from waypointctl.ops.forecast.duration import walks_of
 from waypointctl.ops.forecast.finding import Finding
-from waypointctl.ops.forecast.traffic import Traffic
-from waypointctl.units import seconds
 
 
-def route_findings(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
+def route_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
     """Yield what may go wrong between the start and the last waypoint."""
     yield from _fence(mission)
     yield from _nearness(mission)
     yield from _time(mission, speed_mps)
-    if mission.autonomy == "mission":
-        yield from _release(mission)
-    if mission.autonomy == "heading" and mission.operator.steering == "move_and_wait":
-        yield from _steered_time(mission, speed_mps, traffic)
-
-
-def _release(mission: Mission) -> Iterator[Finding]:
-    """Yield a plan of which a part is never released."""
-    released, count = mission.operator.released, mission.num_legs
-    if 0 <= released < count and not any(command.do in ("release", "go_to") for command in mission.schedule):
-        text = f"{released} of {count} waypoints are released, and nothing in the schedule releases more"
-        yield Finding("release", ("operator", "released"), text)
 
 
 def _fence(mission: Mission) -> Iterator[Finding]:
@@ -84,19 +70,4 @@ def _time(mission: Mission, speed_mps: float) -> Iterator[Finding]:
         if needed_s > leg.timeout_s:
             given = f"{leg.timeout_s:g} s" + (f", {tries} times" if tries > 1 else "")
             text = f"{leg.name} is {walk.way_m:.1f} m away: {needed_s:.1f} s at {speed_mps:.2f} m/s, and has {given}"
-            yield Finding("timeout", ("waypoints", leg.at, "timeout_s"), text)
-
-
-def _steered_time(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
-    """Yield the legs whose time is out before they can be steered, on the operator's clock."""
-    waits_s = seconds(traffic.up.delay(0) + traffic.down.delay(0)) + mission.operator.think_s
-    legs = mission.legs()
-    for walk in walks_of(mission, speed_mps):
-        leg, moves = legs[walk.waypoint.index], moves_of(walk, mission)
-        needed_s = walk.way_m / speed_mps + moves * waits_s
-        if walk.duration_s is not None and needed_s > leg.timeout_s:
-            text = (
-                f"{leg.name} takes {moves} short-range goals: {needed_s:.1f} s with {waits_s:g} s of waiting for each, "
-                f"and has {leg.timeout_s:g} s"
-            )
             yield Finding("timeout", ("waypoints", leg.at, "timeout_s"), text)

@@ -9,8 +9,11 @@ import numpy as np
 
 from waypointctl.log.messages import Command, CommandKind, Mode, PlannedWaypoint, Telemetry
 from waypointctl.mission.mission import Mission
+from waypointctl.mission.schedule import ScheduledCommand
+from waypointctl.ops.forecast.losses import loses_all
 from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.ops.ground.order import Order
+from waypointctl.ops.ground.schedule import order_of
 from waypointctl.ops.link.build import direction
 from waypointctl.ops.link.direction import Direction
 from waypointctl.ops.link.frames import BodyFrame, ControlFrame
@@ -34,24 +37,30 @@ class Traffic:
     Attributes:
         up: of commands.
         down: of telemetry and acknowledgements.
+        up_is_dead: whether everything is lost on the way up.
+        down_is_dead: the same on the way down.
     """
 
     up: Direction[Any]
     down: Direction[Any]
+    up_is_dead: bool = False
+    down_is_dead: bool = False
 
     def arrives_up_ns(self, now_ns: int, size: int) -> int | None:
-        """Return when a command that is sent now arrives [ns], without jitter and loss; None for never."""
-        return _arrives_ns(self.up, now_ns, size)
+        """Return when a command that is sent now arrives [ns], without jitter and some losses; None for never."""
+        return None if self.up_is_dead else _arrives_ns(self.up, now_ns, size)
 
     def heard_ns(self, now_ns: int) -> int | None:
-        """Return when an acknowledgement that is sent now is heard [ns], without jitter and loss; None for never."""
-        return _arrives_ns(self.down, now_ns, ACK_BYTES)
+        """Return when an acknowledgement sent now is heard [ns], without jitter and some losses; None for never."""
+        return None if self.down_is_dead else _arrives_ns(self.down, now_ns, ACK_BYTES)
 
 
 def traffic_of(mission: Mission) -> Traffic:
     """Return the link of a mission, with nothing in it."""
     link, files, seed = mission.link, mission.files, mission.seed
-    return Traffic(direction(link.up, files, seed, "link.up"), direction(link.down, files, seed, "link.down"))
+    up: Direction[Any] = direction(link.up, files, seed, "link.up")
+    down: Direction[Any] = direction(link.down, files, seed, "link.down")
+    return Traffic(up, down, loses_all(link.up.loss), loses_all(link.down.loss))
 
 
 def command_bytes(mission: Mission) -> int:
@@ -70,6 +79,11 @@ def go_to_bytes(waypoint: PlannedWaypoint) -> int:
 def upload_bytes(mission: Mission) -> int:
     """Return the size of the whole plan as one command [bytes]."""
     return size_bytes(_command(CommandKind.UPLOAD_PLAN, planned_waypoints(mission)))
+
+
+def scheduled_bytes(scheduled: ScheduledCommand, mission: Mission) -> int:
+    """Return the size of a scheduled command [bytes]."""
+    return size_bytes(order_of(scheduled, mission).command(1, 1, _SOME_NS, _SOME_NS))
 
 
 def frame_bytes(mission: Mission) -> int:

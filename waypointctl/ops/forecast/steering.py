@@ -1,0 +1,71 @@
+"""What may go wrong where the operator steers: legs whose time is out on its clock, and goals that are old."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from waypointctl.mission.mission import Leg, Mission
+from waypointctl.ops.forecast.duration import Blocked, pose_age_s, slower_by, steered_moves, walks_of
+from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.traffic import Traffic
+from waypointctl.units import seconds
+
+_MUCH_SLOWER: Final = 1.5  # times as long as on board; what is less nobody would change a mission for
+
+
+def steering_findings(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
+    """Yield what may go wrong under autonomy heading. A leg's time counts on the operator's clock there."""
+    if mission.autonomy != "heading":
+        return
+    if mission.operator.steering == "move_and_wait":
+        yield from _move_and_wait(mission, speed_mps, traffic)
+    else:
+        yield from _continuous(mission, speed_mps, traffic)
+
+
+def _move_and_wait(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
+    """Yield the legs that are given up before the last of their goals is sent."""
+    walks, legs = walks_of(mission, speed_mps), mission.legs()
+    spent_s = [walk.way_m / speed_mps if walk.duration_s is None else walk.duration_s for walk in walks]
+    counts, heard = steered_moves(mission, walks, spent_s, traffic)
+    first = 0
+    for walk, count in zip(walks, counts, strict=True):
+        # The time is looked at when a goal is over, and the waypoint itself is the last goal.
+        before, last = (heard[place] if 0 <= place < len(heard) else None for place in (first - 1, first + count - 2))
+        first += count
+        if walk.duration_s is None or count == 1 or not isinstance(last, int):
+            continue
+        needed_s = seconds(last - before if isinstance(before, int) else last)
+        leg = legs[walk.waypoint.index]
+        if needed_s > leg.timeout_s:
+            text = (
+                f"{leg.name} takes {count} short-range goals: it is {needed_s:.1f} s on the operator's clock until "
+                f"the last is sent, and the leg has {leg.timeout_s:g} s; give it more, or a longer operator.carrot"
+            )
+            yield _timeout(leg, text)
+
+
+def _continuous(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
+    """Yield goals that are older than the robot's way to them, and legs that take too long for it."""
+    age_s = pose_age_s(mission, traffic)
+    if isinstance(age_s, Blocked):
+        return
+    slower = slower_by(age_s, mission, speed_mps)
+    if slower >= _MUCH_SLOWER:
+        text = (
+            f"goals lie {mission.operator.carrot_m:g} m ahead of a pose that is {age_s:.2f} s old when the next comes, "
+            f"and the robot walks {speed_mps * age_s:.1f} m in that time: it stands and waits between goals, and takes "
+            f"{slower:.1f} times as long"
+        )
+        yield Finding("steering", ("operator", "carrot_m"), text)
+    legs = mission.legs()
+    for walk in walks_of(mission, speed_mps):
+        leg, needed_s = legs[walk.waypoint.index], walk.way_m / speed_mps * slower
+        if walk.duration_s is not None and needed_s > leg.timeout_s:
+            text = f"{leg.name} takes {needed_s:.1f} s steered from poses that old, and the leg has {leg.timeout_s:g} s"
+            yield _timeout(leg, text)
+
+
+def _timeout(leg: Leg, text: str) -> Finding:
+    return Finding("timeout", ("waypoints", leg.at, "timeout_s"), text)
