@@ -57,6 +57,7 @@ def test_json_is_one_object_on_stdout(yard: Path, program: Program) -> None:
         "seed": 4,
         "log": "here.mcap",
         "log_sha256": hashlib.sha256((yard / "here.mcap").read_bytes()).hexdigest(),
+        "pictures": 0,
     }
     assert "success: 2 of 2 waypoints reached" in err
 

@@ -17,7 +17,7 @@ _LIBRARIES: Final = {
     "osmesa": ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"),
 }
 _ALLOWED: Final = ("egl", "osmesa", "glfw", "disable")
-_INSTALL: Final = "Install one, such as with: apt-get install libegl1 libgl1-mesa-dri"
+_INSTALL: Final = "Install one, such as with: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 
 
 class NoRendering(InputError):

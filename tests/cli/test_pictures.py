@@ -1,0 +1,152 @@
+"""Pictures as somebody at the command line meets them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import stat
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.cli.flying import Program, start
+from tests.drawing import require_rendering
+from waypointctl.log.reader import open_log
+
+SURVEY = """\
+name: survey
+seed: 4
+policy: still
+defaults: {tolerance: 3 m, observe: true}
+waypoints:
+  - {name: rock, position: [0 m, 0 m]}
+  - {name: "there [/bold]", position: [2 m, 0.5 m]}
+link: {delay: 0.1 s}
+"""
+
+
+@pytest.fixture
+def field(yard: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a mission that observes."""
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    (yard / "survey.yaml").write_text(SURVEY)
+    return yard
+
+
+@pytest.fixture
+def survey(field: Path, program: Program) -> Path:
+    """A folder with the log of a flight with two pictures."""
+    require_rendering()
+    assert program("run", "survey.yaml", "--out", "survey.mcap")[0] == 0
+    return field
+
+
+def test_two_processes_write_the_same_bytes(field: Path) -> None:
+    require_rendering()
+    digests = []
+    for name in ("a.mcap", "b.mcap"):
+        done = start(field, "run", "survey.yaml", "--out", name, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        out, err = done.communicate(timeout=120)
+        assert done.returncode == 0, err
+        assert b"Traceback" not in err  # of a driver that is gone when the program ends
+        assert b"\npictures   2, " in out
+        digests.append(hashlib.sha256((field / name).read_bytes()).hexdigest())
+    assert digests[0] == digests[1]
+    assert open_log(field / "a.mcap").count("/camera") == 2
+
+
+def test_several_missions_have_the_same_pictures_as_one(survey: Path, program: Program) -> None:
+    code, out, err = program("run", "survey.yaml", "easy.yaml", "--json")
+    flights = json.loads(out)["missions"]
+    assert code == 0
+    assert [flight["pictures"] for flight in flights] == [2, 0]
+    assert flights[0]["log_sha256"] == hashlib.sha256((survey / "survey.mcap").read_bytes()).hexdigest()
+    assert "no pictures" not in err
+
+
+@pytest.mark.parametrize("value", ["disable", "vulkan"])
+def test_where_nothing_can_draw_it_flies_and_says_so_once(
+    field: Path, program: Program, monkeypatch: pytest.MonkeyPatch, value: str
+) -> None:
+    monkeypatch.setenv("MUJOCO_GL", value)
+    code, out, err = program("run", "survey.yaml", "--out", "log.mcap", "--json")
+    found = json.loads(out)
+    assert (code, found["outcome"], found["pictures"]) == (0, "success", 0)
+    assert err.count(f"no pictures: MUJOCO_GL={value} ") == 1
+    assert "Unset MUJOCO_GL" in err
+    assert "/camera" not in open_log(field / "log.mcap").topics
+
+
+def test_the_proof_of_a_log_without_pictures_says_so(
+    field: Path, program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    assert program("run", "survey.yaml", "--out", "log.mcap")[0] == 0
+    code, out, _ = program("replay", "log.mcap", "--verify")
+    assert code == 0
+    assert "  2 observations without a picture in the log\n" in out
+
+
+def test_nothing_is_said_where_nothing_was_to_be_taken(
+    yard: Path, program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    code, out, err = program("run", "easy.yaml", "--out", "log.mcap")
+    assert code == 0
+    assert "pictures" not in out + err
+
+
+def test_the_pictures_are_written_as_files(survey: Path, program: Program) -> None:
+    code, out, err = program("replay", "survey.mcap", "--verify", "--pictures", "seen/here")
+    assert code == 0
+    assert "2 pictures" in out
+    names = ["01-rock.png", "02-there-bold.png"]
+    assert err == "".join(f"written: seen/here/{name}\n" for name in names)
+    assert sorted(path.name for path in (survey / "seen/here").iterdir()) == names
+    assert all((survey / "seen/here" / name).read_bytes().startswith(b"\x89PNG\r\n") for name in names)
+    assert program("replay", "survey.mcap", "--verify", "--pictures", "seen/here")[0] == 0
+
+
+def test_a_picture_takes_the_place_of_a_picture_only(survey: Path, program: Program) -> None:
+    (survey / "seen").mkdir()
+    (survey / "seen" / "02-there-bold.png").write_text("notes")
+    code, out, err = program("replay", "survey.mcap", "--pictures", "seen")
+    assert (code, out) == (2, "")
+    assert err == "error: seen/02-there-bold.png: is there already and is not a PNG\n  Name another file.\n"
+    assert [path.name for path in (survey / "seen").iterdir()] == ["02-there-bold.png"]
+
+
+def test_a_folder_that_cannot_be_is_refused_first(survey: Path, program: Program) -> None:
+    code, out, err = program("replay", "survey.mcap", "--pictures", "survey.yaml")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: survey.yaml: the folder cannot be written: this is a file")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_without_permission_is_refused_first(survey: Path, program: Program) -> None:
+    (survey / "closed").mkdir()
+    (survey / "closed").chmod(stat.S_IRUSR | stat.S_IXUSR)
+    assert program("replay", "survey.mcap", "--pictures", "closed/seen")[0] == 2
+
+
+def test_a_log_without_pictures_writes_none_and_says_so(yard: Path, program: Program) -> None:
+    assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
+    code, _, err = program("replay", "log.mcap", "--verify", "--pictures", "seen")
+    assert code == 0
+    assert err == "the log has no pictures: nothing was observed, or nothing could draw where it was flown\n"
+    assert not (yard / "seen").exists()
+
+
+def test_shown_again_it_writes_no_pictures(survey: Path, program: Program) -> None:
+    code, out, err = program("replay", "survey.mcap", "--rate", "2", "--pictures", "seen")
+    assert (code, out) == (2, "")
+    assert "leave out --verify, --json, --png and --pictures" in err.replace("\n", " ").replace("│", "").replace(
+        "  ", " "
+    )
+
+
+def test_a_complete_log_says_how_many_it_has_when_it_is_to_be_resumed(survey: Path, program: Program) -> None:
+    code, out, _ = program("run", "--resume", "survey.mcap", "--json")
+    assert (code, json.loads(out)["pictures"]) == (0, 2)
