@@ -80,12 +80,13 @@ def _show(log: Log) -> None:
     from waypointctl.cli.view.words import printable
 
     out = console()
+    unbroken = not out.is_terminal  # for programs that look for a line
     outcome = _outcome(log)
     unsaid, whole = _ending(log)
-    out.print(f"{log.path}: {log.duration_s:.3f} s of simulation, {log.message_count} messages", soft_wrap=True)
-    out.print(f"outcome: {unsaid if outcome is None else printable(outcome)}", soft_wrap=True)
+    out.print(f"{log.path}: {log.duration_s:.3f} s of simulation, {log.message_count} messages", soft_wrap=unbroken)
+    out.print(f"outcome: {unsaid if outcome is None else printable(outcome)}", soft_wrap=unbroken)
     written = f"{log.contents.size_bytes:,} bytes, written by {printable(log.contents.library)}, {whole}"
-    out.print(written, soft_wrap=True)
+    out.print(written, soft_wrap=unbroken)
     for table in (_topic_table(log), _attachment_table(log), _metadata_table(log)):
         out.print()
         out.print(table)
