@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Final
 
 from waypointctl.log.messages import Ack, Clock, Command, ConsoleInput, Event, EventKind, Severity, Telemetry
@@ -12,9 +12,11 @@ from waypointctl.ops.executive.rules import FALL, rules_of
 from waypointctl.ops.ground.build import answer_time, patience_ns, station_for
 from waypointctl.ops.ground.console import order_from
 from waypointctl.ops.ground.line_source import QUIT, LineSource, Nobody
+from waypointctl.ops.ground.standstill import why_it_stands
 from waypointctl.ops.link.build import direction
 from waypointctl.ops.link.direction import Direction
 from waypointctl.ops.link.frames import BodyFrame, ControlFrame, Heartbeat
+from waypointctl.ops.link.in_flight import link_state
 from waypointctl.ops.link.logged import DOWN, UP, LoggedDirection
 from waypointctl.ops.reporter import Downlink, Reporter
 from waypointctl.ops.sink import Sink
@@ -28,6 +30,7 @@ from waypointctl.units import NS_PER_S, ns, seconds
 
 CHECKPOINT_PERIOD_NS: Final = 10 * NS_PER_S
 SILENT: Final = "the robot rests, and nothing is left that the operator could hear or send"
+UNTOLD: Final = ", and nobody tells it to go on"
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +175,8 @@ class Flight:
             self._sleep()
             return
         if self._now_ns >= self._checkpoint_ns:
-            self._vehicle.log_checkpoint(self._now_ns, self._link_state())
+            link = link_state(self._uplink.direction, self._downlink.direction)
+            self._vehicle.log_checkpoint(self._now_ns, link | {"ground": self._station.state()})
             self._checkpoint_ns = self._now_ns - self._now_ns % CHECKPOINT_PERIOD_NS + CHECKPOINT_PERIOD_NS
         self._vehicle.act(self._now_ns)
         self._now_ns += self._period_ns
@@ -203,10 +207,12 @@ class Flight:
         wanted = total if expect.reached == "all" else expect.reached
         ended_ns = self._ground_ns if self._station.finished else self._now_ns
         facts = f"{reached} of {total} waypoints reached in {seconds(ended_ns):.2f} s"
+        stands = why_it_stands(self._mission, self._station.belief.telemetry)
         if self._is_silent and not self._station.operator.finished:
-            return self._close("failure", f"{SILENT}: {facts}", ended_ns)
+            return self._close("failure", f"{stands + UNTOLD if stands else SILENT}: {facts}", ended_ns)
         if not self._station.operator.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
-            return self._close("failure", f"longer than {expect.max_time_s:g} s: {facts}", ended_ns)
+            late = f"longer than {expect.max_time_s:g} s" + (f"; {stands}" if stands else "")
+            return self._close("failure", f"{late}: {facts}", ended_ns)
         if reached < wanted or self._station.verdict == FALL:
             return self._close(
                 "failure", f"{self._station.verdict or 'not all reached'}: {facts}, {wanted} expected", ended_ns
@@ -224,28 +230,12 @@ class Flight:
         self._vehicle.log_state(self._now_ns)
         severity = Severity.INFO if outcome == "success" else Severity.ERROR
         self._announce(ended_ns, EventKind.MISSION_ENDED, f"{outcome}: {reason}", severity)
-        reached, total = len(self._station.reached), self._mission.num_legs
-        return FlightResult(outcome, reason, reached, total, ended_ns)
+        return FlightResult(outcome, reason, len(self._station.reached), self._mission.num_legs, ended_ns)
 
     def _announce(
         self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO, command_id: int = -1
     ) -> None:
         self._sink(Event(now_ns, kind, Clock.OPERATOR, severity, text, command_id=command_id))
-
-    def _link_state(self) -> dict[str, object]:
-        """Return what is under way and the links' random streams, as plain data.
-
-        Of telemetry only the frames' numbers, of the first and the last to arrive: over a slow link thousands may be
-        under way.
-        """
-        up, down = self._uplink.direction, self._downlink.direction
-        frames = [message.frame for _, message in down.under_way if isinstance(message, Telemetry)]
-        acks = [asdict(message) for _, message in down.under_way if isinstance(message, Ack)]
-        return {
-            "up": {"commands": [asdict(each) for _, each in up.under_way if isinstance(each, Command)], **up.state()},
-            "down": {"acks": acks, "frames": frames[:1] + frames[1:][-1:], **down.state()},
-            "ground": self._station.state(),
-        }
 
 
 def _reporter(mission: Mission, downlink: Downlink) -> Reporter:

@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 
 from tests.ops.ground.missions import mission_of
 from waypointctl.log.messages import CommandKind
-from waypointctl.ops.ground.console import order_from
+from waypointctl.ops.executive.arguments import wrong_arguments
+from waypointctl.ops.executive.rules import rules_of
+from waypointctl.ops.ground.console import impossible, order_from
 from waypointctl.ops.ground.order import Order
 
 MISSION = mission_of("defaults: {tolerance: 0.3 m, timeout: 12 s}")
@@ -47,3 +49,43 @@ def test_what_is_no_command_is_refused_with_what_there_is(line: str, said: str) 
 def test_any_line_is_an_order_or_refused(line: str) -> None:
     with suppress(ValueError):  # refused; nothing else may be raised
         assert order_from(line, MISSION).words
+
+
+YARD = mission_of("onboard: {geofence: {keep_in: [{center: [0 m, 0 m], radius: 20 m}]}}")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("tolerance -1", "tolerance: -1 m is not more than 0 m and at most 100 m; type tolerance 0.5, for instance"),
+        ("tolerance 0", "tolerance: 0 m is not more than 0 m"),
+        ("tolerance 101", "tolerance: 101 m is not"),
+        ("timeout 0", "timeout: 0 s is not more than 0 s and at most 86400 s"),
+        ("timeout 1e-12", "timeout: 1e-12 s is not"),
+        ("timeout 1e6", "timeout: 1e+06 s is not"),
+        ("release -2", "release: -2 is no number of waypoints; type 0 or more, or -1 for all"),
+        ("goto 30 0", "goto: (30, 0) is outside keep-in; the robot takes no goal there"),
+    ],
+)
+def test_what_can_never_be_obeyed_is_not_sent(line: str, said: str) -> None:
+    order = order_from(line, YARD)
+    assert impossible(order, YARD).startswith(said)
+    assert wrong_arguments(order.command(1, 1, 0, 0), rules_of(YARD).fence), "the robot would reject it"
+
+
+def test_a_command_that_never_was_is_not_cancelled() -> None:
+    said = "cancel: 0 is no command; their ids count from 1"
+    assert impossible(order_from("cancel 0", MISSION), MISSION).startswith(said)
+    assert impossible(order_from("cancel 1", MISSION), MISSION) == ""
+
+
+@given(
+    st.sampled_from(["tolerance", "timeout", "release", "cancel"]),
+    st.one_of(st.integers(-9, 99), st.floats(-1e3, 1e6, allow_nan=False)),
+)
+@settings(max_examples=200, deadline=None)
+def test_what_is_sent_is_not_rejected_for_its_arguments(word: str, value: float) -> None:
+    with suppress(ValueError):
+        order = order_from(f"{word} {value!r}", YARD)
+        if not impossible(order, YARD):
+            assert wrong_arguments(order.command(1, 1, 0, 0), rules_of(YARD).fence) == ""

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NoReturn
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -157,6 +158,42 @@ def test_a_robot_at_rest_whose_verdict_was_lost_is_asked_again() -> None:
     dispatcher.hear(5200, ack(Stage.COMPLETED))
     assert dispatcher.wake(10_000) == []
     assert dispatcher.wake_ns is None
+
+
+def test_of_several_that_are_late_the_oldest_is_sent_first_and_each_once() -> None:
+    answers = iter([300, 200, 100, 900, 900, 900])
+    channel = Channel()
+    dispatcher = Dispatcher(channel, Insistence(True, 3, lambda _: next(answers), patience_ns=100), lambda _: None)
+    for _ in range(3):
+        dispatcher.issue(0, HOLD)
+    assert dispatcher.wake(0) == []
+    dispatcher.wake(400)
+    assert [(one.id, one.attempt) for one in channel.arrived] == [(1, 1), (2, 1), (3, 1), (1, 2), (2, 2), (3, 2)]
+    assert dispatcher.wake_ns in (0, 10, 400, 410)
+    dispatcher.wake(500)
+    assert dispatcher.wake_ns == 900
+
+
+def test_when_to_wake_costs_no_more_with_thousands_of_open_commands() -> None:
+    dispatcher, _ = ground(Channel())
+    looked_up = 0
+
+    class Counting(dict[int, object]):
+        def __getitem__(self, command_id: int) -> object:
+            nonlocal looked_up
+            looked_up += 1
+            return super().__getitem__(command_id)
+
+        def values(self) -> NoReturn:
+            raise AssertionError("all of them are looked at")
+
+    for _ in range(2000):
+        dispatcher.issue(0, HOLD)
+    dispatcher._open = Counting(dispatcher._open)  # type: ignore[assignment]
+    dispatcher.wake(AIRTIME_NS)
+    for _ in range(100):
+        assert dispatcher.wake_ns == AIRTIME_NS + ROUND_TRIP_NS
+    assert looked_up <= 200
 
 
 @given(

@@ -17,7 +17,7 @@ from waypointctl.cli.view.typed_lines import TypedLines
 from waypointctl.cli.view.words import happening
 from waypointctl.log.messages import Clock, Message, PlannedWaypoint
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.ground.console import USAGE, order_from
+from waypointctl.ops.ground.console import USAGE, impossible, order_from
 from waypointctl.ops.ground.line_source import QUIT
 from waypointctl.replay.chronicle import Chronicle
 from waypointctl.units import seconds
@@ -150,10 +150,11 @@ class Prompt:
 
     def _send(self, line: str) -> None:
         try:
-            if line != QUIT:
-                order_from(line, self._mission)
+            wrong = "" if line == QUIT else impossible(order_from(line, self._mission), self._mission)
         except ValueError as error:
-            self.say(f"not sent: {error}")
+            wrong = str(error)
+        if wrong:
+            self.say(f"not sent: {wrong}")
             return
         self._taken.append(line)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
+from itertools import islice
 from typing import Final
 
 from waypointctl.log.messages import FINAL_STAGES, Clock, Command, CommandStage, Stage
@@ -14,6 +15,7 @@ _ONWARD: Final = {
     Stage.ACCEPTED: FINAL_STAGES - {Stage.REJECTED} | {Stage.STARTED},
     Stage.STARTED: FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED},
 }
+_REMEMBERED: Final = 256  # of the commands that have ended, in a checkpoint: its size is not to grow with the flight
 
 
 @dataclass(slots=True)
@@ -122,10 +124,13 @@ class Life:
         return min((r.expires_ns for r in map(self.records.__getitem__, self._open) if r.expires_ns >= 0), default=None)
 
     def state(self) -> dict[str, object]:
-        """Return all of it as plain data."""
-        records = {str(command_id): asdict(record) for command_id, record in self.records.items()}
+        """Return it as plain data; of commands that ended long ago, which may be thousands, only how many they are."""
+        newest = list(islice(reversed(self.records), _REMEMBERED))[::-1]
+        told = dict.fromkeys([*sorted(self._open.keys() - set(newest)), *newest])
+        records: dict[str, object] = {str(command_id): asdict(self.records[command_id]) for command_id in told}
+        older = {"older": len(self.records) - len(records)} if len(records) < len(self.records) else {}
         pending = [{**asdict(command), "waypoints": [asdict(w) for w in command.waypoints]} for command in self.pending]
-        return {"records": records, "pending": pending}
+        return {"records": records, "pending": pending, **older}
 
     def _stage(self, now_ns: int, command_id: int) -> CommandStage:
         record = self.records[command_id]

@@ -27,7 +27,6 @@ FloatArray = NDArray[np.float64]
 _SCRIPTS: Final[dict[str, Callable[[Mission], Operator]]] = {
     "mission": MissionOperator,
     "waypoint": WaypointOperator,
-    "heading": HeadingOperator,
 }
 _ACK_BYTES: Final = 64  # an acknowledgement with a reason of some words
 
@@ -58,7 +57,7 @@ def station_for(
     insistence = Insistence(commands.acknowledged, commands.retries, answer_by, patience_ns)
     pulse = Pulse(beats, ns(mission.operator.heartbeat_s or 0.0))
     dispatcher = Dispatcher(uplink, insistence, sink)
-    return Station(_operator(mission, policy, noise, sink), agenda_of(mission), dispatcher, pulse)
+    return Station(_operator(mission, policy, noise, sink, answer_by), agenda_of(mission), dispatcher, pulse)
 
 
 def answer_time(up: Direction[Any], down: Direction[Any], robot_ns: int, margin_ns: int) -> Callable[[int], int | None]:
@@ -93,7 +92,11 @@ def _most_jitter_ns(way: Direction[Any]) -> int:
     return 0 if way.jitter is None else max(way.jitter.most_ns, 0)
 
 
-def _operator(mission: Mission, policy: Policy, noise: FloatArray, sink: Sink) -> Operator:
+def _operator(
+    mission: Mission, policy: Policy, noise: FloatArray, sink: Sink, answer_by: Callable[[int], int | None]
+) -> Operator:
+    if mission.autonomy == "heading":
+        return HeadingOperator(mission, answer_by)
     if mission.autonomy == "joint":
         return Pilot(mission, policy, noise, sink)
     return _SCRIPTS[mission.autonomy](mission)

@@ -84,14 +84,16 @@ class Dispatcher:
     _open: dict[int, _Sent] = field(default_factory=dict)  # by id: no final acknowledgement has been heard
     _agenda: list[tuple[int, int, CommandStage]] = field(default_factory=list)  # a heap: stages to come
     _serial: int = 0
+    _deadlines: list[tuple[int, int]] = field(default_factory=list)  # a heap: (answer by, id), some no longer so
 
     @property
     def wake_ns(self) -> int | None:
         """When there is something to do next [ns]; None for never."""
+        while self._deadlines and not self._holds(self._deadlines[0]):
+            heapq.heappop(self._deadlines)
         earliest = self._agenda[0][0] if self._agenda else None
-        for sent in self._open.values():  # asked for at every control step: no lists
-            if sent.answer_by_ns is not None and (earliest is None or sent.answer_by_ns < earliest):
-                earliest = sent.answer_by_ns
+        if self._deadlines and (earliest is None or self._deadlines[0][0] < earliest):
+            return self._deadlines[0][0]
         return earliest
 
     @property
@@ -126,12 +128,12 @@ class Dispatcher:
         """Do what is due; return the commands that are given up."""
         while self._agenda and self._agenda[0][0] <= now_ns:
             self.sink(heapq.heappop(self._agenda)[2])
-        late = [
-            command_id
-            for command_id, sent in self._open.items()
-            if sent.answer_by_ns is not None and sent.answer_by_ns <= now_ns
-        ]
-        return [command_id for command_id in late if not self._insist(now_ns, command_id)]
+        late = set()
+        while self._deadlines and self._deadlines[0][0] <= now_ns:
+            deadline = heapq.heappop(self._deadlines)
+            if self._holds(deadline):
+                late.add(deadline[1])
+        return [command_id for command_id in sorted(late) if not self._insist(now_ns, command_id)]
 
     def state(self) -> Mapping[str, object]:
         """Return what is open, as plain data."""
@@ -160,7 +162,7 @@ class Dispatcher:
             del self._open[command_id]
         elif self.insistence.acknowledged:
             left_ns = now_ns if fate.departs_ns == NEVER else fate.left_ns
-            sent.answer_by_ns = self.insistence.answer_by(left_ns)
+            self._expect(command_id, self.insistence.answer_by(left_ns))
 
     def _insist(self, now_ns: int, command_id: int) -> bool:
         """Send an unanswered command again; return whether that was worth it."""
@@ -183,10 +185,21 @@ class Dispatcher:
         nothing_to_do = frame.mode in _AT_REST or (frame.mode is Mode.SAFE and frame.target < 0)
         if not self.insistence.acknowledged or not nothing_to_do:
             return
-        for sent in self._open.values():
+        for command_id, sent in self._open.items():
             kept = sent.order.not_before_ns > frame.issued_ns
             if sent.stage in _UNDER_WAY and sent.answer_by_ns is None and frame.issued_ns > sent.told_ns and not kept:
-                sent.answer_by_ns = now_ns + self.insistence.patience_ns
+                self._expect(command_id, now_ns + self.insistence.patience_ns)
+
+    def _expect(self, command_id: int, by_ns: int | None) -> None:
+        """Wait for an acknowledgement until then; for ever, where no contact is left."""
+        self._open[command_id].answer_by_ns = by_ns
+        if by_ns is not None:
+            heapq.heappush(self._deadlines, (by_ns, command_id))
+
+    def _holds(self, deadline: tuple[int, int]) -> bool:
+        """Tell whether a command is still waited for, and until then."""
+        by_ns, command_id = deadline
+        return command_id in self._open and self._open[command_id].answer_by_ns == by_ns
 
     def _tell(self, now_ns: int, command_id: int, stage: Stage, reason: str = "") -> None:
         attempt = self._open[command_id].attempt

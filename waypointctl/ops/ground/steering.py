@@ -3,16 +3,21 @@
 The carrot lies `carrot` metres from the believed pose towards the current waypoint; nearer than that the waypoint
 itself is sent. Under `move_and_wait` the next one is sent when the last was heard to be over, after a thought. Under
 `continuous` one is sent at each period, in place of the one before, from a pose that is as old as the link makes it.
+
+A leg's time-out is the robot's, as on board (leg_clock.py): what the link and the operator's thought take before the
+leg begins is not in it. What the robot stands between the carrots of one leg is: it is the robot's time.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 from waypointctl.log.messages import Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, TIMEOUT
+from waypointctl.ops.ground.leg_clock import LegClock
 from waypointctl.ops.ground.operator import CARROT, Operator, ended_by_robot, leg_failed, rule_of_leg
 from waypointctl.ops.ground.order import Order
 from waypointctl.units import NS_PER_S
@@ -23,8 +28,8 @@ _NEAR_CARROT: Final = 0.25  # of its distance: within this the carrot counts as 
 class HeadingOperator(Operator):
     """Steers."""
 
-    def __init__(self, mission: Mission) -> None:
-        """Take charge of a mission."""
+    def __init__(self, mission: Mission, answer_by: Callable[[int], int | None] = lambda left_ns: left_ns) -> None:
+        """Take charge of a mission; `answer_by` says by when what leaves at a time [ns] is answered, None for never."""
         super().__init__(mission)
         script = mission.operator
         self._rule = rule_of_leg(mission)
@@ -36,7 +41,7 @@ class HeadingOperator(Operator):
         self._put_off = False  # a carrot is due that a hold kept back
         self._at_task = False  # a waypoint with a hold or an observation is under way
         self._leg = 0
-        self._leg_since_ns = 0
+        self._clock = LegClock(answer_by)
         self._beat_ns: int | None = 0  # when the next carrot is due under `continuous`
 
     @property
@@ -50,8 +55,14 @@ class HeadingOperator(Operator):
         self._beat_ns = self._period_ns if self._continuous else None
         return [self._carrot()]
 
+    def issued(self, command_id: int, order: Order) -> None:
+        """Learn the id of an order that has been sent."""
+        super().issued(command_id, order)
+        self._clock.issued(command_id, order)
+
     def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
         """Take what has arrived; steering continuously, the next leg begins when the robot reports the waypoint."""
+        self._clock.hear(message)
         orders = super().hear(now_ns, message)
         if self._continuous and not self.finished and not self._at_task and self._leg_is_over():
             return orders + self._next_leg(now_ns)
@@ -63,7 +74,7 @@ class HeadingOperator(Operator):
         if self._beat_ns is None or self._beat_ns > now_ns:
             return orders
         self._beat_ns += self._period_ns
-        if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns and not self.suspended:
+        if self._is_out_of_time(now_ns) and not self.suspended and not self._leg_is_over():
             return orders + self._give_up_leg(now_ns)
         return orders if self._at_task or self.suspended else orders + self._after_thought(now_ns, self._carrot())
 
@@ -77,10 +88,15 @@ class HeadingOperator(Operator):
         if ack.stage is Stage.COMPLETED:
             if self._leg_is_over():
                 return self._next_leg(now_ns)
-            if now_ns - self._leg_since_ns > self._plan[self._leg].timeout_ns:
+            if self._clock.is_over(self._plan[self._leg].timeout_ns):
                 return self._give_up_leg(now_ns)
             return self._unless_suspended(self._after_thought(now_ns, self._carrot()))
         return self._give_up_leg(now_ns) if leg_failed(ack) else self._finish(ended_by_robot(ack))
+
+    def _is_out_of_time(self, now_ns: int) -> bool:
+        """Tell whether the robot's time for the leg is over, or nobody has told by when one should have heard of it."""
+        timeout_ns = self._plan[self._leg].timeout_ns
+        return self._clock.is_over(timeout_ns) or self._clock.is_silent(now_ns, timeout_ns)
 
     def _leg_is_over(self) -> bool:
         return self._plan[self._leg].index in self.belief.reached
@@ -91,7 +107,8 @@ class HeadingOperator(Operator):
     def _next_leg(self, now_ns: int) -> list[Order]:
         if self._leg + 1 == len(self._plan):
             return self._finish()
-        self._leg, self._leg_since_ns, self._at_task = self._leg + 1, now_ns, False
+        self._leg, self._at_task = self._leg + 1, False
+        self._clock.restart((now_ns if self._beat_ns is None else self._beat_ns) + self._think_ns)
         return [] if self._continuous else self._unless_suspended(self._after_thought(now_ns, self._carrot()))
 
     def _unless_suspended(self, orders: list[Order]) -> list[Order]:
@@ -102,7 +119,7 @@ class HeadingOperator(Operator):
         return []
 
     def _go_on(self, now_ns: int) -> list[Order]:
-        self._leg_since_ns = now_ns
+        self._clock.restart(now_ns)
         put_off, self._put_off = self._put_off, False
         return [self._carrot()] if put_off else []
 
@@ -113,7 +130,8 @@ class HeadingOperator(Operator):
         if distance_m <= self._carrot_m:
             # Where there is something to do the robot is not to be called away from it.
             self._at_task = bool(waypoint.hold_ns or waypoint.task)
-            return Order(CommandKind.GO_TO, (waypoint,), self._rule, fleeting=self._continuous and not self._at_task)
+            fleeting = self._continuous and not self._at_task
+            return self._clock.of_this_leg(Order(CommandKind.GO_TO, (waypoint,), self._rule, fleeting=fleeting))
         part = self._carrot_m / distance_m
         place = PlannedWaypoint(
             index=CARROT,
@@ -125,4 +143,5 @@ class HeadingOperator(Operator):
             timeout_ns=waypoint.timeout_ns,
             hold_ns=0,
         )
-        return Order(CommandKind.GO_TO, (place,), self._rule, fleeting=self._continuous)
+        order = Order(CommandKind.GO_TO, (place,), self._rule, fleeting=self._continuous)
+        return self._clock.of_this_leg(order)
