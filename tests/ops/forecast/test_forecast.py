@@ -114,25 +114,11 @@ def test_what_may_go_wrong_is_found(more: str, found: list[tuple[str, tuple[str 
     assert kinds(ONE + more) == found
 
 
-@pytest.mark.parametrize(
-    ("up", "found"),
-    [
-        ("windows: [{from: 1 s, to: 3 s}, {from: 5 s, to: 50 s}], rate: 200 bit/s", ["contact"]),
-        ("windows: [{from: 5 s, to: 50 s}], rate: 200 bit/s", []),
-        ("windows: [{from: 1 s, to: 3 s}], rate: 200 bit/s", ["contact"]),
-        ("windows: [{from: 5 s, to: 50 s}], queue: 10 B", ["queue"]),
-        ("queue: 10 B", []),
-    ],
-)
-def test_contacts_that_are_too_short_are_found(up: str, found: list[str]) -> None:
-    assert [kind for kind, _ in kinds(ONE + f"link: {{up: {{{up}}}}}\n")] == found
-
-
-def test_windows_further_apart_than_a_loss_of_the_link_are_found() -> None:
-    rules = "onboard: {link_loss: {after: 5 s}}\noperator: {heartbeat: 1 s}\n"
-    windows = "link: {{up: {{windows: [{{from: 0 s, to: {} s}}], windows_every: 10 s}}}}\n"
-    assert kinds(ONE + rules + windows.format(6)) == []
-    assert kinds(ONE + rules + windows.format(4)) == [("heartbeat", ("onboard", "link_loss"))]
+def test_what_is_wrong_with_a_waypoint_is_told_once_for_all_rounds() -> None:
+    found = told(
+        f"{BASE}waypoints: [[8, 6], [0, 0]]\ndefaults: {{timeout: 4 s}}\non_failure: skip\nrepeat: 9\n"
+    ).findings
+    assert len({finding.path for finding in found}) == len(found) <= 2
 
 
 @pytest.mark.parametrize(
