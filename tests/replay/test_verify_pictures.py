@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -76,7 +77,7 @@ def test_a_bit_that_was_flipped_diverges(changed: Callable[[int, Change], Verifi
 
 @pytest.mark.parametrize("field", ["time_ns", "frame_id", "format"])
 def test_what_is_said_of_a_picture_is_compared(changed: Callable[[int, Change], Verification], field: str) -> None:
-    other = {"time_ns": 7, "frame_id": "x", "format": "jpeg"}[field]
+    other: Any = {"time_ns": 7, "frame_id": "x", "format": "jpeg"}[field]
     found = changed(0, lambda picture: [repainted(replace(picture, **{field: other}), "elsewhere")])
     assert found.verdict is Verdict.DIVERGED
     assert found.first_divergence is not None

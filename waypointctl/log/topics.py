@@ -1,6 +1,7 @@
 """The topics of a flight's own records: which message stands on which, in which schema, at what times.
 
 The topics for viewers (/tf, /scene, ...) are in foxglove/view.py; nothing is read back from them.
+/camera is for both: its schema is a viewer's, and its messages come back.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING, Final
 
 from waypointctl.cli.console import console
@@ -35,7 +36,8 @@ def print_flight(story: Story, recording: Recording, wall_s: float, *, stderr: b
     out.print(f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
     out.print(f"seed       {recording.seed}")
     if recording.pictures:
-        out.print(f"pictures   {recording.pictures}, in the log: waypointctl replay LOG --pictures FOLDER")
+        log = shlex.quote(str(recording.path))
+        out.print(f"pictures   {recording.pictures}: waypointctl replay {log} --pictures FOLDER", soft_wrap=True)
     out.print(f"log        {recording.path} ({size(recording.path.stat().st_size)})", soft_wrap=True)
     out.print(f"sha256     {recording.sha256}", soft_wrap=True)
 
