@@ -5,6 +5,9 @@ import pytest
 from tests.ops.flying import UNDER_FOOT, flown, mission_of, only
 from waypointctl.log.messages import FINAL_STAGES, Action, CommandStage, Stage, State
 from waypointctl.mission.files import parse_mission
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.duration import expected
+from waypointctl.ops.forecast.finding import Finding
 from waypointctl.ops.forecast.schedule import schedule_findings
 from waypointctl.ops.forecast.traffic import traffic_of
 
@@ -14,9 +17,14 @@ LATE = "link: {delay: 2 s}\nexpect: {max_time: 30 s}\n"
 CLOSED = "link: {up: {windows: [{from: 0 s, to: 9 s}]}}\n"
 
 
+def of(mission: Mission) -> list[Finding]:
+    traffic = traffic_of(mission)
+    return list(schedule_findings(mission, traffic, expected(mission, 2.0, traffic, mission.autonomy)))
+
+
 def found(more: str, schedule: str) -> list[tuple[str, tuple[str | int, ...], str]]:
     mission = parse_mission(f"{BASE}{more}schedule: [{schedule}]\n".encode(), "m.yaml")
-    findings = schedule_findings(mission, traffic_of(mission))
+    findings = of(mission)
     return [(each.kind, each.path, each.text) for each in findings]
 
 
@@ -44,7 +52,7 @@ def test_what_comes_too_late_is_found(more: str, command: str, field: str, text:
         (LATE, "at: 1 s, do: hold, expires: 3 s"),
         (CLOSED, "at: 8 s, do: hold"),
         ("link: {up: {loss: 1}}\n", "at: 9 s, do: hold, expires: 10 s"),  # the link says so itself
-        (FENCE, "at: 1 s, do: go_to, position: [5 m, 19 m]"),
+        (FENCE, "at: 9 s, do: go_to, position: [5 m, 19 m]"),
     ],
 )
 def test_what_may_just_be_obeyed_is_not(more: str, command: str) -> None:
@@ -58,7 +66,8 @@ def test_a_place_outside_the_fence_is_found() -> None:
 
 
 def test_what_is_over_once_it_is_obeyed_cannot_be_cancelled() -> None:
-    cancelled = "{at: 9 s, do: cancel, command: %d}, {at: 2 s, do: go_to, position: [1 m, 1 m]}, {at: 1 s, do: hold%s}"
+    go_to = "{at: 2 s, do: go_to, position: [1 m, 1 m], not_before: 20 s}"
+    cancelled = f"{{at: 9 s, do: cancel, command: %d}}, {go_to}, {{at: 1 s, do: hold%s}}"
     assert [path for _, path, _ in found("", cancelled % (2, ""))] == [("schedule", 0, "command")]
     ((_, _, text),) = found("", cancelled % (2, ""))
     assert text == "command 2 is the hold of 1 s, which is over once it is obeyed"
@@ -84,7 +93,7 @@ def test_what_is_said_to_do_nothing_does_nothing(autonomy: str, command: dict[st
     schedule = [{"at_s": 0.5} | command]
     without = mission_of(far, autonomy=autonomy, expect={"reached": 0})
     mission = mission_of(far, autonomy=autonomy, expect={"reached": 0}, schedule=schedule)
-    ((field, text),) = [(each.path[-1], each.text) for each in schedule_findings(mission, traffic_of(mission))]
+    ((field, text),) = [(each.path[-1], each.text) for each in of(mission)]
     assert field == "do"
     assert text.startswith(f"{command['do']} does nothing under autonomy {autonomy}: ")
     states = [
@@ -102,7 +111,7 @@ def test_an_abort_does_not_stop_a_pilot_and_a_hold_does() -> None:
         )
         _, messages = flown(mission)
         sources = [action.source for action in only(Action, messages)]
-        texts = [each.text for each in schedule_findings(mission, traffic_of(mission))]
+        texts = [each.text for each in of(mission)]
         return sources.count("stance"), texts
 
     steps, texts = stood("abort")
@@ -118,8 +127,26 @@ def test_an_abort_does_not_stop_a_pilot_and_a_hold_does() -> None:
 def test_a_release_is_obeyed_where_a_plan_is_on_board() -> None:
     schedule = [{"at_s": 0.5, "do": "release", "released": -1}]
     mission = mission_of(UNDER_FOOT, UNDER_FOOT, schedule=schedule, operator={"released": 1})
-    assert list(schedule_findings(mission, traffic_of(mission))) == []
+    assert of(mission) == []
     result, messages = flown(mission)
     assert result.outcome == "success", result.reason
     final = {each.command_id: each.stage for each in only(CommandStage, messages) if each.stage in FINAL_STAGES}
     assert final[2] is Stage.COMPLETED
+
+
+@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "heading", "joint"])
+@pytest.mark.parametrize("do", ["abort", "return_home", "go_to"])
+def test_a_command_that_the_mission_fails_by_is_found(autonomy: str, do: str) -> None:
+    place = {"position_m": [0.0, 0.0], "tolerance_m": 50.0} if do == "go_to" else {}
+    schedule = [{"at_s": 0.5, "do": do} | place]
+    far = {"position_m": [500.0, 0.0], "timeout_s": 300.0}
+    mission = mission_of(far, autonomy=autonomy, schedule=schedule, expect={"max_time_s": 5.0})
+    texts = [each.text for each in of(mission) if "the mission fails" in each.text]
+    result, _ = flown(mission)
+    assert bool(texts) == (autonomy != "joint")
+    assert result.reason.startswith("longer than 5 s") == (autonomy == "joint"), "a pilot goes on"
+    if texts:
+        assert texts[0].startswith(f"{do} ends the plan before all waypoints are reached, which is expected after 25")
+        assert of(mission_of(far, autonomy=autonomy, schedule=schedule, expect={"reached": 0})) == []
+        late = [schedule[0] | {"not_before_s": 4_000.0}]
+        assert of(mission_of(far, autonomy=autonomy, schedule=late)) == []

@@ -61,7 +61,7 @@ def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
         *route_findings(mission, speed.mps),
         *release_findings(mission),
         *steering_findings(mission, speed.mps, traffic),
-        *schedule_findings(mission, traffic),
+        *schedule_findings(mission, traffic, own),
         *link_findings(mission, traffic, own),
         *unused_findings(mission),
     ]

@@ -8,6 +8,7 @@ from typing import Final
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.schedule import ScheduledCommand
 from waypointctl.ops.executive.rules import rules_of
+from waypointctl.ops.forecast.duration import Expected
 from waypointctl.ops.forecast.finding import Finding
 from waypointctl.ops.forecast.losses import loses_all
 from waypointctl.ops.forecast.traffic import Traffic, scheduled_bytes
@@ -29,26 +30,34 @@ _WITHOUT_EFFECT: Final[dict[tuple[str, str], str]] = {
 _LASTING: Final = ("go_to", "return_home")  # the others are over as soon as they are obeyed
 
 
-def schedule_findings(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
-    """Yield the scheduled commands that the robot will not obey."""
-    yield from _fence(mission)
+# Commands that end what the operator has asked for, where the robot walks by itself.
+_ENDING: Final = ("go_to", "return_home", "abort")
+_SURELY: Final = 0.8  # of the time that is expected: so early a plan is not at its end
+
+
+def schedule_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iterator[Finding]:
+    """Yield the scheduled commands that the robot will not obey, or that the mission fails by.
+
+    Args:
+        mission: that has the schedule.
+        traffic: its link.
+        own: what is expected of the mission without the schedule.
+    """
+    fence = rules_of(mission).fence
     for place, command in enumerate(mission.schedule):
+        path = ("schedule", place)
+        if command.position_m is not None and (breach := fence.breach(*command.position_m)):
+            x_m, y_m = command.position_m
+            yield Finding("fence", (*path, "position_m"), f"({x_m:g}, {y_m:g}) {breach}: the robot will reject it")
+            continue
         arrives_ns = traffic.arrives_up_ns(ns(command.at_s), scheduled_bytes(command, mission))
         arrives_s = None if arrives_ns is None else seconds(arrives_ns)
         found = _never_sent(mission, command) or _too_late(mission, command, arrives_s) or _idle(mission, command)
+        found = found or _ends_it(mission, command, arrives_s, own)
         if found is not None:
             field, text = found
-            yield Finding("schedule", ("schedule", place, field), text)
+            yield Finding("schedule", (*path, field), text)
     yield from _over_already(mission)
-
-
-def _fence(mission: Mission) -> Iterator[Finding]:
-    fence = rules_of(mission).fence
-    for place, command in enumerate(mission.schedule):
-        if command.position_m is not None and (breach := fence.breach(*command.position_m)):
-            x_m, y_m = command.position_m
-            text = f"({x_m:g}, {y_m:g}) {breach}: the robot will reject it"
-            yield Finding("fence", ("schedule", place, "position_m"), text)
 
 
 def _never_sent(mission: Mission, command: ScheduledCommand) -> tuple[str, str] | None:
@@ -79,6 +88,22 @@ def _too_late(mission: Mission, command: ScheduledCommand, arrives_s: float | No
 def _idle(mission: Mission, command: ScheduledCommand) -> tuple[str, str] | None:
     why = _WITHOUT_EFFECT.get((mission.autonomy, command.do))
     return None if why is None else ("do", f"{command.do} does nothing under autonomy {mission.autonomy}: {why}")
+
+
+def _ends_it(
+    mission: Mission, command: ScheduledCommand, arrives_s: float | None, own: Expected
+) -> tuple[str, str] | None:
+    """Return what makes a mission a failure: a command that takes its place while waypoints are left."""
+    wants_all = mission.expect.reached in ("all", mission.num_legs)
+    if mission.autonomy == "joint" or command.do not in _ENDING or not wants_all:
+        return None
+    if arrives_s is None or own.time_s is None or max(arrives_s, command.not_before_s or 0.0) > _SURELY * own.time_s:
+        return None
+    text = (
+        f"{command.do} ends the plan before all waypoints are reached, which is expected after {own.time_s:.1f} s: the "
+        "mission fails; to mean that, set expect.reached"
+    )
+    return "do", text
 
 
 def _over_already(mission: Mission) -> Iterator[Finding]:
