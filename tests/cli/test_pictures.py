@@ -13,6 +13,8 @@ import pytest
 
 from tests.cli.flying import Program, start
 from tests.drawing import require_rendering
+from waypointctl.log.messages import Picture
+from waypointctl.log.png import SOFTWARE, texts_of
 from waypointctl.log.reader import open_log
 
 SURVEY = """\
@@ -55,6 +57,19 @@ def test_two_processes_write_the_same_bytes(field: Path) -> None:
         digests.append(hashlib.sha256((field / name).read_bytes()).hexdigest())
     assert digests[0] == digests[1]
     assert open_log(field / "a.mcap").count("/camera") == 2
+
+
+def test_a_log_is_proved_where_another_renderer_is(survey: Path, program: Program) -> None:
+    """Mesa's software renderer works with vectors of another width, and says so in its name."""
+    picture = next(it for it in open_log(survey / "survey.mcap").messages(("/camera",)) if isinstance(it, Picture))
+    if "llvmpipe" not in texts_of(picture.data)[SOFTWARE]:
+        pytest.skip("only llvmpipe can be made another renderer")
+    width = "256" if "128 bits" in texts_of(picture.data)[SOFTWARE] else "128"
+    elsewhere = start(survey, "replay", "survey.mcap", "--verify", stdout=subprocess.PIPE, LP_NATIVE_VECTOR_WIDTH=width)
+    out, _ = elsewhere.communicate(timeout=120)
+    assert elsewhere.returncode == 0, out
+    assert b"\n  2 pictures not compared: another renderer drew them\n" in out
+    assert "\n  2 pictures, drawn again, byte for byte\n" in program("replay", "survey.mcap", "--verify")[1]
 
 
 def test_several_missions_have_the_same_pictures_as_one(survey: Path, program: Program) -> None:

@@ -94,7 +94,7 @@ def test_another_renderer_is_no_divergence(changed: Callable[[int, Change], Veri
     assert found.verdict is Verdict.EXACT, found
     assert about_pictures(found) == [
         "1 picture, drawn again, byte for byte",
-        "1 picture not compared: another renderer drew them",
+        "1 picture not compared: another renderer drew it",
     ]
     assert "byte for byte" in found.checks[-1]  # the file as a whole
 

@@ -59,11 +59,12 @@ class AuditedCamera:
 
     @property
     def _why_not(self) -> str:
+        them = "it" if self.handed_on == 1 else "them"
         if not self._same_program:
-            return "another program or processor drew them"
+            return f"another program or processor drew {them}"
         if not self._camera.renderer:
             return f"nothing can draw here: {self._camera.trouble.splitlines()[0]}"
-        return "another renderer drew them"
+        return f"another renderer drew {them}"
 
 
 def _pictures(count: int) -> str:
