@@ -98,3 +98,13 @@ def test_a_picture_that_is_given_up_ends_the_mission(policy: LoadedPolicy) -> No
     assert result.outcome == "failure"
     assert result.reason.startswith("cancelled by command 2:")
     assert all(event.kind is not EventKind.OBSERVATION_TAKEN for event in only(Event, messages))
+
+
+def test_a_hold_at_the_last_waypoint_is_kept_to_its_end(policy: LoadedPolicy) -> None:
+    places = (PLACES[0], PLACES[1] | {"hold_s": 3.0})
+    on_board = flown(mission_of(*places), policy)[0]
+    from_afar, messages = flown(mission_of(*places, autonomy="joint"), policy)
+    assert from_afar.outcome == "success", from_afar.reason
+    assert from_afar.sim_time_ns == pytest.approx(on_board.sim_time_ns, abs=40_000_000)
+    (held,) = (event for event in only(Event, messages) if event.kind is EventKind.HOLD_COMPLETED)
+    assert held.time_ns <= from_afar.sim_time_ns

@@ -5,7 +5,8 @@ from it, which is one round trip old when the motors get it. Without delay that 
 bit for bit; with delay it is a robot balanced from afar.
 
 A picture is taken on board. Where one is asked for, the pilot hands the waypoint over with its hold and its task, sends
-no actions until it hears that they are done, and goes on from there.
+no actions until it hears that they are done, and goes on from there. So it does with a hold at the last waypoint, to
+hear of its end.
 """
 
 from __future__ import annotations
@@ -104,7 +105,7 @@ class Pilot(Operator):
         if reached(acceptance, frame.qpos[np.newaxis, :2], self._goals[:, 0])[0]:
             self._reached.append(waypoint.index)
             self._tell(now_ns, EventKind.WAYPOINT_REACHED, f"{waypoint.name} reached, as seen from the ground")
-            if waypoint.task:
+            if waypoint.task or (waypoint.hold_ns and self._is_last):
                 self._at_task = True
                 return [Order(CommandKind.GO_TO, (waypoint,), "abort")]
             return self._next_leg(frame.issued_ns, waypoint.hold_ns)
@@ -117,15 +118,18 @@ class Pilot(Operator):
 
     def _next_leg(self, since_ns: int, hold_ns: int) -> list[Order]:
         """Turn to the next waypoint, after a hold; since_ns is on the robot's clock."""
-        is_last = self._leg + 1 == len(self._plan)
-        orders = [Order(CommandKind.HOLD)] if hold_ns or is_last else []
-        if is_last:
+        orders = [Order(CommandKind.HOLD)] if hold_ns or self._is_last else []
+        if self._is_last:
             return orders + self._finish()
         self._leg += 1
         self._goals = self._goals_of(self._leg)
         self._rests_until_ns = since_ns + hold_ns if hold_ns else -1
         self._since_ns = max(since_ns, self._rests_until_ns)
         return orders
+
+    @property
+    def _is_last(self) -> bool:
+        return self._leg + 1 == len(self._plan)
 
     def _goals_of(self, leg: int) -> FloatArray:
         """Return this leg's waypoint and the next, (1, 2, 2) [m]."""
