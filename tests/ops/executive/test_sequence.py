@@ -73,9 +73,11 @@ halting = st.sampled_from([Sent(HOLD), Sent(RESUME), Sent(ABORT), Sent(HOME)])
 @st.composite
 def streams(draw: st.DrawFn) -> tuple[list[Sent], tuple[int, ...]]:
     """Draw up to six commands, some of which cancel an earlier one that lasts, and an order of arrival."""
-    stream = draw(st.lists(st.one_of(going, uploading, releasing, halting, setting), min_size=2, max_size=5))
+    command: st.SearchStrategy[Sent] = st.one_of(going, uploading, releasing, halting, setting)
+    stream = draw(st.lists(command, min_size=2, max_size=5))
     lasting = [number for number, one in enumerate(stream, 1) if one.kind in (GO_TO, UPLOAD, HOME)]
-    if lasting and draw(st.booleans()):
+    takes_back = draw(st.booleans())
+    if lasting and takes_back:
         target = draw(st.sampled_from(lasting))
         stream.insert(draw(st.integers(target, len(stream))), Sent(CANCEL, target_id=target))
     return stream, tuple(draw(st.permutations(range(1, len(stream) + 1))))

@@ -32,10 +32,10 @@ def test_so_is_one_that_waits_or_was_told_to_hold() -> None:
 
 
 def test_a_mission_whose_time_is_over_first_says_it_too() -> None:
-    late = {"expect": {"max_time_s": 4.0}}
-    result, _ = flown(mission_of(FAR, on_failure={"then": "hold"}, **late))
+    late = {"max_time_s": 4.0}
+    result, _ = flown(mission_of(FAR, on_failure={"then": "hold"}, expect=late))
     assert result.reason.startswith("longer than 4 s; the robot holds after a failed leg at far: 0 of 1 waypoints")
-    result, _ = flown(mission_of(FAR | {"timeout_s": 60.0}, **late))
+    result, _ = flown(mission_of(FAR | {"timeout_s": 60.0}, expect=late))
     assert result.reason.startswith("longer than 4 s: 0 of 1 waypoints")
 
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, replace
+from functools import partial
 from typing import Any
 
 from waypointctl.log.messages import Ack, Command, CommandKind, Mode, PlannedWaypoint, Stage, Telemetry
@@ -15,10 +16,14 @@ COMMAND = Command(1, CommandKind.UPLOAD_PLAN, (WAYPOINT, WAYPOINT), "abort", 0, 
 FRAME = Telemetry(0, Mode.WALKING, 1.0, 2.0, 0.5, 0.1, 1.5, 0, (0, 1), 0, S)
 
 
+def _same(message: Any, _: int) -> Any:
+    return message
+
+
 def sent(*messages: Any) -> Direction[Any]:
     way: Direction[Any] = Direction(delay=lambda _: S)
     for message in messages:
-        way.send(0, 10, lambda _, message=message: message)
+        way.send(0, 10, partial(_same, message))
     return way
 
 
