@@ -38,7 +38,7 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.stdout == (
         f"OK {path}: dog, 2 waypoints, 11.0 m, link 2 s +- 0.01 s up, 0 s down, autonomy mission\n"
-        "   expected 7.5 s (waypoint 9.5 s, heading 35.5 s, joint 7.5 s) at 2.00 m/s, assumed, since no evaluation "
+        "   expected 7.5 s (waypoint 9.5 s, heading 35.5 s, joint a fall) at 2.00 m/s, assumed, since no evaluation "
         "of p tells its speed\n"
     )
     assert result.stderr == ""
@@ -50,7 +50,7 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
         ("{preset: iss, loss: 1 %}", "link iss: 3.5 s +- 0.5 s with 1 % lost each way"),
         (
             "{up: {rate: 1 kbit/s, duplicate: 2 %}, down: {loss: {p: 0.1, r: 0.3}, keep_order: false}}",
-            "link 0 s with 2 % doubled and 1000 bit/s up, 0 s with 25 % lost in bursts and the order not kept down",
+            "link 0 s with 2 % doubled and 1 kbit/s up, 0 s with 25 % lost in bursts and the order not kept down",
         ),
         (
             "{delay_table: [{at: 0 s, delay: 3 s}, {at: 1 h, delay: 4 s}], windows: [{from: 0 s, to: 1 s}]}",
@@ -179,7 +179,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
     assert result.exit_code == 0
     way = Way(delay_s=2.0).model_dump(mode="json")
     assert {"delay_s": 2.0, "jitter_s": 0.0, "loss": 0.0, "rate_bps": None}.items() <= way.items()
-    times = {"mission": (6.5, 1), "waypoint": (6.5, 1), "heading": (30.5, 7), "joint": (6.5, 1)}
+    times = {"mission": (6.5, 1), "waypoint": (6.5, 1), "heading": (30.5, 7), "joint": (None, 1)}
     assert json.loads(result.stdout) == {
         "ok": True,
         "missions": [
@@ -197,7 +197,13 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "speed": {"mps": 2.0, "source": "assumed, since no evaluation of p tells its speed"},
                 "expected_time_s": 6.5,
                 "expected": [
-                    {"autonomy": autonomy, "time_s": pytest.approx(time_s), "exchanges": exchanges, "blocked": None}
+                    {
+                        "autonomy": autonomy,
+                        "time_s": pytest.approx(time_s),
+                        "exchanges": exchanges,
+                        "blocked": None,
+                        "falls": autonomy == "joint",  # 4 s of round trip
+                    }
                     for autonomy, (time_s, exchanges) in times.items()
                 ],
                 "not_counted": [],

@@ -20,13 +20,21 @@ def time_s(mission: Mission, autonomy: Autonomy, speed_mps: float = 2.0) -> floa
     return expected(mission, speed_mps, traffic_of(mission), autonomy).time_s
 
 
-@pytest.mark.parametrize(("autonomy", "exchanges"), [("mission", 1), ("waypoint", 2), ("joint", 1)])
+@pytest.mark.parametrize(("autonomy", "exchanges"), [("mission", 1), ("waypoint", 2)])
 def test_the_formula_of_move_and_wait(autonomy: Autonomy, exchanges: int) -> None:
     mission = parse("link: {up: {delay: 1 s}, down: {delay: 2 s}}\noperator: {think: 5 s}\n")
     found = expected(mission, 2.0, traffic_of(mission), autonomy)
     # L / v + N RTT, and a thought before all but the first
     assert found.time_s == pytest.approx(20 / 2 + exchanges * 3 + (exchanges - 1) * 5)
     assert found.exchanges == exchanges
+
+
+def test_nobody_balances_a_robot_over_a_long_round_trip() -> None:
+    near, far = parse("link: {delay: 10 ms}\n"), parse("link: {up: {delay: 10 ms}, down: {delay: 30 ms}}\n")
+    assert time_s(near, "joint") == pytest.approx(20 / 2 + 0.02)
+    found = expected(far, 2.0, traffic_of(far), "joint")
+    assert (found.time_s, found.falls, found.blocked) == (None, True, None)
+    assert not expected(far, 2.0, traffic_of(far), "mission").falls
 
 
 def test_steering_waits_for_each_short_goal() -> None:

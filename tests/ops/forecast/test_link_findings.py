@@ -7,7 +7,7 @@ import pytest
 
 from waypointctl.mission.files import parse_mission
 from waypointctl.ops.forecast.forecast import Forecast, WalkingSpeed, forecast
-from waypointctl.ops.forecast.link import FALLS_FROM_RTT_S
+from waypointctl.ops.forecast.joint import FALLS_FROM_RTT_S
 
 ROOT = Path(__file__).parents[3]
 BASE = "name: n\npolicy: p\n"

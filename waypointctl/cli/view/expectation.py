@@ -19,4 +19,6 @@ def expectation(found: Forecast) -> str:
 
 
 def _time(each: Expected) -> str:
+    if each.falls:
+        return "a fall"
     return "never" if each.time_s is None else f"{each.time_s:.1f} s"

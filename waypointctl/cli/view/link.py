@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from waypointctl.units import RATE_UNITS_BPS
+
 if TYPE_CHECKING:
     from waypointctl.mission.link import Link, Way
 
@@ -46,9 +48,15 @@ def _besides(way: Way) -> Iterator[str]:
     if not way.keep_order:
         yield "the order not kept"
     if way.rate_bps is not None:
-        yield f"{way.rate_bps:g} bit/s"
+        yield rate_text(way.rate_bps)
     if way.windows is not None:
         every = "" if way.windows_every_s is None else f" every {way.windows_every_s:g} s"
         yield f"{len(way.windows)} window{'s' if len(way.windows) > 1 else ''}{every}"
     if way.contact_plan is not None and way.has_own_delay:
         yield f"the contacts of {way.contact_plan.file}"
+
+
+def rate_text(rate_bps: float) -> str:
+    """Return a rate [bit/s] in the largest unit of which it has one: 9.6 kbit/s."""
+    unit, size = max((pair for pair in RATE_UNITS_BPS.items() if pair[1] <= max(rate_bps, 1.0)), key=lambda it: it[1])
+    return f"{rate_bps / size:.6g} {unit}"

@@ -16,6 +16,7 @@ from typing import Final, Literal, TypeAlias
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.judgement import OBSERVATION_NS, OBSERVE
+from waypointctl.ops.forecast.joint import falls
 from waypointctl.ops.forecast.release import waits_for_ever
 from waypointctl.ops.forecast.traffic import ACK_BYTES, Traffic, go_to_bytes, upload_bytes
 from waypointctl.ops.ground.operator import planned_waypoints
@@ -67,12 +68,14 @@ class Expected:
         time_s: from the first command to the operator's knowing of the end; None for never.
         exchanges: how often the operator has to hear before it can say what is next.
         blocked: the message that never gets through, where that is why the time is None.
+        falls: whether the robot is expected to fall, which is why the time is None.
     """
 
     autonomy: Autonomy
     time_s: float | None
     exchanges: int
     blocked: Blocked | None = None
+    falls: bool = False
 
 
 def walks_of(mission: Mission, speed_mps: float) -> tuple[Walk, ...]:
@@ -113,6 +116,8 @@ def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Aut
         return Expected(autonomy, None, 1)
     if autonomy == "mission":
         return _at_once(autonomy, sum(spent_s), upload_bytes(mission), traffic)
+    if autonomy == "joint" and falls(traffic):
+        return Expected(autonomy, None, 1, falls=True)
     if autonomy == "joint":
         return _at_once(autonomy, sum(spent_s), 1, traffic)
     steered = autonomy == "heading"

@@ -11,6 +11,7 @@ from waypointctl.mission.link import Way
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.forecast.duration import Expected
 from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.joint import joint_findings
 from waypointctl.ops.forecast.losses import loss_findings
 from waypointctl.ops.forecast.traffic import (
     ACK_BYTES,
@@ -27,9 +28,6 @@ from waypointctl.units import seconds
 
 _UP: Final = ("link", "up")
 _DOWN: Final = ("link", "down")
-# From this round trip on nobody balances the ant from the ground: 0 of 20 flights of each route, against 19 and 13 of
-# 20 at 0.02 s (docs/delay.md, "joint, by round trip").
-FALLS_FROM_RTT_S: Final = 0.04
 
 Path: TypeAlias = tuple[str, str]
 
@@ -46,7 +44,7 @@ def link_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iterator
     yield from _queue_down(traffic.down, down)
     yield from _rates(mission, traffic)
     yield from _link_loss(mission, traffic)
-    yield from _joint(mission, traffic)
+    yield from joint_findings(mission, traffic)
 
 
 def _contacts(mission: Mission, path: Path, way: Direction[Any], sizes: Mapping[str, int]) -> Iterator[Finding]:
@@ -182,21 +180,3 @@ def longest_gap_ns(contacts: Contacts) -> int:
     if windows and contacts.period_ns and windows[-1].end_ns < FOREVER_NS:
         gaps.append(contacts.period_ns - windows[-1].end_ns + windows[0].begin_ns)
     return max(gaps, default=0)
-
-
-def _joint(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
-    if mission.autonomy != "joint":
-        return
-    sizes = ((traffic.up, action_bytes()), (traffic.down, body_bytes()))
-    round_trip_s = sum(seconds(way.delay(0) + _airtime_ns(way.contacts, size)) for way, size in sizes)
-    if round_trip_s >= FALLS_FROM_RTT_S:
-        text = (
-            f"autonomy joint over a round trip of {round_trip_s:.3g} s: every flight of the delay study fell from "
-            f"{FALLS_FROM_RTT_S:g} s on (docs/delay.md); choose autonomy mission, waypoint or heading"
-        )
-        yield Finding("delay", ("autonomy",), text)
-
-
-def _airtime_ns(contacts: Contacts, size: int) -> int:
-    """Return how long a message takes to be sent in the first contact [ns]."""
-    return airtime_ns(size, contacts.windows[0].rate_bps) if contacts.windows else 0
