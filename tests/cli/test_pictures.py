@@ -7,6 +7,7 @@ import json
 import os
 import stat
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -111,6 +112,16 @@ def test_nothing_is_said_where_nothing_was_to_be_taken(
     code, out, err = program("run", "easy.yaml", "--out", "log.mcap")
     assert code == 0
     assert "pictures" not in out + err
+
+
+def test_the_proof_of_a_flight_without_observations_sets_up_nothing_that_draws(yard: Path, program: Program) -> None:
+    assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
+    code = "import sys, waypointctl.cli.main as m\ntry: m.main()\nexcept SystemExit: print('OpenGL' in sys.modules)"
+    command = [sys.executable, "-c", code, "replay", "log.mcap", "--verify"]
+    done = subprocess.run(command, cwd=yard, capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.startswith("EXACT")
+    assert done.stdout.endswith("False\n")
+    assert done.stderr.strip() == ""
 
 
 def test_the_pictures_are_written_as_files(survey: Path, program: Program) -> None:

@@ -74,3 +74,10 @@ def test_a_context_can_be_made_again_after_it_was_closed() -> None:
         context.close()
     assert len(set(names)) == 1
     assert "OpenGL" in names[0]
+
+
+def test_a_context_that_nobody_closed_ends_with_the_program_in_silence() -> None:
+    require_rendering()
+    code = "from waypointctl.sim.offscreen import OffscreenContext; context = OffscreenContext(64, 64)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert (done.stdout, done.stderr) == ("", "")

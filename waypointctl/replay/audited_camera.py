@@ -47,15 +47,14 @@ class AuditedCamera:
     @property
     def checks(self) -> tuple[str, ...]:
         """What was compared of the pictures, a line each."""
-        return tuple(
-            line
-            for count, line in (
-                (self.drawn_again, f"{_pictures(self.drawn_again)}, drawn again, byte for byte"),
-                (self.handed_on, f"{_pictures(self.handed_on)} not compared: {self._why_not}"),
-                (self.missing, f"{self.missing} observation{'s' * (self.missing != 1)} without a picture in the log"),
-            )
-            if count
-        )
+        lines = []
+        if self.drawn_again:
+            lines.append(f"{_pictures(self.drawn_again)}, drawn again, byte for byte")
+        if self.handed_on:  # why not is asked of what draws, which a log without pictures never sets up
+            lines.append(f"{_pictures(self.handed_on)} not compared: {self._why_not}")
+        if self.missing:
+            lines.append(f"{self.missing} observation{'s' * (self.missing != 1)} without a picture in the log")
+        return tuple(lines)
 
     @property
     def _why_not(self) -> str:

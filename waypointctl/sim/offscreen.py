@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import importlib
 import os
@@ -40,6 +41,8 @@ class OffscreenContext:
         backend = _backend(os.environ.get(VARIABLE, "").strip().lower())
         try:
             self._context = _opened(backend, width, height)
+            # The module closes its library at the program's end: what was not closed before has to be given back first.
+            atexit.register(self._context.free)
             self.renderer = _renderer()
         # A driver that is missing or broken shows as whatever its binding stumbles over.
         except Exception as error:
@@ -51,7 +54,8 @@ class OffscreenContext:
         self._context.make_current()
 
     def close(self) -> None:
-        """Give it back; at the program's end its library may be gone already."""
+        """Give it back."""
+        atexit.unregister(self._context.free)
         self._context.free()
 
 
