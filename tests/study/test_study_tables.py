@@ -5,7 +5,7 @@ import io
 
 from tests.study.standing import cells, line
 from waypointctl.study.delay import DelayStudy, Route
-from waypointctl.study.tables import overview, route_grid, sweep_grid, tables, to_csv, to_markdown
+from waypointctl.study.tables import overview, route_grid, sweep_grid, tables, to_csv, to_markdown, verdict_grid
 from waypointctl.study.verdict import joint_limits, verdicts
 
 FLOWN = line("mission", {0.0: [10.0, 11.0], 2.56: [13.0, 13.0]}) + line(
@@ -46,6 +46,15 @@ def test_a_routes_table_has_all_that_was_measured() -> None:
         "mission", "0", "2/2", "34.2-100.0", "10.50 ± 6.35", "20.00 ± 0.00", "2.62 ± 1.59", "25%", "0", "1",
     )  # fmt: skip
     assert grid.rows[3] == ("joint", "2.56", "0/2", "0.0-65.8", "", "", "", "", "2", "")
+
+
+def test_a_few_flights_give_figures_and_no_verdict() -> None:
+    few, enough = study(), study().model_copy(update={"seeds": (0, 1, 2, 3, 4)})
+    findings = [one.finding for one in few.verdicts]
+    assert findings == ["holds", "not measured"]
+    assert [row[2] for row in verdict_grid(few).rows] == ["too few flights: 2 a cell", "not measured"]
+    assert [row[2] for row in verdict_grid(enough).rows] == findings
+    assert verdict_grid(few).rows[0][3] == few.verdicts[0].found
 
 
 def test_the_finer_sweep_is_a_table_of_its_own() -> None:

@@ -13,6 +13,7 @@ from waypointctl.study.autonomy import JOINT
 from waypointctl.study.cell import Cell
 from waypointctl.study.delay import DelayStudy, Route
 from waypointctl.study.estimate import Estimate
+from waypointctl.study.verdict import FEWEST, UNMEASURED
 
 MARKDOWN_HEAD: Final = "<!-- waypointctl study delay -->\n"
 
@@ -68,14 +69,19 @@ def sweep_grid(study: DelayStudy) -> Grid | None:
 
 
 def verdict_grid(study: DelayStudy) -> Grid:
-    """Return the verdicts."""
+    """Return the verdicts, or of a few flights that they are too few for one."""
+    seeds = len(study.seeds)
+    few = f"too few flights: {seeds} a cell"
     columns = (
         Column("claim", is_text=True),
         Column("route", is_text=True),
         Column("verdict", is_text=True),
         Column("found", is_text=True),
     )
-    rows = [(one.claim, one.route, one.finding, one.found) for one in study.verdicts]
+    rows = [
+        (one.claim, one.route, few if seeds < FEWEST and one.finding != UNMEASURED else one.finding, one.found)
+        for one in study.verdicts
+    ]
     return Grid("What it was to show", columns, tuple(rows))
 
 

@@ -19,6 +19,8 @@ SLOWER: Final = 2.5
 NEAR_S: Final = 0.4  # a round trip that is hardly noticed
 MOON_S: Final = 2.56
 QUARTER_S: Final = 0.25
+FEWEST: Final = 5  # flights of a cell; a verdict of fewer is one of chance, and is not shown
+UNMEASURED: Final = "not measured"
 
 _CLAIMS: Final = {
     MISSION.name: "mission takes at most the zero-delay time plus one round trip, and 5 %",
@@ -84,7 +86,7 @@ def _by_route(cells: Sequence[Cell], autonomy: str) -> dict[str, list[Cell]]:
 def _mission(cells: list[Cell]) -> tuple[Finding, str]:
     zero, *delayed = cells
     if zero.rtt_s or zero.time_s is None or not delayed:
-        return "not measured", "needs successes without a delay, and another round trip"
+        return UNMEASURED, "needs successes without a delay, and another round trip"
     if none := [cell for cell in delayed if cell.time_s is None]:
         return "refuted", f"no success at {none[0].rtt_s:g} s"
     base_s = zero.time_s.value
@@ -99,7 +101,7 @@ def _mission(cells: list[Cell]) -> tuple[Finding, str]:
 def _waypoint(flown: list[Flown]) -> tuple[Finding, str]:
     won = [one for one in flown if one.succeeded]
     if len({one.rtt_s for one in won}) < 2:
-        return "not measured", "needs successes at two round trips"
+        return UNMEASURED, "needs successes at two round trips"
     found = slope([one.rtt_s for one in won], [one.time_s for one in won])
     waited = sum(one.exchanges for one in won) / len(won)
     text = f"{found} s a second of round trip, {waited:g} commands waited for"
@@ -110,7 +112,7 @@ def _heading(cells: list[Cell]) -> tuple[Finding, str]:
     near = {cell.rtt_s: cell.time_s.value for cell in cells if cell.rtt_s <= NEAR_S and cell.time_s is not None}
     moon = next((cell for cell in cells if cell.rtt_s == MOON_S), None)
     if moon is None or not near:
-        return "not measured", f"needs {MOON_S:g} s, and successes at {NEAR_S:g} s or below"
+        return UNMEASURED, f"needs {MOON_S:g} s, and successes at {NEAR_S:g} s or below"
     if moon.time_s is None:
         return "refuted", f"no success at {MOON_S:g} s"
     ratios = {rtt_s: moon.time_s.value / time_s for rtt_s, time_s in near.items()}
@@ -123,7 +125,7 @@ def _joint(cells: list[Cell]) -> tuple[Finding, str]:
     if zero.rtt_s == 0 and not zero.mostly_succeeds:
         return "refuted", f"it fails without a delay: {zero.successes} of {zero.flights}"
     if not any(0 < cell.rtt_s <= QUARTER_S for cell in cells):
-        return "not measured", "needs round trips between 0 s and 0.25 s: --find-joint-limit"
+        return UNMEASURED, "needs round trips between 0 s and 0.25 s: --find-joint-limit"
     told = {cell.rtt_s: f"{cell.successes} of {cell.flights} succeed at {cell.rtt_s:g} s" for cell in cells}
     ends = (limit.mostly_succeeds_s, limit.mostly_fails_s)
     text = ", ".join(told[rtt_s] for rtt_s in ends if rtt_s is not None)

@@ -66,7 +66,7 @@ def commands(chronicle: Chronicle, most: int, *, narrow: bool) -> Table:
     table.add_column("round trip", justify="right", no_wrap=True)
     for command in chronicle.commands[-most:]:
         times = () if narrow else (at(command.issued_ns), at(command.received_ns))
-        onboard = str(command.onboard) if command.onboard else "under way"
+        onboard = str(command.onboard) if command.onboard else "-"
         row = (str(command.id), printable(command.what), *times, onboard, str(command.heard), at(command.round_trip_ns))
         table.add_row(*row)
     return table
