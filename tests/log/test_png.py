@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -59,3 +61,11 @@ def test_nothing_may_follow_it(pixels: NDArray[np.uint8]) -> None:
     for more in (b"more", data):
         with pytest.raises(ValueError, match="PNG"):
             texts_of(data + more)
+
+
+@pytest.mark.parametrize("side", [12_000, 60_000])
+def test_one_that_claims_to_be_enormous_is_damaged(pixels: NDArray[np.uint8], side: int) -> None:
+    data = to_png(pixels, "rock", "here")
+    header = b"IHDR" + struct.pack(">II", side, side) + data[24:29]
+    with pytest.raises(ValueError, match="is a damaged PNG file"):
+        texts_of(data[:12] + header + struct.pack(">I", zlib.crc32(header)) + data[33:])

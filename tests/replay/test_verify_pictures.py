@@ -7,15 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.drawing import require_rendering
 from tests.replay.pictured import fly_survey, repainted, with_picture
 from tests.replay.rewriting import Flown
 from waypointctl.log.messages import Message, Picture
+from waypointctl.log.png import to_png
 from waypointctl.log.reader import open_log
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.pictures import pictures_in
+from waypointctl.replay.pictures import names_of, pictures_in
 from waypointctl.replay.verdict import Verdict, Verification
 from waypointctl.replay.verify import verify, verify_log
 
@@ -129,3 +131,11 @@ def test_their_files_have_safe_names(survey: Flown) -> None:
     assert [file.name for file in files] == ["01-rock.png", "02-a-b-ö.png"]
     assert [file.data for file in files] == [it.data for it in survey.messages if isinstance(it, Picture)]
     assert verify_log(log).verdict is Verdict.EXACT
+
+
+@pytest.mark.parametrize("letter", ["a", "ö", "\U00010348"])
+def test_the_longest_name_is_still_one_of_a_file(letter: str) -> None:
+    picture = to_png(np.zeros((2, 2, 3), np.uint8), 60 * letter, "here")
+    (name,) = names_of([Picture(0, "camera", "png", picture)])
+    assert name.startswith(f"01-{letter}")
+    assert len(name.encode()) <= 200

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from importlib.metadata import version
 from typing import Final
 
@@ -42,10 +43,19 @@ def texts_of(data: bytes) -> dict[str, str]:
     if data.find(_END) != len(data) - len(_END):
         raise ValueError("is no PNG file, or not all of one")
     try:
-        with Image.open(io.BytesIO(data), formats=["png"]) as image:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            image = Image.open(io.BytesIO(data), formats=["png"])
+        with image:
             texts = {str(key): str(text) for key, text in image.info.items() if isinstance(text, str)}
             image.verify()
-    # Pillow raises SyntaxError for a broken chunk, and OSError for what is no picture.
-    except (OSError, SyntaxError, ValueError) as error:
+    # Pillow raises SyntaxError for a broken chunk, OSError for what is no picture, and its own for one too large.
+    except (
+        OSError,
+        SyntaxError,
+        ValueError,
+        Image.DecompressionBombError,
+        Image.DecompressionBombWarning,
+    ) as error:
         raise ValueError(f"is a damaged PNG file: {error}") from error
     return texts

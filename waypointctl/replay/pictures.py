@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,7 +12,7 @@ from waypointctl.log.png import TITLE, texts_of
 from waypointctl.log.reader import Log
 
 _UNSAFE: Final = re.compile(r"[^\w.-]+")
-_LONGEST: Final = 60  # characters of a name; a file's may have 255 bytes
+_LONGEST: Final = 150  # bytes of a name; a file's may have 255, and some are for its number and for writing it
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +30,14 @@ def pictures_in(log: Log) -> list[PictureFile]:
         LogError: a message cannot be read.
     """
     pictures = [message for message in log.messages(("/camera",)) if isinstance(message, Picture)]
+    return [PictureFile(name, picture.data) for name, picture in zip(names_of(pictures), pictures, strict=True)]
+
+
+def names_of(pictures: Sequence[Picture]) -> list[str]:
+    """Return the name of each picture's file: its number, and what it shows."""
     digits = max(2, len(str(len(pictures))))
     return [
-        PictureFile(f"{number:0{digits}}-{_safe(_title(picture))}.{_safe(picture.format)}", picture.data)
+        f"{number:0{digits}}-{_safe(_title(picture))}.{_safe(picture.format)}"
         for number, picture in enumerate(pictures, 1)
     ]
 
@@ -44,4 +50,5 @@ def _title(picture: Picture) -> str:
 
 
 def _safe(text: str) -> str:
-    return _UNSAFE.sub("-", text).strip("-.")[:_LONGEST] or "picture"
+    name = _UNSAFE.sub("-", text).strip("-.").encode()[:_LONGEST]
+    return name.decode(errors="ignore") or "picture"
