@@ -52,7 +52,7 @@ class Defaults(FileModel):
 
 
 class Waypoint(FileModel):
-    """A place to reach; what is None is taken from the mission's defaults. A bare [x, y] is the position."""
+    """A place to reach; what is left out is taken from the mission's defaults. A bare [x, y] is the position."""
 
     list_stands_for: ClassVar[str | None] = "position_m"
 
@@ -97,7 +97,7 @@ class Mission(FileModel):
     )
     description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
     seed: Annotated[int, Strict(), Field(ge=0, lt=2**63)] = Field(0, description="of everything that is random")
-    robot: Literal["ant"] = "ant"
+    robot: Literal["ant"] = Field("ant", description="who walks: MuJoCo's ant of eight joints")
     policy: Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(line_of_text)] = Field(
         description="the policy bundle's folder, relative to the mission file"
     )
