@@ -23,7 +23,7 @@ def test_a_line_for_each_way_on_which_there_is_something_to_tell() -> None:
         "at most 3.20 s",
     ]
     assert link_lines(LinkStory(WayStory(), WayStory(waited=1, longest_wait_ns=10_000_000))) == [
-        "link down  1 waited, at most 0.01 s"
+        "link down  1 waited, at most 10 ms"
     ]
     assert link_lines(LinkStory()) == []
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 from waypointctl.cli.view.words import at, printable
+from waypointctl.units import NS_PER_S, seconds
 
 if TYPE_CHECKING:
     from waypointctl.replay.link_story import LinkStory, WayStory
@@ -34,7 +35,12 @@ def _told(way: WayStory) -> Iterator[str]:
     if way.doubled:
         yield f"{way.doubled} doubled"
     if way.waited:
-        yield f"{way.waited} waited, at most {at(way.longest_wait_ns)}"
+        yield f"{way.waited} waited, at most {_wait(way.longest_wait_ns)}"
+
+
+def _wait(time_ns: int) -> str:
+    """Return a wait; one that is short with two figures, however short."""
+    return at(time_ns) if time_ns >= NS_PER_S // 10 else f"{seconds(time_ns) * 1e3:.2g} ms"
 
 
 def _several(kind: str, count: int) -> str:
