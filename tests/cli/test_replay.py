@@ -109,8 +109,15 @@ def test_what_is_no_log_is_refused(yard: Path, program: Program, content: bytes 
         (yard / "log.mcap").write_bytes(content)
     for more in ((), ("--verify", "--json"), ("--png", "f.png"), ("--rate", "2")):
         code, out, err = program("replay", "log.mcap", *more)
-        assert (code, out) == (2, "")
+        assert code == 2
         assert err.startswith(f"error: log.mcap: {problem}")
+        if "--json" in more:
+            told = json.loads(out)
+            assert told["exit_code"] == 2
+            assert told["error"]["where"] == "log.mcap"
+            assert told["error"]["problem"].startswith(problem)
+        else:
+            assert out == ""
     assert not (yard / "f.png").exists()
 
 

@@ -235,7 +235,7 @@ def test_a_policy_that_is_not_there_is_told_with_its_place_in_the_mission(yard: 
     (yard / "nobody.yaml").write_text(EASY.replace("policy: still", "policy: ./nobody"))
     line = EASY[: EASY.index("policy:")].count("\n") + 1
     code, out, err = program("run", "nobody.yaml", "--json")
-    assert (code, out) == (2, "")
+    assert (code, json.loads(out)["error"]["where"]) == (2, f"nobody.yaml:{line}:9")
     assert err.startswith(
         f"error: nobody.yaml:{line}:9: policy: nobody: no such folder\n  The mission names './nobody', "
     )

@@ -61,7 +61,10 @@ app.add_typer(study, name="study")
 
 
 def main() -> None:
-    """Run the command line; print what waypointctl refuses as one message and exit with its code."""
+    """Run the command line; print what waypointctl refuses as one message and exit with its code.
+
+    Under --json the message stands on stdout too, as an object: a program that reads one has one in any case.
+    """
     try:
         try:
             app()
@@ -71,6 +74,8 @@ def main() -> None:
                 sys.stdout.flush()
     except WaypointctlError as error:
         print(f"error: {error}", file=sys.stderr)
+        if "--json" in sys.argv[1:]:
+            _print_refusal(error)
         sys.exit(error.exit_code)
     except BrokenPipeError:
         _drop_answer()
@@ -81,6 +86,13 @@ def main() -> None:
         print(f"error: the answer cannot be written: {error.strerror}", file=sys.stderr)
         _drop_answer()
         sys.exit(2)
+
+
+def _print_refusal(error: WaypointctlError) -> None:
+    import json
+
+    parts = {name: getattr(error, name, None) for name in ("problem", "where", "mend")}
+    print(json.dumps({"error": parts | {"problem": parts["problem"] or str(error)}, "exit_code": error.exit_code}))
 
 
 def _drop_answer() -> None:
