@@ -7,6 +7,7 @@ from waypointctl.log.messages import FINAL_STAGES, Action, CommandStage, Stage, 
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.forecast.duration import expected
+from waypointctl.ops.forecast.effect import effect_of
 from waypointctl.ops.forecast.finding import Finding
 from waypointctl.ops.forecast.schedule import schedule_findings
 from waypointctl.ops.forecast.traffic import traffic_of
@@ -19,7 +20,8 @@ CLOSED = "link: {up: {windows: [{from: 0 s, to: 9 s}]}}\n"
 
 def of(mission: Mission) -> list[Finding]:
     traffic = traffic_of(mission)
-    return list(schedule_findings(mission, traffic, expected(mission, 2.0, traffic, mission.autonomy)))
+    effect = effect_of(mission, 2.0, expected(mission, 2.0, traffic, mission.autonomy))
+    return list(schedule_findings(mission, traffic, effect))
 
 
 def found(more: str, schedule: str) -> list[tuple[str, tuple[str | int, ...], str]]:
@@ -39,7 +41,7 @@ def found(more: str, schedule: str) -> list[tuple[str, tuple[str | int, ...], st
     ],
 )
 def test_what_comes_too_late_is_found(more: str, command: str, field: str, text: str) -> None:
-    ((kind, path, said),) = found(more, f"{{at: 1 s, do: hold}}, {{{command}}}")
+    ((kind, path, said),) = found(more, f"{{at: 1 s, do: set_timeout, timeout: 60 s}}, {{{command}}}")
     assert (kind, path) == ("schedule", ("schedule", 1, field))
     assert said.startswith(text)
 
@@ -49,10 +51,10 @@ def test_what_comes_too_late_is_found(more: str, command: str, field: str, text:
     [
         (LATE, "at: 28 s, do: hold"),  # arrives as the flight ends
         (LATE, "at: 1 s, do: hold, not_before: 30 s"),
-        (LATE, "at: 1 s, do: hold, expires: 3 s"),
-        (CLOSED, "at: 8 s, do: hold"),
+        (LATE, "at: 1 s, do: set_timeout, timeout: 60 s, expires: 3 s"),
+        (CLOSED, "at: 8 s, do: set_timeout, timeout: 60 s"),
         ("link: {up: {loss: 1}}\n", "at: 9 s, do: hold, expires: 10 s"),  # the link says so itself
-        (FENCE, "at: 9 s, do: go_to, position: [5 m, 19 m]"),
+        (FENCE, "at: 60 s, do: go_to, position: [5 m, 19 m]"),
     ],
 )
 def test_what_may_just_be_obeyed_is_not(more: str, command: str) -> None:
@@ -67,14 +69,16 @@ def test_a_place_outside_the_fence_is_found() -> None:
 
 def test_what_is_over_once_it_is_obeyed_cannot_be_cancelled() -> None:
     go_to = "{at: 2 s, do: go_to, position: [1 m, 1 m], not_before: 20 s}"
-    cancelled = f"{{at: 9 s, do: cancel, command: %d}}, {go_to}, {{at: 1 s, do: hold%s}}"
+    change = "{at: 1 s, do: set_timeout, timeout: 60 s%s}"
+    cancelled = f"{{at: 9 s, do: cancel, command: %d}}, {go_to}, {change}"
     assert [path for _, path, _ in found("", cancelled % (2, ""))] == [("schedule", 0, "command")]
     ((_, _, text),) = found("", cancelled % (2, ""))
-    assert text == "command 2 is the hold of 1 s, which is over once it is obeyed"
+    assert text == "command 2 is the set_timeout of 1 s, which is over once it is obeyed"
     assert found("", cancelled % (2, ", not_before: 20 s")) == []
     assert found("", cancelled % (3, "")) == []  # the way to a place
-    assert found("", cancelled % (1, "")) == []  # the plan
-    assert found("autonomy: waypoint\n", cancelled % (2, "")) == []  # its own commands come in between
+    none = "expect: {reached: 0}\n"
+    assert found(none, cancelled % (1, "")) == []  # the plan
+    assert found(f"autonomy: waypoint\n{none}", cancelled % (2, "")) == []  # its own commands come in between
 
 
 @pytest.mark.parametrize(
@@ -141,12 +145,13 @@ def test_a_command_that_the_mission_fails_by_is_found(autonomy: str, do: str) ->
     schedule = [{"at_s": 0.5, "do": do} | place]
     far = {"position_m": [500.0, 0.0], "timeout_s": 300.0}
     mission = mission_of(far, autonomy=autonomy, schedule=schedule, expect={"max_time_s": 5.0})
-    texts = [each.text for each in of(mission) if "the mission fails" in each.text]
+    texts = [each.text for each in of(mission) if "the mission is expected to fail" in each.text]
     result, _ = flown(mission)
     assert bool(texts) == (autonomy != "joint")
     assert result.reason.startswith("longer than 5 s") == (autonomy == "joint"), "a pilot goes on"
     if texts:
-        assert texts[0].startswith(f"{do} ends the plan before all waypoints are reached, which is expected after 25")
+        assert texts[0].startswith(f"the mission is expected to fail by this {do}, at about ")
+        assert texts[0].endswith(", 0 of 1 waypoint reached; if that is meant, set expect.reached")
         assert of(mission_of(far, autonomy=autonomy, schedule=schedule, expect={"reached": 0})) == []
         late = [schedule[0] | {"not_before_s": 4_000.0}]
         assert of(mission_of(far, autonomy=autonomy, schedule=late)) == []

@@ -23,10 +23,8 @@ def loss_findings(link: Link) -> Iterator[Finding]:
         yield Finding("loss", ("link", dead[0], "loss"), _FOLLOWS[dead])
     if fading := [way for way in _WAYS if _stays_bad(losses[way])]:
         after = 1 / losses[fading[0]].p
-        text = (
-            f"the link {' and '.join(fading)} never recovers (r is 0): after some {after:.3g} messages, on average, "
-            "every one is lost"
-        )
+        when = "after the first message" if after == 1 else f"after some {after:.3g} messages, on average,"
+        text = f"the link {' and '.join(fading)} never recovers (r is 0): {when} every one is lost"
         yield Finding("loss", ("link", fading[0], "loss"), text)
 
 

@@ -8,7 +8,7 @@ from typing import Final
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.schedule import ScheduledCommand
 from waypointctl.ops.executive.rules import rules_of
-from waypointctl.ops.forecast.duration import Expected
+from waypointctl.ops.forecast.effect import Effect
 from waypointctl.ops.forecast.finding import Finding
 from waypointctl.ops.forecast.losses import loses_all
 from waypointctl.ops.forecast.traffic import Traffic, scheduled_bytes
@@ -28,20 +28,17 @@ _WITHOUT_EFFECT: Final[dict[tuple[str, str], str]] = {
     ("joint", "abort"): "the pilot's next action takes the motors again; hold stops it",
 }
 _LASTING: Final = ("go_to", "return_home")  # the others are over as soon as they are obeyed
+# What ends the plan, or a part of it: somebody may mean that.
+_ENDING: Final = ("go_to", "return_home", "abort", "cancel", "skip")
 
 
-# Commands that end what the operator has asked for, where the robot walks by itself.
-_ENDING: Final = ("go_to", "return_home", "abort")
-_SURELY: Final = 0.8  # of the time that is expected: so early a plan is not at its end
-
-
-def schedule_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iterator[Finding]:
+def schedule_findings(mission: Mission, traffic: Traffic, effect: Effect) -> Iterator[Finding]:
     """Yield the scheduled commands that the robot will not obey, or that the mission fails by.
 
     Args:
         mission: that has the schedule.
         traffic: its link.
-        own: what is expected of the mission without the schedule.
+        effect: what the schedule makes of the mission.
     """
     fence = rules_of(mission).fence
     for place, command in enumerate(mission.schedule):
@@ -53,7 +50,8 @@ def schedule_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iter
         arrives_ns = traffic.arrives_up_ns(ns(command.at_s), scheduled_bytes(command, mission))
         arrives_s = None if arrives_ns is None else seconds(arrives_ns)
         found = _never_sent(mission, command) or _too_late(mission, command, arrives_s) or _idle(mission, command)
-        found = found or _ends_it(mission, command, arrives_s, own)
+        if found is None and place == effect.culprit:
+            found = _fails_by(mission, command, effect)
         if found is not None:
             field, text = found
             yield Finding("schedule", (*path, field), text)
@@ -90,20 +88,20 @@ def _idle(mission: Mission, command: ScheduledCommand) -> tuple[str, str] | None
     return None if why is None else ("do", f"{command.do} does nothing under autonomy {mission.autonomy}: {why}")
 
 
-def _ends_it(
-    mission: Mission, command: ScheduledCommand, arrives_s: float | None, own: Expected
-) -> tuple[str, str] | None:
-    """Return what makes a mission a failure: a command that takes its place while waypoints are left."""
-    wants_all = mission.expect.reached in ("all", mission.num_legs)
-    if mission.autonomy == "joint" or command.do not in _ENDING or not wants_all:
-        return None
-    if arrives_s is None or own.time_s is None or max(arrives_s, command.not_before_s or 0.0) > _SURELY * own.time_s:
-        return None
-    text = (
-        f"{command.do} ends the plan before all waypoints are reached, which is expected after {own.time_s:.1f} s: the "
-        "mission fails; to mean that, set expect.reached"
-    )
-    return "do", text
+def _fails_by(mission: Mission, command: ScheduledCommand, effect: Effect) -> tuple[str, str]:
+    """Return what becomes of a mission by one command of its schedule."""
+    rehearsed = effect.rehearsed
+    assert rehearsed is not None
+    if not rehearsed.ends and command.do == "hold":
+        return "do", "nothing after this hold tells the robot to go on: the mission never ends"
+    count = mission.num_legs
+    facts = f"{rehearsed.reached} of {count} waypoint{'s' * (count > 1)} reached"
+    meant = "; if that is meant, set expect.reached" if command.do in _ENDING else ""
+    if not rehearsed.ends:
+        why = f"{rehearsed.reason}, and nobody tells it to go on" if rehearsed.reason else "nothing more happens"
+        return "do", f"the mission never ends after this {command.do}: {why}, {facts}{meant}"
+    at = f"at about {rehearsed.time_s:.1f} s"
+    return "do", f"the mission is expected to fail by this {command.do}, {at}: {rehearsed.reason}, {facts}{meant}"
 
 
 def _over_already(mission: Mission) -> Iterator[Finding]:

@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from waypointctl.mission.files import load_mission, parse_mission
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.fly import fly
+from waypointctl.ops.forecast.forecast import Forecast, WalkingSpeed, forecast
+from waypointctl.ops.forecast.rehearsal import rehearse
+from waypointctl.policy.bundle import LoadedPolicy, load_policy
+from waypointctl.units import seconds
+
+ROOT = Path(__file__).parents[3]
+SPEED = WalkingSpeed(2.07, "measured")
+BAND = 0.1  # a flight turns and accelerates, a point does not
+
+TWO = "name: n\npolicy: p\nlink: {delay: 1.28 s}\nwaypoints: [[5, 0], [5, 5]]\n"
+FENCED = (
+    "name: n\npolicy: p\nlink: {delay: 1.28 s}\nwaypoints: [[5, 0], [5, 5], [20, 5]]\n"
+    "onboard: {geofence: {keep_in: [{corners: [[-1, -1], [10, -1], [10, 10], [-1, 10]]}]}}\n"
+)
+NEVER_ENDS = "nothing after this hold tells the robot to go on: the mission never ends"
+FAIL = "the mission is expected to fail by this "
+
+
+@pytest.fixture(scope="module")
+def policy() -> LoadedPolicy:
+    return load_policy(ROOT / "policies" / "ant-waypoint")
+
+
+def read(text: str) -> Mission:
+    return parse_mission(text.encode(), "m.yaml")
+
+
+def told(mission: Mission) -> Forecast:
+    return forecast(mission, SPEED)
+
+
+# What fails although nothing is wrong with the file, and what is said of it.
+FAILING = [
+    (TWO + "schedule: [{at: 2 s, do: hold}]\n", NEVER_ENDS),
+    (TWO + "schedule: [{at: 1 s, do: resume}, {at: 2 s, do: hold}]\n", NEVER_ENDS),
+    (TWO + "schedule: [{at: 3 s, do: hold}, {at: 2 s, do: resume}]\n", NEVER_ENDS),
+    (TWO + "schedule: [{at: 2 s, do: cancel, command: 1}]\n", FAIL + "cancel"),
+    (TWO + "schedule: [{at: 2 s, do: skip}]\n", FAIL + "skip"),
+    (TWO + "schedule: [{at: 1 s, do: set_timeout, timeout: 1 s}]\n", FAIL + "set_timeout"),
+    (TWO + "schedule: [{at: 2 s, do: return_home}]\nexpect: {reached: 1}\n", FAIL + "return_home"),
+    (TWO + "onboard: {stuck: {within: 1 m, for: 100 ms}}\n", "1 m in 0.1 s is 10.0 m/s"),
+    (TWO + "onboard: {stuck: {within: 50 cm, for: 500 ms}}\n", "0.5 m in 0.5 s: a robot that stands takes 0.4 s"),
+    (FENCED, "WP3 is outside keep-in: the robot will reject the whole plan"),
+    (FENCED + "autonomy: waypoint\n", "WP3 is outside keep-in: the robot will reject it, and the mission ends there"),
+    (FENCED + "autonomy: heading\n", "WP3 is outside keep-in: the robot will reject the first goal outside"),
+]
+
+
+@pytest.mark.parametrize(("text", "said"), FAILING)
+def test_what_is_expected_never_to_succeed_fails_when_it_is_flown(text: str, said: str, policy: LoadedPolicy) -> None:
+    mission = read(text)
+    found = told(mission)
+    assert found.own.time_s is None
+    assert [each.text for each in found.findings if each.text.startswith(said)]
+    result = fly(mission, policy, lambda _: None)
+    assert result.outcome == "failure"
+    rehearsed = rehearse(mission, SPEED.mps, 20.0)
+    assert rehearsed is not None
+    assert not rehearsed.good
+    assert rehearsed.reached == result.waypoints_reached
+    if rehearsed.ends:
+        assert rehearsed.time_s == pytest.approx(seconds(result.sim_time_ns), rel=BAND, abs=0.9)
+
+
+# What a schedule makes longer or shorter, and good all the same.
+GOOD = [
+    TWO + "schedule: [{at: 1 s, do: hold}, {at: 9 s, do: resume}]\n",
+    TWO + "schedule: [{at: 1 s, do: hold}, {at: 9 s, do: return_home}]\nexpect: {reached: 0}\n",
+    TWO + "schedule: [{at: 0 s, do: hold, not_before: 3 s}, {at: 20 s, do: resume}]\n",
+    TWO + "autonomy: waypoint\nschedule: [{at: 1 s, do: hold}, {at: 9 s, do: resume}]\n",
+    TWO + "autonomy: heading\nschedule: [{at: 1 s, do: hold}, {at: 9 s, do: resume}]\n",
+    TWO + "schedule: [{at: 2 s, do: skip}]\nexpect: {reached: 1}\n",
+    TWO + "operator: {released: 1}\nschedule: [{at: 9 s, do: release, released: -1}]\n",
+]
+
+
+@pytest.mark.parametrize("text", GOOD)
+def test_what_a_schedule_adds_is_counted(text: str, policy: LoadedPolicy) -> None:
+    mission = read(text)
+    found = told(mission)
+    assert found.findings == ()
+    assert found.not_counted == ()
+    result = fly(mission, policy, lambda _: None)
+    assert result.outcome == "success", result.reason
+    assert found.own.time_s == pytest.approx(seconds(result.sim_time_ns), rel=BAND)
+
+
+@pytest.mark.parametrize("name", ["hold-and-resume", "released-in-stages"])
+def test_the_shipped_schedules_are_counted(name: str, policy: LoadedPolicy) -> None:
+    mission = load_mission(ROOT / "missions" / f"{name}.yaml").mission
+    result = fly(mission, policy, lambda _: None)
+    found = told(mission)
+    assert found.findings == ()
+    assert found.own.time_s == pytest.approx(seconds(result.sim_time_ns), rel=BAND)
+
+
+def test_the_first_command_after_which_nothing_helps_is_to_blame() -> None:
+    both = "{at: 1 s, do: hold}, {at: 3 s, do: resume}"
+    schedule = f"{both}, {{at: 4 s, do: set_tolerance, tolerance: 1 m}}, {{at: 5 s, do: abort}}, {{at: 6 s, do: hold}}"
+    findings = told(read(f"{TWO}schedule: [{schedule}]\n")).findings
+    assert [each.path for each in findings if each.kind == "schedule"] == [("schedule", 3, "do")]
+
+
+def test_a_mission_that_fails_without_its_schedule_too_is_not_blamed_on_it() -> None:
+    text = TWO + "defaults: {timeout: 1 s}\nschedule: [{at: 9 s, do: skip}]\n"
+    found = told(read(text))
+    assert found.not_counted == ("the schedule",)
+    assert {each.kind for each in found.findings} == {"timeout"}
+
+
+def test_a_pilot_cannot_be_rehearsed() -> None:
+    assert rehearse(read(TWO + "autonomy: joint\n"), 2.0, 10.0) is None
+
+
+def test_long_ways_take_no_more_steps() -> None:
+    far = "name: n\npolicy: p\ndefaults: {timeout: 1 d}\nwaypoints: [[9000, 0], [0, 9000]]\n"
+    rehearsed = rehearse(read(far), 2.0, 10_864.0)
+    assert rehearsed is not None
+    assert rehearsed.good
+    assert rehearsed.time_s == pytest.approx((9_000 + 9_000 * 2**0.5) / 2.0, rel=0.001)

@@ -1,0 +1,91 @@
+"""What a schedule, a rejected waypoint or a rule that is too strict makes of a mission, gone through on paper.
+
+What is expected without a schedule is worked out elsewhere; here it gets longer by as much as the schedule makes the
+mission longer on paper.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+from waypointctl.mission.mission import Mission
+from waypointctl.mission.schedule import ScheduledCommand
+from waypointctl.ops.executive.rules import rules_of
+from waypointctl.ops.forecast.duration import Autonomy, Expected
+from waypointctl.ops.forecast.rehearsal import Rehearsed, rehearse
+from waypointctl.ops.forecast.stuck import always_stuck
+
+_MOST_REHEARSALS: Final = 20  # in search of the command that a mission fails by
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What a schedule makes of a mission.
+
+    Attributes:
+        expected: of the mission with its schedule.
+        counted: whether the schedule is in it.
+        culprit: the place in the schedule of the command that the mission fails by; None where none is to blame.
+        rehearsed: how it goes with the whole schedule, where that is known.
+    """
+
+    expected: Expected
+    counted: bool = True
+    culprit: int | None = None
+    rehearsed: Rehearsed | None = None
+
+
+def effect_of(mission: Mission, speed_mps: float, without: Expected) -> Effect:
+    """Return what the schedule makes of a mission, a waypoint outside the fence, and a rule that no robot can meet.
+
+    Args:
+        mission: with its schedule.
+        speed_mps: how fast the policy walks.
+        without: what is expected of it without the schedule, under the autonomy that is asked about.
+    """
+    cannot = _is_rejected(mission) or always_stuck(mission, speed_mps)
+    if without.blocked is not None or without.falls or not (mission.schedule or cannot):
+        return Effect(without)
+    asked, about_s = _under(mission, without.autonomy), without.time_s or 0.0
+    before = rehearse(_with(asked, ()), speed_mps, about_s)
+    after = rehearse(asked, speed_mps, about_s) if mission.schedule else before
+    if before is None or after is None:
+        return Effect(without, counted=not mission.schedule)
+    if after.good:
+        added_s = after.time_s - before.time_s
+        time_s = without.time_s + added_s if before.good and without.time_s is not None else after.time_s
+        return Effect(replace(without, time_s=time_s), rehearsed=after)
+    if before.good or cannot:
+        blamed = before.good and without.autonomy == mission.autonomy
+        culprit = _culprit(mission, asked, speed_mps, about_s) if blamed else None
+        return Effect(replace(without, time_s=None), culprit=culprit, rehearsed=after)
+    return Effect(without, counted=not mission.schedule, rehearsed=after)
+
+
+def _is_rejected(mission: Mission) -> bool:
+    """Tell whether a waypoint lies outside the fence."""
+    fence = rules_of(mission).fence
+    return any(fence.breach(leg.x_m, leg.y_m) for leg in mission.legs())
+
+
+def _culprit(mission: Mission, asked: Mission, speed_mps: float, about_s: float) -> int | None:
+    """Return the place of the first scheduled command after which nothing makes the mission good again."""
+    in_turn = sorted(asked.schedule, key=lambda command: command.at_s)
+    for count in range(len(in_turn) - 1, max(len(in_turn) - 1 - _MOST_REHEARSALS, -1), -1):
+        rehearsed = rehearse(_with(asked, tuple(in_turn[:count])), speed_mps, about_s)
+        if rehearsed is not None and rehearsed.good:
+            return next(place for place, each in enumerate(mission.schedule) if each is in_turn[count])
+    return None
+
+
+def _under(mission: Mission, autonomy: Autonomy) -> Mission:
+    """Return a mission under an autonomy, with all the time it needs; what is never sent for want of it is left out."""
+    limit_s = mission.expect.max_time_s
+    sent = tuple(each for each in mission.schedule if limit_s is None or each.at_s <= limit_s)
+    expect = mission.expect.model_copy(update={"max_time_s": None})
+    return mission.model_copy(update={"autonomy": autonomy, "expect": expect, "schedule": sent})
+
+
+def _with(mission: Mission, schedule: tuple[ScheduledCommand, ...]) -> Mission:
+    return mission.model_copy(update={"schedule": schedule})

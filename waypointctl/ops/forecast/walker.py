@@ -1,0 +1,123 @@
+"""A robot on paper: the executive that flies, on a point that walks straight on at the policy's mean speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from waypointctl.log.messages import FINAL_STAGES, Ack, Command, CommandStage, Event, Stage, Telemetry
+from waypointctl.mission.mission import Mission
+from waypointctl.ops.executive.executive import Executive
+from waypointctl.ops.executive.rules import rules_of
+from waypointctl.ops.link.frames import Heartbeat
+from waypointctl.units import NS_PER_S, ns
+
+# Until a standing ant is under way: 0.42 s are left of a goal's time in docs/delay.md (heading, move and wait) once the
+# way and the round trip are taken from it.
+SETTING_OUT_S: Final = 0.4
+_SETTING_OUT_NS: Final = ns(SETTING_OUT_S)
+_TINY_M: Final = 1e-9
+_REST_AFTER_NS: Final = 10 * NS_PER_S  # as in flight: so long still, then frames come at the beacon's rate
+_TOLD_WITH_A_FRAME: Final = FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED}
+
+
+def _ignore(_: Event) -> None:
+    return
+
+
+class Walker:
+    """One robot that obeys commands; it does not fall, and misses no waypoint that it comes to.
+
+    Attributes:
+        executive: what decides on board.
+        beacons: frames sent since it began to rest.
+    """
+
+    def __init__(self, mission: Mission, speed_mps: float, send: Callable[[int, Ack | Telemetry], None]) -> None:
+        """Stand at the mission's start; `send` takes what it reports at a time [ns]."""
+        self.executive = Executive(self._report, _ignore, remind=self._acknowledge, rules=rules_of(mission))
+        self.beacons = 0
+        self._send = send
+        self._speed_mps = speed_mps
+        self._position = np.array([mission.start.position_m], dtype=np.float64)  # (1, 2) [m]
+        self._period_ns = ns(1 / mission.telemetry.rate_hz)
+        self._beacon_ns = max(ns(mission.telemetry.beacon_s), self._period_ns)
+        self._frames = 0
+        self._frame_ns = 0  # when the next frame is due
+        self._stood_ns = 0  # when it last stood
+        self._moved_ns = 0  # when it last walked
+
+    def obey(self, now_ns: int, arrived: Command | Heartbeat) -> None:
+        """Take what has arrived."""
+        if isinstance(arrived, Heartbeat):
+            self.executive.heard(now_ns)
+            return
+        self.executive.obey(now_ns, arrived)
+        self._tell(now_ns)
+
+    def sense(self, now_ns: int) -> None:
+        """Let the executive look at the world; report at the telemetry rate and whenever something changes."""
+        before = self._standing()
+        self.executive.sense(now_ns, self._position, fell=False)
+        if now_ns >= self._frame_ns:
+            resting = now_ns - self._moved_ns >= _REST_AFTER_NS
+            self.beacons = self.beacons + 1 if resting else 0
+            self._tell(now_ns)
+            self._frame_ns = now_ns + (self._beacon_ns if resting else self._period_ns)
+        elif before != self._standing():
+            self._tell(now_ns)
+
+    def walk(self, now_ns: int, until_ns: int) -> None:
+        """Walk on for a while, or stand."""
+        if not self.executive.on_foot:
+            self._stood_ns = until_ns
+            return
+        if now_ns - self._moved_ns >= _REST_AFTER_NS:
+            self._frame_ns, self.beacons = now_ns, 0
+        self._moved_ns = until_ns
+        walked_ns = until_ns - max(now_ns, self._stood_ns + _SETTING_OUT_NS)
+        if walked_ns <= 0:
+            return
+        way = self.executive.goals[0, 0] - self._position[0]
+        left_m = math.hypot(*way)
+        step_m = self._speed_mps * walked_ns / NS_PER_S
+        self._position[0] += way * (min(step_m / left_m, 1.0) if left_m else 0.0)
+
+    def next_ns(self, now_ns: int) -> int:
+        """Return when it has something to do by itself, standing [ns]."""
+        due_ns = self.executive.next_ns(now_ns)
+        return self._frame_ns if due_ns is None else min(due_ns, self._frame_ns)
+
+    @property
+    def plans_nothing(self) -> bool:
+        """Whether it has said twice that it rests, and does nothing more by itself as long as nothing arrives."""
+        return self.beacons > 1 and not self.executive.on_foot and not self.executive.plans
+
+    @property
+    def rests_since_ns(self) -> int:
+        """When it began to rest, if it does [ns]."""
+        return self._moved_ns + _REST_AFTER_NS
+
+    def _standing(self) -> tuple[object, ...]:
+        executive = self.executive
+        return executive.mode, executive.leg, len(executive.reached)
+
+    def _tell(self, now_ns: int) -> None:
+        executive, target = self.executive, self.executive.target
+        index = -1 if target is None else target.index
+        x_m, y_m = self._position[0].tolist()
+        pose = (x_m or _TINY_M, y_m or _TINY_M, 0.55, 0.75, 2.0)  # a 0 takes no bytes: frames are as long as in flight
+        frame = Telemetry(self._frames, executive.mode, *pose, index, executive.reached, now_ns, now_ns)
+        self._frames += 1
+        self._send(now_ns, frame)
+
+    def _report(self, stage: CommandStage) -> None:
+        if stage.stage in _TOLD_WITH_A_FRAME:
+            self._tell(stage.time_ns)
+        self._acknowledge(stage)
+
+    def _acknowledge(self, it: CommandStage) -> None:
+        self._send(it.time_ns, Ack(it.command_id, it.stage, it.reason, it.time_ns, it.time_ns))
