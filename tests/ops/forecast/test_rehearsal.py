@@ -121,6 +121,15 @@ def test_a_pilot_cannot_be_rehearsed() -> None:
     assert rehearse(read(TWO + "autonomy: joint\n"), 2.0, 10.0) is None
 
 
+@pytest.mark.parametrize("then", ["", ", {at: 2 s, do: go_to, position: [1 m, 1 m]}", ", {at: 2 s, do: resume}"])
+def test_a_pilot_who_holds_goes_on_only_when_it_is_told_to(then: str, policy: LoadedPolicy) -> None:
+    near = TWO.replace("1.28 s", "0 s") + "autonomy: joint\nexpect: {max_time: 30 s}\n"
+    mission = read(f"{near}schedule: [{{at: 1 s, do: hold}}{then}]\n")
+    texts = [each.text for each in told(mission).findings if each.kind == "schedule"]
+    assert (texts == [NEVER_ENDS]) == ("resume" not in then)
+    assert (fly(mission, policy, lambda _: None).outcome == "success") == ("resume" in then)
+
+
 def test_long_ways_take_no_more_steps() -> None:
     far = "name: n\npolicy: p\ndefaults: {timeout: 1 d}\nwaypoints: [[9000, 0], [0, 9000]]\n"
     rehearsed = rehearse(read(far), 2.0, 10_864.0)

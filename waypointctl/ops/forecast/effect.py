@@ -50,6 +50,8 @@ def effect_of(mission: Mission, speed_mps: float, without: Expected) -> Effect:
     asked, about_s = _under(mission, without.autonomy), without.time_s or 0.0
     before = rehearse(_with(asked, ()), speed_mps, about_s)
     after = rehearse(asked, speed_mps, about_s) if mission.schedule else before
+    if (held := _held_pilot(mission, without)) is not None:
+        return Effect(replace(without, time_s=None), culprit=held)
     if before is None or after is None:
         return Effect(without, counted=not mission.schedule)
     if after.good:
@@ -67,6 +69,16 @@ def _is_rejected(mission: Mission) -> bool:
     """Tell whether a waypoint lies outside the fence."""
     fence = rules_of(mission).fence
     return any(fence.breach(leg.x_m, leg.y_m) for leg in mission.legs())
+
+
+def _held_pilot(mission: Mission, without: Expected) -> int | None:
+    """Return the place of a hold that no resume follows, under autonomy joint: a pilot waits for nothing else."""
+    if without.autonomy != "joint" or without.time_s is None:
+        return None
+    told = [(command.at_s, place) for place, command in enumerate(mission.schedule) if command.do in ("hold", "resume")]
+    at_s, last = max(told, default=(0.0, -1))
+    is_hold = last >= 0 and mission.schedule[last].do == "hold" and mission.schedule[last].expires_s is None
+    return last if is_hold and at_s < without.time_s else None
 
 
 def _culprit(mission: Mission, asked: Mission, speed_mps: float, about_s: float) -> int | None:

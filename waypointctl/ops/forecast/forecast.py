@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.delivery import HOPELESS, delivered, delivery_findings
 from waypointctl.ops.forecast.duration import AUTONOMIES, Expected, expected
+from waypointctl.ops.forecast.effect import Effect, effect_of
 from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.heartbeats import heartbeat_findings
+from waypointctl.ops.forecast.home import home_findings
 from waypointctl.ops.forecast.link import link_findings
+from waypointctl.ops.forecast.queued import Queued, queued
 from waypointctl.ops.forecast.release import release_findings
 from waypointctl.ops.forecast.route import route_findings
 from waypointctl.ops.forecast.schedule import schedule_findings
 from waypointctl.ops.forecast.steering import steering_findings
-from waypointctl.ops.forecast.traffic import traffic_of
+from waypointctl.ops.forecast.stuck import stuck_findings
+from waypointctl.ops.forecast.tolerance import tolerance_findings
+from waypointctl.ops.forecast.traffic import Traffic, traffic_of
 from waypointctl.ops.forecast.unused import unused_findings
 
 
@@ -55,21 +62,31 @@ def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
         MissionError: something is wrong with a file that it refers to.
     """
     traffic = traffic_of(mission)
-    times = tuple(expected(mission, speed.mps, traffic, autonomy) for autonomy in AUTONOMIES)
-    own = next(each for each in times if each.autonomy == mission.autonomy)
+    alone = [expected(mission, speed.mps, traffic, autonomy) for autonomy in AUTONOMIES]
+    waited = [queued(mission, speed.mps, traffic, each) for each in alone]
+    queue = next(each for each in waited if each.expected.autonomy == mission.autonomy)
+    effects = [_got_through(mission, traffic, effect_of(mission, speed.mps, each.expected)) for each in waited]
+    times = tuple(effect.expected for effect in effects)
+    effect = next(each for each in effects if each.expected.autonomy == mission.autonomy)
+    own = effect.expected
     findings = [
         *route_findings(mission, speed.mps),
         *release_findings(mission),
         *steering_findings(mission, speed.mps, traffic),
-        *schedule_findings(mission, traffic, own),
-        *link_findings(mission, traffic, own),
+        *stuck_findings(mission, speed.mps),
+        *tolerance_findings(mission),
+        *home_findings(mission, speed.mps),
+        *schedule_findings(mission, traffic, effect),
+        *link_findings(mission, traffic, own, queue.follows),
+        *delivery_findings(mission, traffic, own),
+        *heartbeat_findings(mission, own),
         *unused_findings(mission),
     ]
     limit_s = mission.expect.max_time_s
     if limit_s is not None and own.time_s is not None and own.time_s > limit_s:
         text = f"{limit_s:g} s are allowed, and about {own.time_s:.1f} s are expected"
         findings.append(Finding("max_time", ("expect", "max_time_s"), text))
-    return Forecast(speed, times, own, tuple(_once(findings)), tuple(_not_counted(mission)))
+    return Forecast(speed, times, own, tuple(_once(findings)), tuple(_not_counted(mission, effect, queue)))
 
 
 def _once(findings: Iterable[Finding]) -> Iterator[Finding]:
@@ -82,8 +99,18 @@ def _once(findings: Iterable[Finding]) -> Iterator[Finding]:
             yield finding
 
 
-def _not_counted(mission: Mission) -> Iterator[str]:
-    if mission.schedule:
+def _got_through(mission: Mission, traffic: Traffic, effect: Effect) -> Effect:
+    """Return what is expected of a mission over a link that may let nothing of it through."""
+    own = effect.expected
+    asked = mission.model_copy(update={"autonomy": own.autonomy})
+    hopeless = own.time_s is not None and delivered(asked, traffic, own) < HOPELESS
+    return replace(effect, expected=replace(own, time_s=None)) if hopeless else effect
+
+
+def _not_counted(mission: Mission, effect: Effect, queue: Queued) -> Iterator[str]:
+    if not queue.counted:
+        yield "telemetry in the queue"
+    if not effect.counted:
         yield "the schedule"
     if mission.link.up.loss or mission.link.down.loss:
         yield "losses"

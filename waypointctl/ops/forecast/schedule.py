@@ -91,8 +91,7 @@ def _idle(mission: Mission, command: ScheduledCommand) -> tuple[str, str] | None
 def _fails_by(mission: Mission, command: ScheduledCommand, effect: Effect) -> tuple[str, str]:
     """Return what becomes of a mission by one command of its schedule."""
     rehearsed = effect.rehearsed
-    assert rehearsed is not None
-    if not rehearsed.ends and command.do == "hold":
+    if rehearsed is None or (not rehearsed.ends and command.do == "hold"):
         return "do", "nothing after this hold tells the robot to go on: the mission never ends"
     count = mission.num_legs
     facts = f"{rehearsed.reached} of {count} waypoint{'s' * (count > 1)} reached"
