@@ -31,7 +31,7 @@ class InputError(WaypointctlError):
     Args:
         problem: what was found and what is allowed, one sentence or a few lines.
         where: the file, or file:line:column, that it was found at.
-        mend: what to do about it.
+        mend: what to do about it; the message begins it with a capital letter.
     """
 
     exit_code = 2
@@ -42,7 +42,7 @@ class InputError(WaypointctlError):
         self.where = where
         self.mend = mend
         message = f"{where}: {problem}" if where else problem
-        super().__init__(f"{message}\n  {mend}" if mend else message)
+        super().__init__(f"{message}\n  {mend[0].upper()}{mend[1:]}" if mend else message)
 
 
 class MissionError(InputError):

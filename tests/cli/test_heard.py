@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 from waypointctl.cli.view.heard import Heard
 from waypointctl.log.messages import Ack, Clock, CommandStage, Event, EventKind, Mode, Severity, Stage, Telemetry
 from waypointctl.units import NS_PER_S
@@ -57,3 +59,8 @@ def test_what_is_not_known_is_said_and_what_is_heard_later_takes_its_place() -> 
 
 def test_an_acknowledgement_of_a_command_that_nobody_sent_is_passed_over() -> None:
     assert told(Ack(7, Stage.STARTED, "", 0, 0)) == ["robot: nothing heard yet"]
+
+
+def test_a_heading_of_a_little_less_than_zero_is_zero() -> None:
+    ahead = replace(frame(0, 10, 15), heading_rad=-0.001)
+    assert ", heading 0 deg, " in told(ahead)[0]

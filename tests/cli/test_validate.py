@@ -38,7 +38,7 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.stdout == (
         f"OK {path}: dog, 2 waypoints, 11.0 m, link 2 s +- 0.01 s up, 0 s down, autonomy mission\n"
-        "   expected 7.5 s (waypoint 9.5 s, heading 35.5 s, joint a fall) at 2.00 m/s, assumed, since no evaluation "
+        "   expected 7.5 s (waypoint 9.5 s, heading 40.4 s, joint a fall) at 2.00 m/s, assumed, since no evaluation "
         "of p tells its speed\n"
     )
     assert result.stderr == ""
@@ -130,9 +130,9 @@ def test_what_may_go_wrong_is_a_warning_with_its_place(tmp_path: Path) -> None:
     assert result.exit_code == 0
     assert result.stderr.splitlines() == [
         f"warning: {path}:3:10: expect.max_time: 2 s are allowed, and about 13.4 s are expected",
-        f"warning: {path}:6:29: waypoints[1].timeout: WP2 is 36.0 m away: 18.0 s at 2.00 m/s, and has 9 s",
-        f"warning: {path}:8:3: link.rate: telemetry comes to 3040 bit/s, and the link down carries 1000: they wait, "
-        "and are lost",
+        f"warning: {path}:6:29: waypoints[1].timeout: WP2 is 36.5 m away: 18.0 s at 2.00 m/s, and has 9 s",
+        f"warning: {path}:8:3: link.rate: telemetry comes to 3040 bit/s, and the link down carries 1000: what is "
+        "too much waits, and acknowledgements behind it; once the queue is full they are lost",
     ]
     assert CliRunner().invoke(app, ["validate", "--strict", str(path)]).exit_code == 1
     (record,) = json.loads(CliRunner().invoke(app, ["validate", "--json", str(path)]).stdout)["missions"]
@@ -179,7 +179,9 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
     assert result.exit_code == 0
     way = Way(delay_s=2.0).model_dump(mode="json")
     assert {"delay_s": 2.0, "jitter_s": 0.0, "loss": 0.0, "rate_bps": None}.items() <= way.items()
-    times = {"mission": (6.5, 1), "waypoint": (6.5, 1), "heading": (30.5, 7), "joint": (None, 1)}
+    way_s = (5 - 0.5 / 0.8) / 2  # to where the waypoint's box begins
+    once_s = 0.35 + way_s + 4
+    times = {"mission": (once_s, 1), "waypoint": (once_s, 1), "heading": (way_s + 7 * 4.35, 7), "joint": (None, 1)}
     assert json.loads(result.stdout) == {
         "ok": True,
         "missions": [
@@ -195,7 +197,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "policy": str(tmp_path / "p"),
                 "policy_found": True,
                 "speed": {"mps": 2.0, "source": "assumed, since no evaluation of p tells its speed"},
-                "expected_time_s": 6.5,
+                "expected_time_s": pytest.approx(once_s),
                 "expected": [
                     {
                         "autonomy": autonomy,
@@ -232,3 +234,36 @@ def test_validating_loads_no_simulator(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.endswith("\n[]\n")
+
+
+def test_another_policy_may_be_expected_to_fly(tmp_path: Path) -> None:
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: gone\nwaypoints: [[3, 4]]\n")
+    policy = ROOT / "policies" / "ant-waypoint"
+    result = CliRunner().invoke(app, ["validate", "--strict", str(path), "--policy", str(policy)])
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert "the mean of ant-waypoint in the suite region" in result.stdout
+    result = CliRunner().invoke(app, ["validate", "--json", str(path), "--policy", str(policy)])
+    (record,) = json.loads(result.stdout)["missions"]
+    assert (record["policy"], record["policy_found"]) == (str(policy), True)
+
+
+def test_one_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    argv = ["validate", SHIPPED[0], "--policy", str(tmp_path / "gone")]
+    run = subprocess.run([sys.executable, "-m", "waypointctl", *argv], capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    assert "gone: no such folder\n  --policy takes the folder of a policy" in run.stderr
+
+
+def test_one_wrong_reference_is_one_problem(tmp_path: Path) -> None:
+    (tmp_path / "p.ionrc").write_text(
+        "a contact 2026/11/22-10:00:00 2026/11/22-10:00:20 1 2 99\na range +0 +20 1 2 1\n"
+    )
+    path = tmp_path / "m.yaml"
+    head = "name: dog\npolicy: p\nwaypoints: [[3, 4]]\nlink: {contact_plan: {file: p.ionrc, from_node: 1, to_node: 2"
+    path.write_text(f"{head}}}}}\n")
+    (line,) = CliRunner().invoke(app, ["validate", str(path)]).stdout.splitlines()
+    assert "p.ionrc:1:11: 2026/11/22-10:00:00 is an absolute time, and the mission has no date" in line
+    path.write_text(f'{head}, reference: "2026-11-22"}}}}\n')
+    (line,) = CliRunner().invoke(app, ["validate", str(path)]).stdout.splitlines()
+    assert "link.contact_plan.reference: '2026-11-22' is not a moment" in line

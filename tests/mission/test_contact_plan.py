@@ -134,9 +134,9 @@ def test_what_is_wrong_is_told_with_its_place(line: str, problem: str) -> None:
 
 def test_a_plan_without_the_contact_says_which_it_has() -> None:
     assert problems_of("a contact +0 +10 1 3 1\na contact +0 +10 3 2 1") == [
-        "plan: has no contact from node 1 to node 2; its contacts are from 1 to 3, from 3 to 2"
+        "plan:1:1: has no contact from node 1 to node 2; its contacts are from 1 to 3, from 3 to 2"
     ]
-    assert problems_of("# nothing") == ["plan: has no contact from node 1 to node 2; its contacts are none at all"]
+    assert problems_of("# nothing") == ["plan:1:1: has no contact from node 1 to node 2; its contacts are none at all"]
 
 
 def test_without_need_of_ranges_there_may_be_none() -> None:
@@ -176,9 +176,22 @@ def test_jitter_is_one_number_a_line() -> None:
         (b"0.1 0.2", "j:1:5: '0.2' follows the number; one number of seconds stands on a line"),
         (b"nan", "j:1:1: nan is not between -86400 and 86400 s"),
         (b"  1e6", "j:1:3: 1e6 is not between -86400 and 86400 s"),
-        (b"# none", "j: holds no number; a file of jitter has one number of seconds a line"),
+        (b"# none", "j:1:1: holds no number; a file of jitter has one number of seconds a line"),
         (b"0.1\n\xff", "j:2:1: is not UTF-8 text: byte 0xff"),
     ],
 )
 def test_wrong_jitter_is_told_with_its_place(source: bytes, problem: str) -> None:
     assert [str(each) for each in read_jitter(source, "j")[1]] == [problem]
+
+
+def test_a_missing_date_is_told_once() -> None:
+    dated = "a contact 2027/03/01-00:30:00 2027/03/01-00:31:00 1 2 1\na range 2027/03/01-00:30:00 +60 1 2 1"
+    (problem,) = problems_of(dated)
+    assert problem.startswith("plan:1:11: 2027/03/01-00:30:00 is an absolute time, and the mission has no date")
+    assert problems_of(dated + "\na contact +0 +1 x 2 1")[1:] == ["plan:3:17: 'x' is not a node number"]
+
+
+def test_jitter_that_makes_the_delay_negative_is_refused() -> None:
+    assert read_jitter(b"0.5\n-1\n", "j", 1.0) == ((0.5, -1.0), ())
+    (problem,) = read_jitter(b"0.5\n -5\n", "j", 1.0)[1]
+    assert str(problem).startswith("j:2:2: -5 s takes more off than the delay of 1 s")

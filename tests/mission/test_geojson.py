@@ -65,8 +65,8 @@ def test_what_it_says_of_itself(tmp_path: Path) -> None:
         ({"type": "Point"}, r"type: 'Point' is not 'LineString' or 'Feature' or 'FeatureCollection'"),
         ({"type": "LineString"}, "'coordinates' is missing"),
         ({"type": "FeatureCollection", "features": []}, "has 0 lines; a mission is one LineString"),
-        ({"type": "LineString", "coordinates": [[1, 2]]}, r"coordinates: has 1 positions; 2 to 1001"),
-        ({"type": "LineString", "coordinates": [[1, 2], [3]]}, r"coordinates\[1\]: has 1 numbers; \[longitude, lat"),
+        ({"type": "LineString", "coordinates": [[1, 2]]}, r"coordinates: has 1 position; 2 to 1001"),
+        ({"type": "LineString", "coordinates": [[1, 2], [3]]}, r"coordinates\[1\]: has 1 number; \[longitude, lat"),
         (
             {"type": "LineString", "coordinates": [[1, 2], [3, 195]]},
             r"coordinates\[1\]\[1\]: 195 is not a number within -89",

@@ -50,7 +50,7 @@ def refusal(text: str) -> str:
             "{windows: [{from: 0 s, to: 8 min}, {from_s: 480, to_s: 500}], windows_every: 90 min}",
             {"windows": (Window(from_s=0, to_s=480), Window(from_s=480, to_s=500)), "windows_every_s": 5400},
         ),
-        ("{jitter_file: j/rtt.txt}", {"jitter_file": "j/rtt.txt"}),
+        ("{delay: 20 ms, jitter_file: j/rtt.txt}", {"delay_s": 0.02, "jitter_file": "j/rtt.txt"}),
     ],
 )
 def test_a_way_is_written_with_units_or_without(text: str, way: dict[str, Any]) -> None:
@@ -226,6 +226,19 @@ def test_a_mission_is_read_with_its_files(tmp_path: Path) -> None:
 
 
 def test_only_the_files_that_a_mission_refers_to_are_taken() -> None:
-    assert parse_mission((HEAD + "link: {jitter_file: j/rtt.txt}").encode(), "m", FILES).files == {
+    assert parse_mission((HEAD + "link: {delay: 20 ms, jitter_file: j/rtt.txt}").encode(), "m", FILES).files == {
         "j/rtt.txt": FILES["j/rtt.txt"]
     }
+
+
+@pytest.mark.parametrize(
+    ("delay", "least"),
+    [
+        ("delay: 10 ms, jitter_file: j/rtt.txt", "0.01"),
+        ("delay_table: [{at: 0 s, delay: 1 s}, {at: 9 s, delay: 15 ms}], jitter_file: j/rtt.txt", "0.015"),
+        ("up: {delay: 1 s, jitter_file: j/rtt.txt}, down: {delay: 19 ms, jitter_file: j/rtt.txt}", "0.019"),
+    ],
+)
+def test_measured_jitter_may_not_be_more_than_the_shortest_delay(delay: str, least: str) -> None:
+    with pytest.raises(MissionError, match=rf"rtt.txt:2:1: -0.02 s takes more off than the delay of {least} s"):
+        parse_mission((HEAD + f"link: {{{delay}}}").encode(), "m", FILES)

@@ -167,7 +167,7 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
         ),
         (
             changed("mission", "plannedHomePosition", to=[1]),
-            "plannedHomePosition: has 1 numbers; latitude and longitude",
+            "plannedHomePosition: has 1 number; latitude and longitude",
         ),
         (changed("mission", "items", to=[]), "has no waypoint to walk to"),
         (changed("mission", "items", 0, "type", to="ComplexItem"), r"items\[0\]: is a ComplexItem \(no type\) without"),
@@ -213,3 +213,11 @@ def test_all_that_is_wrong_is_said_at_once(tmp_path: Path) -> None:
         MissionError, match=r"2 problems\n.*yard\.plan: mission\.items\[0\](.|\n)*yard\.plan: mission\.items\[1\]"
     ):
         imported(tmp_path, content)
+
+
+def test_a_list_for_a_plan_is_one_problem(tmp_path: Path) -> None:
+    path = tmp_path / "e.plan"
+    path.write_text("[]")
+    with pytest.raises(MissionError) as caught:
+        read_plan(path)
+    assert str(caught.value) == f"{path}: a list of 0 is not a mapping of keys to values"

@@ -37,10 +37,14 @@ class _Checked:
     problems: tuple[Problem, ...]
     forecast: Forecast | None = None
     warnings: tuple[Warned, ...] = ()
+    policy: Path | None = None  # who is expected to fly it
 
 
 def validate(
     missions: Annotated[list[Path], typer.Argument(metavar="MISSION.yaml...", help="Mission files.")],
+    policy: Annotated[
+        Path | None, typer.Option(help="Expect this policy's folder to fly, not the mission's.", show_default=False)
+    ] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 if there is a warning.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
@@ -48,7 +52,8 @@ def validate(
 
     Exits with 2 if there is a problem; what may go wrong are warnings.
     """
-    checked = [_check(path) for path in missions]
+    _refuse_missing(policy)
+    checked = [_check(path, policy) for path in missions]
     good = all(result.file is not None for result in checked)
     if as_json:
         typer.echo(json.dumps({"ok": good, "missions": [_record(result) for result in checked]}))
@@ -61,7 +66,14 @@ def validate(
         raise typer.Exit(1)
 
 
-def _check(path: Path) -> _Checked:
+def _refuse_missing(policy: Path | None) -> None:
+    from waypointctl.errors import PolicyError
+
+    if policy is not None and (fault := folder_fault(policy)):
+        raise PolicyError(fault, where=str(policy), mend="--policy takes the folder of a policy, as `run` does.")
+
+
+def _check(path: Path, policy: Path | None = None) -> _Checked:
     from waypointctl.errors import MissionError
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
@@ -76,15 +88,17 @@ def _check(path: Path) -> _Checked:
     if reading.model is None:
         return _Checked(path, None, reading.problems)
     file = MissionFile(reading.model, source, path)
-    found = _forecast(file)
-    return _Checked(path, file, (), found, (*_policy_warnings(file), *_warnings(file, found)))
+    who = policy or file.policy_path
+    found = _forecast(file, who)
+    missing = () if policy is not None else _policy_warnings(file)
+    return _Checked(path, file, (), found, (*missing, *_warnings(file, found)), who)
 
 
-def _forecast(file: MissionFile) -> Forecast:
+def _forecast(file: MissionFile, policy: Path) -> Forecast:
     from waypointctl.evaluation.walking_speed import walking_speed
     from waypointctl.ops.forecast.forecast import forecast
 
-    return forecast(file.mission, walking_speed(file.policy_path))
+    return forecast(file.mission, walking_speed(policy))
 
 
 def _policy_warnings(file: MissionFile) -> tuple[Warned, ...]:
@@ -142,16 +156,17 @@ def _record(result: _Checked) -> dict[str, Any]:
     }
     if result.file is None:
         return record
-    mission, found = result.file.mission, result.forecast
+    mission, found, policy = result.file.mission, result.forecast, result.policy
     assert found is not None
+    assert policy is not None
     return record | {
         "name": mission.name,
         "waypoints": mission.num_legs,
         "path_length_m": mission.path_length_m(),
         "link": mission.link.model_dump(),
         "autonomy": mission.autonomy,
-        "policy": str(result.file.policy_path),
-        "policy_found": folder_fault(result.file.policy_path) is None,
+        "policy": str(policy),
+        "policy_found": folder_fault(policy) is None,
         "speed": asdict(found.speed),
         "expected_time_s": found.own.time_s,
         "expected": [asdict(each) for each in found.expected],

@@ -10,6 +10,7 @@ so is what '## begin' and '## end' mark as another program's; those that would c
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -27,6 +28,7 @@ _ABSOLUTE: Final = re.compile(r"[0-9]{4}/[0-9]{1,2}/[0-9]{1,2}-[0-9]{1,2}:[0-9]{
 _OTHER_PROGRAM: Final = re.compile(rb"^##\s*begin\s+(?!ionadmin\b)\S+.*?^##\s*end\b", re.MULTILINE | re.DOTALL)
 _CONTACT: Final = ("start time", "stop time", "source node", "destination node", "rate in bytes/s")
 _RANGE: Final = ("start time", "stop time", "one node", "other node", "light time in s")
+ANY_MOMENT: Final = "0001/01/01-00:00:00"  # a reference to look at each line with, where the right one is not known
 _REGISTRATION: Final = "-1"
 _MAX_DIGITS: Final = 18
 
@@ -106,6 +108,7 @@ class _Plan:
         self.ranges: dict[tuple[int, int], list[Span]] = {}
         self._reference = reference
         self._offset_s = 0.0  # of '+0', after mission start
+        self._is_dateless = False  # an absolute time without a reference was found: one cause, one problem
 
     def take(self, words: list[Word]) -> None:
         """Read a line."""
@@ -198,6 +201,9 @@ class _Plan:
         if moment is None:
             problem = f"'{word.text}' is not a time: write +seconds"
         elif self._reference is None:
+            if self._is_dateless:
+                return math.nan  # in no order with anything: nothing more is said of it
+            self._is_dateless = True
             problem = (
                 f"{word.text} is an absolute time, and the mission has no date; write +seconds after mission start, "
                 "or give the contact_plan in the mission the date of its start as 'reference'"

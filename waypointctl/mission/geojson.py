@@ -9,9 +9,11 @@ from typing import Final
 from waypointctl.mission.json_source import Part, read_json
 from waypointctl.mission.local_frame import Place
 from waypointctl.mission.survey import Stop, Survey, mission_name, place_of
+from waypointctl.mission.wording import counted
 
 _WGS_84: Final = ("urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:OGC::CRS84", "EPSG:4326")
 _ORDER: Final = "GeoJSON is [longitude, latitude]"
+_WANTED: Final = "[longitude, latitude] are needed, an altitude is left out"
 _MOST: Final = 1000  # waypoints of a mission
 
 
@@ -30,7 +32,7 @@ def read_geojson(path: Path, origin: Place | None = None) -> Survey:
     lines = list(_lines(root))
     root.report.refuse()
     if len(lines) != 1:
-        root.complain(f"has {len(lines)} lines; a mission is one LineString")
+        root.complain(f"has {counted(len(lines), 'lines')}; a mission is one LineString")
         root.report.refuse()
     line, name = lines[0]
     places = tuple(_places(line))
@@ -88,14 +90,16 @@ def _line(geometry: Part, name: str) -> Iterator[tuple[Part, str]]:
 def _places(line: Part) -> Iterator[Place]:
     positions = list(line.elements())
     if isinstance(line.value, list) and not 2 <= len(positions) <= _MOST + 1:
-        line.complain(f"has {len(positions)} positions; 2 to {_MOST + 1} are allowed: the start and the waypoints")
+        line.complain(
+            f"has {counted(len(positions), 'positions')}; 2 to {_MOST + 1} are allowed: the start and the waypoints"
+        )
         return
     for position in positions:
         numbers = list(position.elements())
         if not isinstance(position.value, list):
             continue
         if not 2 <= len(numbers) <= 3:
-            position.complain(f"has {len(numbers)} numbers; [longitude, latitude] are needed, an altitude is left out")
+            position.complain(f"has {counted(len(numbers), 'numbers')}; {_WANTED}")
             continue
         if _is_swapped(position.value):
             position.complain(f"{position.value[1]:g} is no latitude: {_ORDER}, and these look swapped")

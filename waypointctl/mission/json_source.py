@@ -47,7 +47,9 @@ class Part:
     def complain(self, problem: str) -> None:
         """Report a problem here."""
         place = path_text(self.path)
-        self.report.problems.append(f"{place}: {problem}" if place else problem)
+        text = f"{place}: {problem}" if place else problem
+        if text not in self.report.problems:  # one value may be looked at for several reasons
+            self.report.problems.append(text)
 
     def note(self, text: str) -> None:
         """Note what is left out here."""

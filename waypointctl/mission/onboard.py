@@ -8,6 +8,7 @@ from pydantic import Field, Strict, model_validator
 
 from waypointctl.mission.fields import DAY_S, Name, Position, Timeout, Tolerance
 from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.polygon import crossing_sides
 from waypointctl.mission.quantity import Quantity
 
 
@@ -65,6 +66,9 @@ class Area(FileModel):
             raise ValueError("is neither a circle (center and radius) nor a polygon (corners): give one of them")
         if self.corners is not None and not _spread_out(tuple(corner.position_m for corner in self.corners)):
             raise ValueError("has all its corners on one line: a polygon needs room inside")
+        if self.corners is not None and (sides := crossing_sides([corner.position_m for corner in self.corners])):
+            one, other = (_side(at, len(self.corners)) for at in sides)
+            raise ValueError(f"crosses itself: its side {one} meets that {other}; give the corners in turn, round it")
         return self
 
 
@@ -100,6 +104,10 @@ class Onboard(FileModel):
     def progress(self) -> Stuck:
         """When the robot counts as getting no closer, for the slip also where it is never called stuck."""
         return self.stuck or Stuck()
+
+
+def _side(at: int, count: int) -> str:
+    return f"from corner {at + 1} to corner {(at + 1) % count + 1}"
 
 
 def _spread_out(corners_m: tuple[Position, ...]) -> bool:

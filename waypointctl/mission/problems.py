@@ -144,7 +144,7 @@ def _value_text(details: ErrorDetails, path: DataPath, value: object) -> str:
         return details["msg"]
     context = {name: _round(bound) for name, bound in context.items()}
     if kind in _SAYS:
-        return _SAYS[kind].format(**context)
+        return _SAYS[kind].format(**context).replace("has 1 entries", "has 1 entry")
     expected = _EXPECTED[kind].format(**context) + _nearest(kind, value, context)
     field = next((part for part in reversed(details["loc"]) if isinstance(part, str)), "")
     if bare_name(field) is None:

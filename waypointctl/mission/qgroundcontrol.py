@@ -28,6 +28,7 @@ from waypointctl.mission.mavlink import (
     WAYPOINT,
 )
 from waypointctl.mission.survey import Stop, Survey, Zone, mission_name, place_of
+from waypointctl.mission.wording import counted
 
 _GLOBAL_FRAMES: Final = (0, 3, 5, 6, 10, 11)  # MAV_FRAMEs with latitude and longitude
 _PARAMETERS: Final = 7
@@ -82,7 +83,7 @@ def _place(part: Part) -> Place | None:
     elements = list(part.elements())
     if len(elements) < 2:
         if isinstance(part.value, list):
-            part.complain(f"has {len(elements)} numbers; latitude and longitude are needed")
+            part.complain(f"has {counted(len(elements), 'numbers')}; latitude and longitude are needed")
         return None
     return place_of(elements[0], elements[1])
 
@@ -175,7 +176,9 @@ def _parameters(item: Part) -> list[Part] | None:
     if params is None or len(values) == _PARAMETERS:
         return values or None
     if isinstance(params.value, list):
-        params.complain(f"has {len(values)} entries; a simple item has {_PARAMETERS}")
+        params.complain(
+            f"has {len(values)} {'entry' if len(values) == 1 else 'entries'}; a simple item has {_PARAMETERS}"
+        )
     return None
 
 
@@ -231,7 +234,7 @@ def _zones(root: Part) -> Iterator[Zone]:
         if len(places) >= 3:
             yield Zone(inclusion.value, tuple(places))
         elif isinstance(corners.value, list):
-            corners.complain(f"has {len(places)} corners; at least 3 are needed")
+            corners.complain(f"has {counted(len(places), 'corners')}; at least 3 are needed")
 
 
 def _rally(root: Part) -> Iterator[Part]:

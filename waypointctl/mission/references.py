@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from waypointctl.errors import MissionError
-from waypointctl.mission.contact_plan import is_moment, read_contact_plan
+from waypointctl.mission.contact_plan import ANY_MOMENT, Passage, is_moment, read_contact_plan
 from waypointctl.mission.jitter_file import read_jitter
+from waypointctl.mission.link import Way
 from waypointctl.mission.link_checks import file_beside
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.problems import Problem
@@ -109,14 +110,24 @@ def _problems_inside(tree: Tree, mission: Mission | None, files: Mapping[str, by
                 found += _problems_anyway(tree, path, files[name], str(folder / name))
         return list(dict.fromkeys(found))
     for way in (mission.link.up, mission.link.down):
-        if way.jitter_file is not None and way.jitter_file in files:
-            found += read_jitter(files[way.jitter_file], str(folder / way.jitter_file))[1]
-        plan = way.contact_plan
+        plan, passage = way.contact_plan, None
         if plan is not None and plan.file in files:
             place, needed = str(folder / plan.file), not way.has_own_delay
-            source = files[plan.file]
-            found += read_contact_plan(source, place, plan.way, reference=plan.reference, needs_ranges=needed)[1]
+            passage, problems = read_contact_plan(
+                files[plan.file], place, plan.way, reference=plan.reference, needs_ranges=needed
+            )
+            found += problems
+        if way.jitter_file is not None and way.jitter_file in files:
+            place = str(folder / way.jitter_file)
+            found += read_jitter(files[way.jitter_file], place, _least_delay_s(way, passage))[1]
     return list(dict.fromkeys(found))
+
+
+def _least_delay_s(way: Way, passage: Passage | None) -> float | None:
+    """Return the shortest one-way delay of a direction without its jitter [s]; None where it is not known."""
+    if not way.has_own_delay:
+        return min((each.value for each in passage.ranges), default=None) if passage is not None else None
+    return way.delay_s if way.delay_table is None else min(row.delay_s for row in way.delay_table)
 
 
 def _problems_anyway(tree: Tree, path: DataPath, source: bytes, place: str) -> tuple[Problem, ...]:
@@ -124,5 +135,6 @@ def _problems_anyway(tree: Tree, path: DataPath, source: bytes, place: str) -> t
     if path[-1:] == _JITTER:
         return read_jitter(source, place)[1]
     reference = _at(tree.data, (*path[:-1], "reference"))
-    is_given = isinstance(reference, str) and is_moment(reference)
-    return read_contact_plan(source, place, None, reference=reference if is_given else None)[1]
+    if reference is not None and not (isinstance(reference, str) and is_moment(reference)):
+        reference = ANY_MOMENT  # the mission's problem is told already
+    return read_contact_plan(source, place, None, reference=reference)[1]

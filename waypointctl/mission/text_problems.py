@@ -29,8 +29,8 @@ class TextReport:
     problems: list[Problem] = field(default_factory=list)
 
     def add(self, at: Word | None, text: str) -> None:
-        """Note a problem at a word, or with the file as a whole."""
-        line, column = (at.line, at.column) if at else (0, 0)
+        """Note a problem at a word, or with the file as a whole: at its beginning."""
+        line, column = (at.line, at.column) if at else (1, 1)
         self.problems.append(Problem(self.where, line, column, "", text))
 
     def lines(self, source: bytes) -> Iterator[list[Word]]:

@@ -35,6 +35,11 @@ def path_text(path: Iterable[str | int]) -> str:
     return text
 
 
+def counted(count: int, things: str) -> str:
+    """Return how many there are: "1 number", "3 numbers"; the plural is given."""
+    return f"{count} {things[:-1] if count == 1 else things}"
+
+
 def units_of(field: str) -> Mapping[str, float]:
     """Return the units that a field may be written in, by the suffix of its name."""
     return UNITS_BY_SUFFIX[field.rpartition("_")[2]]

@@ -412,3 +412,9 @@ def test_wrong_arguments_are_refused(
     assert rig.ended(2) == (Stage.REJECTED, reason)
     assert rig.life(2) == [Stage.RECEIVED, Stage.REJECTED]
     assert (rig.executive.command_id, rig.executive.target) == (1, B), "and nothing has changed"
+
+
+def test_a_plan_of_one_waypoint_has_one(rig: Rig) -> None:
+    rig.send(0.0, UPLOAD, A, id=1)
+    rig.send(0.0, RELEASE, id=2, released=3)
+    assert rig.ended(2) == (Stage.REJECTED, "there is 1 waypoint in the plan")

@@ -53,7 +53,26 @@ def test_a_mission_whose_time_is_over_first_says_it_too() -> None:
             (0.3, 0.2),
             "the robot is at home, where a rule on board has sent it",
         ),
-        ({"on_failure": {"then": "return_home"}}, (9.0, 0.0), "the robot stands by a rule on board"),
+        (
+            {"on_failure": {"then": "return_home"}},
+            (9.0, 0.0),
+            "the robot stands by a rule on board (on_failure: return_home)",
+        ),
+        (
+            {"onboard": {"geofence": {"keep_out": [{"name": "rock", "center_m": [5.0, 0.0], "radius_m": 1.0}]}}},
+            (6.4, 0.0),
+            "the robot holds by the fence, just beside a place that is inside keep-out rock",
+        ),
+        (
+            {"onboard": {"geofence": YARD}, "on_failure": {"then": "hold"}},
+            (19.5, 0.0),
+            "the robot holds after a failed leg at far, or by the fence, just beside a place that is outside keep-in",
+        ),
+        (
+            {"onboard": {"geofence": YARD}},
+            (3.0, 0.0),
+            "the robot stands by a rule on board (onboard.geofence.do: hold)",
+        ),
     ],
 )
 def test_each_rule_has_its_words(changes: dict[str, Any], place: tuple[float, float], said: str) -> None:

@@ -57,9 +57,9 @@ class Heard:
         age_s = seconds(now_ns - frame.issued_ns)
         target = "" if frame.target < 0 else f" (waypoint {frame.target + 1})"
         reached = ", ".join(str(index + 1) for index in frame.reached) or "none"
-        heading_deg = math.degrees(frame.heading_rad)
+        heading_deg = round(math.degrees(frame.heading_rad))  # a whole number has no -0
         return [
-            f"robot, {age_s:.2f} s ago: at ({frame.x_m:.2f}, {frame.y_m:.2f}) m, heading {heading_deg:.0f} deg, "
+            f"robot, {age_s:.2f} s ago: at ({frame.x_m:.2f}, {frame.y_m:.2f}) m, heading {heading_deg} deg, "
             f"{frame.speed_mps:.2f} m/s, {frame.mode}{target}; waypoints reached: {reached}"
         ]
 

@@ -111,7 +111,9 @@ def _more_than_planned(walk: Walk, command: Command) -> str:
     count = len(walk.plan.items)
     if 0 < count >= command.released or _may_be_early(walk, command):
         return ""
-    return f"there are {count} waypoints in the plan" if count else _no_plan(walk, command)
+    if not count:
+        return _no_plan(walk, command)
+    return "there is 1 waypoint in the plan" if count == 1 else f"there are {count} waypoints in the plan"
 
 
 def _released_already(walk: Walk, command: Command) -> str:
@@ -166,7 +168,7 @@ def _cancel(walk: Walk, now_ns: int, command: Command) -> None:
     if walk.life.knows(command.target_id):
         take_back(walk, now_ns, command.target_id, Stage.CANCELLED, by(command.id))
     else:
-        walk.sequence.cancel(command.target_id, command.id)
+        walk.sequence.cancel(command.target_id, command.id, max(command.not_before_ns, command.received_ns))
 
 
 def take_back(walk: Walk, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
@@ -189,13 +191,15 @@ def _not_open(walk: Walk, command: Command) -> str:
 
 
 def _abort(walk: Walk, now_ns: int, command: Command) -> None:
-    others = [command_id for command_id in walk.life.open_ids if command_id != command.id]
     if walk.sequence.overtaking(command) is not None:
         for command_id in issued_before(walk, command):
             take_back(walk, now_ns, command_id, Stage.CANCELLED, by(command.id))
         return
+    # What is under way may have been issued later: begun before the `not_before` of this one, or added to an older plan.
+    under_way = walk.under_way
+    ended = [command_id for command_id in walk.life.open_ids if command_id < command.id or command_id in under_way]
     walk.rest()
-    for command_id in others:
+    for command_id in ended:
         walk.life.advance(now_ns, command_id, Stage.CANCELLED, by(command.id))
 
 

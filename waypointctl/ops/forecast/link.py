@@ -21,6 +21,8 @@ from waypointctl.ops.forecast.traffic import (
     body_bytes,
     command_bytes,
     frame_bytes,
+    mean_rate_bps,
+    telemetry_bps,
 )
 from waypointctl.ops.link.contacts import BITS_PER_BYTE, FOREVER_NS, Contacts, airtime_ns
 from waypointctl.ops.link.direction import Direction
@@ -29,11 +31,21 @@ from waypointctl.units import seconds
 _UP: Final = ("link", "up")
 _DOWN: Final = ("link", "down")
 
+_WAIT: Final = "they wait, and are lost once the queue is full"
+_FOLLOWS: Final = "what is too much waits, and acknowledgements behind it; once the queue is full they are lost"
+
 Path: TypeAlias = tuple[str, str]
 
 
-def link_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iterator[Finding]:
-    """Yield what may go wrong between the operator and the robot; own: what is expected of the mission."""
+def link_findings(mission: Mission, traffic: Traffic, own: Expected, follows: str = "") -> Iterator[Finding]:
+    """Yield what may go wrong between the operator and the robot.
+
+    Args:
+        mission: that has the link.
+        traffic: the link.
+        own: what is expected of the mission.
+        follows: what follows for it from telemetry that waits, in words; empty where that is not known.
+    """
     yield from loss_findings(mission.link)
     largest = command_bytes(mission)
     yield from _contacts(mission, _UP, traffic.up, {"the largest command": largest})
@@ -42,7 +54,7 @@ def link_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iterator
     yield from _never(mission, traffic, own)
     yield from _queue_up(traffic.up, largest)
     yield from _queue_down(traffic.down, down)
-    yield from _rates(mission, traffic)
+    yield from _rates(mission, traffic, follows)
     yield from _link_loss(mission, traffic)
     yield from joint_findings(mission, traffic)
 
@@ -118,38 +130,23 @@ def _queue_down(way: Direction[Any], sizes: Mapping[str, int]) -> Iterator[Findi
         yield Finding("queue", (*_DOWN, "queue_bytes"), text)
 
 
-def _rates(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
-    frame_bps = frame_bytes(mission) * BITS_PER_BYTE * mission.telemetry.rate_hz
+def _rates(mission: Mission, traffic: Traffic, follows: str) -> Iterator[Finding]:
+    frame_bps = telemetry_bps(mission)
     joint = mission.autonomy == "joint"
     needed_down = frame_bps + (body_bytes() * BITS_PER_BYTE * CONTROL_HZ if joint else 0)
     what = "telemetry and the robot's states come" if joint else "telemetry comes"
-    yield from _rate(_DOWN, traffic.down.contacts, needed_down, what)
+    yield from _rate(_DOWN, traffic.down.contacts, needed_down, what, _FOLLOWS + (f"; {follows}" if follows else ""))
     if joint:
         yield from _rate(_UP, traffic.up.contacts, action_bytes() * BITS_PER_BYTE * CONTROL_HZ, "actions come")
 
 
-def _rate(path: tuple[str, str], contacts: Contacts, needed_bps: float, what: str) -> Iterator[Finding]:
+def _rate(
+    path: tuple[str, str], contacts: Contacts, needed_bps: float, what: str, follows: str = ""
+) -> Iterator[Finding]:
     has_bps = mean_rate_bps(contacts)
     if has_bps is not None and needed_bps > has_bps:
-        text = (
-            f"{what} to {needed_bps:.0f} bit/s, and the link {path[1]} carries {has_bps:.0f}: they wait, and are lost"
-        )
+        text = f"{what} to {needed_bps:.0f} bit/s, and the link {path[1]} carries {has_bps:.0f}: {follows or _WAIT}"
         yield Finding("rate", (*path, "rate_bps"), text)
-
-
-def mean_rate_bps(contacts: Contacts) -> float | None:
-    """Return what a link can carry in the long run [bit/s], None for any amount.
-
-    Contacts that come again count with their share of the time; of others the fastest counts, while it lasts.
-    """
-    rates = [window.rate_bps for window in contacts.windows]
-    known = [rate for rate in rates if rate is not None]
-    if not rates or len(known) < len(rates):
-        return None
-    if not contacts.period_ns:
-        return max(known)
-    sent = sum(rate * (window.end_ns - window.begin_ns) for rate, window in zip(known, contacts.windows, strict=True))
-    return sent / contacts.period_ns
 
 
 def _link_loss(mission: Mission, traffic: Traffic) -> Iterator[Finding]:

@@ -8,8 +8,10 @@ from itertools import pairwise
 
 from waypointctl.mission.mission import Leg, Mission
 from waypointctl.ops.executive.rules import rules_of
-from waypointctl.ops.forecast.duration import walks_of
 from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.rejection import rejection
+from waypointctl.ops.forecast.way import reached_at, walks_of
+from waypointctl.ops.ground.operator import planned_waypoints
 
 
 def route_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
@@ -26,12 +28,22 @@ def _fence(mission: Mission) -> Iterator[Finding]:
         yield Finding("fence", ("start",), f"the start {breach}")
     legs = mission.legs()
     places = [("the start", (x_m, y_m)), *((leg.name, (leg.x_m, leg.y_m)) for leg in legs)]
-    for leg, ((before, start), (name, end)) in zip(legs, pairwise(places), strict=True):
+    turns = (x_m, y_m)  # where the robot turns to the next waypoint: at the edge of the tolerance of the one before
+    for leg, waypoint, ((before, start), (name, end)) in zip(
+        legs, planned_waypoints(mission), pairwise(places), strict=True
+    ):
         path = ("waypoints", leg.at)
         if breach := fence.breach(*end):
-            yield Finding("fence", path, f"{name} {breach}: the robot will reject it")
+            yield Finding("fence", path, f"{name} {breach}: {rejection(mission)}")
         elif not fence.breach(*start) and (breach := fence.breach_between(start, end)):
             yield Finding("fence", path, f"the straight way from {before} to {name} {breach.replace('is', 'leads', 1)}")
+        elif not fence.breach(*turns) and (breach := fence.breach_between(turns, reached_at(waypoint, turns))):
+            text = (
+                f"the way to {name} {breach.replace('is', 'leads', 1)}: the robot turns to it at "
+                f"({turns[0]:.1f}, {turns[1]:.1f}), where it enters the tolerance of {before}"
+            )
+            yield Finding("fence", path, text)
+        turns = reached_at(waypoint, turns)
     if (home := mission.onboard.home.position_m) is not None and (breach := fence.breach(*home)):
         yield Finding("fence", ("onboard", "home", "position_m"), f"home {breach}")
 
@@ -69,5 +81,5 @@ def _time(mission: Mission, speed_mps: float) -> Iterator[Finding]:
         needed_s = walk.way_m / speed_mps
         if needed_s > leg.timeout_s:
             given = f"{leg.timeout_s:g} s" + (f", {tries} times" if tries > 1 else "")
-            text = f"{leg.name} is {walk.way_m:.1f} m away: {needed_s:.1f} s at {speed_mps:.2f} m/s, and has {given}"
+            text = f"{leg.name} is {walk.away_m:.1f} m away: {needed_s:.1f} s at {speed_mps:.2f} m/s, and has {given}"
             yield Finding("timeout", ("waypoints", leg.at, "timeout_s"), text)

@@ -6,12 +6,14 @@ from collections.abc import Iterator
 from typing import Final
 
 from waypointctl.mission.mission import Leg, Mission
-from waypointctl.ops.forecast.duration import Blocked, pose_age_s, slower_by, steered_moves, walks_of
+from waypointctl.ops.forecast.duration import Blocked, round_trip_s, steered_moves, steered_s
 from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.goals import NEAR_CARROT
 from waypointctl.ops.forecast.traffic import Traffic
+from waypointctl.ops.forecast.way import walks_of
 from waypointctl.units import seconds
 
-_MUCH_SLOWER: Final = 1.5  # times as long as on board; what is less nobody would change a mission for
+_MUCH_SLOWER: Final = 1.5  # times as far as to where a goal counts as reached; what is less is hardly felt
 
 
 def steering_findings(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
@@ -48,11 +50,16 @@ def _move_and_wait(mission: Mission, speed_mps: float, traffic: Traffic) -> Iter
 
 def _continuous(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
     """Yield goals that are older than the robot's way to them, and legs that take too long for it."""
-    age_s = pose_age_s(mission, traffic)
-    if isinstance(age_s, Blocked):
+    trip_s = round_trip_s(mission, traffic)
+    if isinstance(trip_s, Blocked):
         return
-    slower = slower_by(age_s, mission, speed_mps)
-    if slower >= _MUCH_SLOWER:
+    age_s = trip_s + 1 / mission.operator.update_rate_hz
+    walks = walks_of(mission, speed_mps)
+    took_s = [steered_s(walk, mission, speed_mps, trip_s) for walk in walks]
+    alone_s = sum(walk.way_m for walk in walks) / speed_mps
+    slower = sum(took_s) / alone_s if alone_s else 1.0
+    reach_m = mission.operator.carrot_m * (1 - NEAR_CARROT)
+    if speed_mps * age_s >= _MUCH_SLOWER * reach_m:
         text = (
             f"goals lie {mission.operator.carrot_m:g} m ahead of a pose that is {age_s:.2f} s old when the next comes, "
             f"and the robot walks {speed_mps * age_s:.1f} m in that time: it stands and waits between goals, and takes "
@@ -60,8 +67,8 @@ def _continuous(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterato
         )
         yield Finding("steering", ("operator", "carrot_m"), text)
     legs = mission.legs()
-    for walk in walks_of(mission, speed_mps):
-        leg, needed_s = legs[walk.waypoint.index], walk.way_m / speed_mps * slower
+    for walk, needed_s in zip(walks, took_s, strict=True):
+        leg = legs[walk.waypoint.index]
         if walk.duration_s is not None and needed_s > leg.timeout_s:
             text = f"{leg.name} takes {needed_s:.1f} s steered from poses that old, and the leg has {leg.timeout_s:g} s"
             yield _timeout(leg, text)

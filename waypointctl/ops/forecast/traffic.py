@@ -15,6 +15,7 @@ from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.ops.ground.order import Order
 from waypointctl.ops.ground.schedule import order_of
 from waypointctl.ops.link.build import direction
+from waypointctl.ops.link.contacts import BITS_PER_BYTE, Contacts
 from waypointctl.ops.link.direction import Direction
 from waypointctl.ops.link.frames import BodyFrame, ControlFrame
 from waypointctl.ops.link.size import size_bytes
@@ -94,6 +95,11 @@ def frame_bytes(mission: Mission) -> int:
     return size_bytes(frame)
 
 
+def telemetry_bps(mission: Mission) -> float:
+    """Return what the robot's telemetry comes to while it walks [bit/s]."""
+    return frame_bytes(mission) * BITS_PER_BYTE * mission.telemetry.rate_hz
+
+
 def body_bytes() -> int:
     """Return the size of the robot's state, as it comes down each control step under autonomy joint [bytes]."""
     return size_bytes(BodyFrame(0, np.zeros(_QPOS), np.zeros(_QVEL), 0, 0))
@@ -102,6 +108,21 @@ def body_bytes() -> int:
 def action_bytes() -> int:
     """Return the size of an action, as it goes up each control step under autonomy joint [bytes]."""
     return size_bytes(ControlFrame(0, np.zeros(_MOTORS), 0, 0))
+
+
+def mean_rate_bps(contacts: Contacts) -> float | None:
+    """Return what a link can carry in the long run [bit/s], None for any amount.
+
+    Contacts that come again count with their share of the time; of others the fastest counts, while it lasts.
+    """
+    rates = [window.rate_bps for window in contacts.windows]
+    known = [rate for rate in rates if rate is not None]
+    if not rates or len(known) < len(rates):
+        return None
+    if not contacts.period_ns:
+        return max(known)
+    sent = sum(rate * (window.end_ns - window.begin_ns) for rate, window in zip(known, contacts.windows, strict=True))
+    return sent / contacts.period_ns
 
 
 def _command(kind: CommandKind, waypoints: tuple[PlannedWaypoint, ...]) -> Command:
