@@ -22,9 +22,14 @@ LIVES: Final = re.compile(
     "| started( (completed|failed|cancelled|superseded|expired))?)?)?"
 )
 AT_WAYPOINT: Final = {Mode.WALKING, Mode.HOLDING, Mode.OBSERVING}
-# An older command of these kinds is not obeyed any more once a newer one of ENDING was.
-OVERTAKEN: Final = frozenset(CommandKind) - {CommandKind.CANCEL, CommandKind.ABORT}
+BY_COMMAND: Final = re.compile(r"by command (\d+)")
+FOR_EVER_NS: Final = 10**18
+# An older command of these kinds is not begun any more once a newer one that follows it was obeyed.
 ENDING: Final = {CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME, CommandKind.ABORT}
+DONE_WITH_BY: Final = {kind: ENDING for kind in CommandKind if kind not in (CommandKind.CANCEL, CommandKind.ABORT)} | {
+    CommandKind.HOLD: ENDING | {CommandKind.RESUME},
+    CommandKind.RESUME: ENDING | {CommandKind.HOLD},
+}
 NOTHING_UNDER_WAY: Final = {Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN, Mode.STEERED}
 
 WAYPOINTS: Final = (
@@ -164,22 +169,21 @@ class Stream:
             assert target is None
 
     def _check_order(self) -> None:
-        """Nothing that a newer command had done with was begun after it."""
-        ended_by = held_by = resumed_by = 0
+        """Nothing was begun that a newer command had done with, and no abort ended what follows it."""
+        obeyed: list[tuple[Command, int]] = []
         for it in self.rig.stages_said:
             command = self.commands[it.command_id]
-            if it.stage is not Stage.STARTED or command.not_before_ns >= 0:
-                continue
-            if command.kind in OVERTAKEN:
-                assert it.command_id > ended_by, it
-            if command.kind is CommandKind.HOLD:
-                assert it.command_id > resumed_by, it
-                held_by = max(held_by, it.command_id)
-            elif command.kind is CommandKind.RESUME:
-                assert it.command_id > held_by, it
-                resumed_by = max(resumed_by, it.command_id)
-            elif command.kind in ENDING:
-                ended_by = max(ended_by, it.command_id)
+            start_ns, aborts = _start_ns(command), command.kind is CommandKind.ABORT
+            if it.stage is Stage.STARTED and command.kind in DONE_WITH_BY:
+                for newer, newer_start_ns in obeyed:
+                    follows = newer.id > command.id and newer_start_ns >= command.not_before_ns
+                    assert not (follows and newer.kind in DONE_WITH_BY[command.kind]), (it, newer)
+            if it.stage is Stage.STARTED or (aborts and it.stage is Stage.SKIPPED):
+                obeyed.append((command, FOR_EVER_NS if aborts else start_ns))
+            by = BY_COMMAND.fullmatch(it.reason) if it.stage is Stage.CANCELLED else None
+            ending = None if by is None else self.commands[int(by[1])]
+            if ending is not None and ending.kind is CommandKind.ABORT and ending.id < command.id:
+                assert command.kind is CommandKind.APPEND_PLAN or start_ns < ending.not_before_ns, it
 
     def close(self) -> None:
         """End the flight: every command that was received has come to one end."""
@@ -209,3 +213,8 @@ class Stream:
         planned = [item["waypoint"]["index"] for item in plan["items"]]
         for indices in (added, planned + added):
             self.released.update(indices if count < 0 else indices[:count])
+
+
+def _start_ns(command: Command) -> int:
+    """Return when a command is to start."""
+    return max(command.received_ns, command.not_before_ns)

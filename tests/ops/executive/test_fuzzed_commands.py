@@ -96,9 +96,10 @@ class Fuzzed(RuleBasedStateMachine):
         at_ns = self.stream.now_ns + wait * SECOND
         self.stream.issue(replace(command, not_before_ns=at_ns, expires_ns=at_ns + room * SECOND))
 
-    @rule(command=st.one_of(plans, touches))
-    def send_what_will_be_late(self, command: Command) -> None:
-        self.stream.withhold(command)
+    @rule(command=st.one_of(plans, touches), wait=st.sampled_from([None, None, 1, 2, 5]))
+    def send_what_will_be_late(self, command: Command, wait: int | None) -> None:
+        at_ns = -1 if wait is None else self.stream.now_ns + wait * SECOND
+        self.stream.withhold(replace(command, not_before_ns=at_ns))
 
     @rule(part=st.floats(0.0, 0.999))
     def deliver(self, part: float) -> None:
@@ -176,13 +177,16 @@ def _do_something(stream: Stream, draw: random.Random) -> None:
         waypoints = tuple(draw.choices(WAYPOINTS, k=draw.randint(1, 4)))
         kind, released = draw.choice(BRINGING), draw.choice([-1, -1, 0, 1])
         send = draw.choice([stream.issue, stream.issue, stream.withhold])
-        send(Command(0, kind, waypoints, draw.choice(["", "hold", *THENS]), 0, 0, released=released))
+        at_ns = draw.choice([-1, -1, stream.now_ns + 2 * SECOND])
+        failing = draw.choice(["", "hold", *THENS])
+        send(Command(0, kind, waypoints, failing, 0, 0, released=released, not_before_ns=at_ns))
     elif dice < 0.4:
         kind, target = draw.choice([*TOUCHING, CommandKind.SKIP, CommandKind.SKIP]), stream.issued - draw.randrange(4)
         waypoints = (draw.choice(WAYPOINTS),) if kind is CommandKind.GO_TO else ()
         touch = Command(0, kind, waypoints, "", 0, 0, target_id=target, released=draw.randint(-1, 3), value=2.0)
         at_ns = stream.now_ns + draw.randrange(3) * SECOND
-        stream.issue(replace(touch, not_before_ns=at_ns, expires_ns=at_ns + draw.choice([0, 2, 50]) * SECOND))
+        send = draw.choice([stream.issue, stream.issue, stream.issue, stream.withhold])
+        send(replace(touch, not_before_ns=at_ns, expires_ns=at_ns + draw.choice([0, 2, 50]) * SECOND))
     elif dice < 0.5:
         _pause(stream, draw)
     elif dice < 0.55:

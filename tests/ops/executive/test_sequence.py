@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.ops.executive.rig import SECOND, A, B, C, Rig
-from waypointctl.log.messages import Command, CommandKind, Mode, PlannedWaypoint, Stage
+from waypointctl.log.messages import CommandKind, Mode, PlannedWaypoint, Stage
 
 UPLOAD, APPEND, RELEASE, GO_TO = (
     CommandKind.UPLOAD_PLAN,
@@ -38,34 +38,82 @@ class Sent:
     released: int = -1
     target_id: int = -1
     value: float = 1.0
+    not_before: float | None = None
+
+    @property
+    def start(self) -> float:
+        """When it is to start, if it arrives at 1 s."""
+        return 1.0 if self.not_before is None else self.not_before
+
+
+TIMES = (1.0, 1.02, 9.98, 10.0, 10.02, 19.98, 20.0, 20.02)  # of looking at the world [s]
+
+
+def send(rig: Rig, now: float, one: Sent, number: int, **arguments: Any) -> None:
+    """Hand over a command."""
+    arguments = {"released": one.released, "target_id": one.target_id, "value": one.value, **arguments}
+    rig.send(now, one.kind, *one.waypoints, id=number, on_failure="abort", **arguments)
 
 
 def arrived(stream: list[Sent], order: tuple[int, ...]) -> Rig:
-    """Return a robot that got a stream in an order; ids are places in the stream, from 1."""
+    """Return a robot that got a stream at 1 s, in an order; ids are places in the stream, from 1."""
     rig = Rig()
     for number in order:
-        one = stream[number - 1]
-        arguments: dict[str, Any] = {"released": one.released, "target_id": one.target_id, "value": one.value}
-        rig.send(1.0, one.kind, *one.waypoints, id=number, on_failure="abort", **arguments)
+        send(rig, 1.0, stream[number - 1], number, not_before=stream[number - 1].not_before)
     rig.sense(1.02, "start")
     return rig
 
 
-def doing(rig: Rig) -> tuple[object, ...]:
-    """Return what a robot is doing and is still to do, and, if it pauses, what it does when it is resumed."""
+def done(stream: list[Sent], order: tuple[int, ...]) -> list[tuple[object, ...]]:
+    """Return what a robot does that gets a stream at 1 s, in an order."""
+    rig, seen = Rig(), []
+    for number in order:
+        send(rig, 1.0, stream[number - 1], number, not_before=stream[number - 1].not_before)
+    for time in TIMES:
+        rig.sense(time, "start")
+        seen.append(busy(rig))
+    return [*seen, doing(rig)]
+
+
+def wanted(stream: list[Sent]) -> list[tuple[object, ...]]:
+    """Return what a robot does that gets every command at its start, those that start together by their ids.
+
+    It never hears of what an abort or a cancel had ended by then, nor of any `not_before`.
+    """
+    rig, seen, ids, ended = Rig(), [], dict[int, int](), set[int]()
+    for time in TIMES:
+        for number, one in enumerate(stream, 1):
+            if number in ended or one.start != time:
+                continue
+            to_come = {other for other, older in enumerate(stream[: number - 1], 1) if older.start > time}
+            ended |= to_come if one.kind is ABORT else to_come & {one.target_id}
+            ids[number] = len(ids) + 1
+            send(rig, time, one, ids[number], target_id=ids.get(one.target_id, -1))
+        rig.sense(time, "start")
+        seen.append(busy(rig))
+    return [*seen, doing(rig)]
+
+
+def busy(rig: Rig) -> tuple[object, ...]:
+    """Return what a robot is doing, and is still to do."""
     executive = rig.executive
-    mode = executive.mode
-    if mode is Mode.PAUSED:
-        rig.send(2.0, RESUME, id=100)
     plan: Any = executive.state()["plan"]
     open_items = [(item["waypoint"], item["released"]) for item in plan["items"] if not item["over"]]
-    goals = executive.goals.tolist() if executive.on_foot else None
-    return mode, executive.mode, executive.target, goals, open_items
+    return executive.mode, executive.goals.tolist() if executive.on_foot else None, open_items
 
 
+def doing(rig: Rig) -> tuple[object, ...]:
+    """Return what a robot is doing and is still to do, and, if it pauses, what it does when it is resumed."""
+    mode = rig.executive.mode
+    if mode is Mode.PAUSED:
+        rig.send(30.0, RESUME, id=100)
+    return mode, rig.executive.target, *busy(rig)
+
+
+TIMELESS = [replace(waypoint, timeout_ns=1000 * SECOND) for waypoint in (A, B, C)]
 setting = st.builds(lambda value: Sent(CommandKind.SET_TOLERANCE, value=value), st.sampled_from([0.2, 2.0]))
-going = st.builds(lambda to: Sent(GO_TO, (to,)), st.sampled_from([A, B, C]))
-uploading = st.builds(lambda released: Sent(UPLOAD, (A, B, C), released=released), st.sampled_from([-1, 0, 1, 2]))
+going = st.builds(lambda to: Sent(GO_TO, (to,)), st.sampled_from(TIMELESS))
+uploading = st.builds(lambda released: Sent(UPLOAD, tuple(TIMELESS), released=released), st.sampled_from([-1, 0, 1, 2]))
 releasing = st.builds(lambda released: Sent(RELEASE, released=released), st.sampled_from([-1, 1, 2, 3]))
 halting = st.sampled_from([Sent(HOLD), Sent(RESUME), Sent(ABORT), Sent(HOME)])
 
@@ -73,13 +121,18 @@ halting = st.sampled_from([Sent(HOLD), Sent(RESUME), Sent(ABORT), Sent(HOME)])
 @st.composite
 def streams(draw: st.DrawFn) -> tuple[list[Sent], tuple[int, ...]]:
     """Draw up to six commands, some of which cancel an earlier one that lasts, and an order of arrival."""
-    command: st.SearchStrategy[Sent] = st.one_of(going, uploading, releasing, halting, setting)
+    start = st.sampled_from([None, None, 10.0, 20.0])
+    command: st.SearchStrategy[Sent] = st.builds(
+        lambda one, not_before: replace(one, not_before=not_before),
+        st.one_of(going, uploading, releasing, halting, setting),
+        start,
+    )
     stream = draw(st.lists(command, min_size=2, max_size=5))
     lasting = [number for number, one in enumerate(stream, 1) if one.kind in (GO_TO, UPLOAD, HOME)]
     takes_back = draw(st.booleans())
     if lasting and takes_back:
         target = draw(st.sampled_from(lasting))
-        stream.insert(draw(st.integers(target, len(stream))), Sent(CANCEL, target_id=target))
+        stream.insert(draw(st.integers(target, len(stream))), Sent(CANCEL, target_id=target, not_before=draw(start)))
     return stream, tuple(draw(st.permutations(range(1, len(stream) + 1))))
 
 
@@ -89,7 +142,7 @@ def test_whatever_order_commands_come_in_the_robot_does_what_the_order_of_issue_
     case: tuple[list[Sent], tuple[int, ...]],
 ) -> None:
     stream, order = case
-    assert doing(arrived(stream, order)) == doing(arrived(stream, tuple(range(1, len(stream) + 1))))
+    assert done(stream, order) == wanted(stream)
 
 
 @given(st.permutations(range(1, 30)), st.lists(st.integers(1, 29), max_size=20))
@@ -172,12 +225,12 @@ def test_a_command_counts_from_the_time_that_it_is_for() -> None:
 def test_what_came_out_of_turn_is_in_the_state_and_what_did_not_is_not() -> None:
     rig = arrived([Sent(UPLOAD, (A, B), released=0), Sent(RELEASE, released=1)], (1, 2))
     assert "sequence" not in rig.executive.state()
-    rig.executive.obey(2 * SECOND, Command(5, CANCEL, (), "", 0, 0, target_id=3))
+    rig.send(2.0, CANCEL, id=5, target_id=3)
     state = rig.executive.state()
     assert state["sequence"] == {
         "obeyed": {"upload_plan": [[1, SECOND]], "release": [[2, SECOND]], "cancel": [[5, 2 * SECOND]]},
         "released": [[2, 1]],
         "values": {},
-        "cancelled": [[3, 5]],
+        "cancelled": [[3, 5, 2 * SECOND]],
     }
     assert json.loads(json.dumps(state)) == state

@@ -113,6 +113,8 @@ class Executive:
         if life.knows(command.id):
             life.repeat(now_ns, command)
             return
+        self._end_expired(now_ns)
+        self._start_due(now_ns)  # what has waited until now comes before what arrives now
         life.receive(now_ns, command)
         self._walk.sequence.receive(command.id)
         text = f"command {command.id} received: {command.kind} {names_of(command)}".rstrip()
@@ -121,14 +123,15 @@ class Executive:
 
     def _judge(self, now_ns: int, command: Command) -> None:
         """Start a command that has just arrived, keep it for later, or end it."""
-        life, cancelled = self._life, self._walk.sequence.take_cancel(command.id)
+        life = self._life
+        cancelled, begun = self._walk.sequence.take_cancel(command) or (None, False)
         if self.mode is Mode.FALLEN:
             life.advance(now_ns, command.id, Stage.REJECTED, FALL)
         elif reason := wrong_arguments(command, self._walk.rules.fence):
             life.advance(now_ns, command.id, Stage.REJECTED, reason)
         elif 0 <= command.expires_ns < now_ns:
             life.advance(now_ns, command.id, Stage.EXPIRED, "late")
-        elif cancelled is not None and not KINDS[command.kind].lasts:
+        elif cancelled is not None and not (begun and KINDS[command.kind].lasts):
             life.advance(now_ns, command.id, Stage.CANCELLED, by(cancelled))
         elif command.not_before_ns > now_ns:
             self._keep(now_ns, command)
@@ -157,16 +160,23 @@ class Executive:
         if fell:
             self._fall(now_ns)
             return
+        self._end_expired(now_ns)
+        self._link.look(self._walk, now_ns)
+        self._start_due(now_ns)
+        self._fence.look(self._walk, now_ns, float(position[0, 0]), float(position[0, 1]))
+        judge(self._walk, now_ns, position, heading_rad)
+
+    def _end_expired(self, now_ns: int) -> None:
+        """End the commands whose time is over."""
         for command_id in self._life.expired(now_ns):
             begun = self._life.has_started(command_id)
             reason = "not completed in time" if begun else "not started in time"
             take_back(self._walk, now_ns, command_id, Stage.EXPIRED, reason)
-        self._link.look(self._walk, now_ns)
-        if not self._link.keeps_still(self._walk):
-            while (command := self._life.take_due(now_ns)) is not None:
-                start(self._walk, now_ns, command)
-        self._fence.look(self._walk, now_ns, float(position[0, 0]), float(position[0, 1]))
-        judge(self._walk, now_ns, position, heading_rad)
+
+    def _start_due(self, now_ns: int) -> None:
+        """Start the commands that have waited for their time, unless the link keeps them waiting."""
+        while not self._link.keeps_still(self._walk) and (command := self._life.take_due(now_ns)) is not None:
+            start(self._walk, now_ns, command)
 
     @property
     def plans(self) -> bool:

@@ -89,7 +89,7 @@ class Life:
     def postpone(self, command: Command) -> None:
         """Keep an accepted command until it may start."""
         self.pending.append(command)
-        self.pending.sort(key=lambda waiting: waiting.not_before_ns)  # stable: of two, the one that arrived first
+        self.pending.sort(key=lambda waiting: (waiting.not_before_ns, waiting.id))  # of two, the one issued first
 
     def take_due(self, now_ns: int) -> Command | None:
         """Take out the first command that may start by now."""

@@ -1,20 +1,21 @@
 """The order in which the ground issued its commands, where the link did not keep it.
 
-Ids count up in the order of issue. A link may bring an older command after a newer one: because its jitter keeps no
-order, or because the older one was lost and sent again. What the robot does in the end is what it would do had they
-come in order:
+Ids count up in the order of issue. A command starts when it arrives, or at its `not_before` if that is later. Had all
+arrived as they were issued, the robot would obey them by their starts, and of two with one start the older first. A
+link may bring an older command after a newer one: because its jitter keeps no order, or because the older one was lost
+and sent again. A newer command that has been obeyed *follows* such an older one, unless the older one's `not_before` is
+later than the newer one's start. An abort follows every older command, for it ends those too that wait. Then
 
-- An older command that a newer one had done with is dropped (SKIPPED, "overtaken by command 7"): `_DONE_WITH_BY` says
-  which kind does that to which. The newer one's `do` was obeyed already; the older one must not undo it.
-- A newer command that changes how an older one is carried out (hold, release, tolerance, time-out, cancel) is
+- an older command that a newer one which follows it had done with is dropped (SKIPPED, "overtaken by command 7"):
+  `_DONE_WITH_BY` says which kind does that to which. The newer one's `do` was obeyed already; the older one must not
+  undo it. An abort that is dropped itself has still done with all that is older.
+- a newer command that changes how one that it follows is carried out (hold, release, tolerance, time-out, cancel) is
   remembered for those that are still to come.
-
-A command counts from when it is to start: one with a `not_before` to come is not overtaken by what starts before that,
-but by an abort, which ends what waits too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -36,6 +37,32 @@ _DONE_WITH_BY: Final = {kind: ENDING for kind in CommandKind if kind is not Comm
 }
 
 
+@dataclass(frozen=True, slots=True)
+class _Mark:
+    """What is remembered of a command that was obeyed.
+
+    Attributes:
+        start_ns: when it was to start; an abort's is later than any.
+        command_id: of it.
+        released: how many waypoints it released, counted from the plan's first; 0 where it is no release.
+        value: the tolerance [m] or the time-out [s] that it set.
+    """
+
+    start_ns: int
+    command_id: int
+    released: int
+    value: float
+
+    def follows(self, command: Command) -> bool:
+        """Tell whether it is newer than another, and was not to start before it."""
+        return self.command_id > command.id and self.start_ns >= command.not_before_ns
+
+    def says_all_of(self, other: _Mark) -> bool:
+        """Tell whether another need not be remembered: what that one follows, this one follows after it."""
+        newer = self.command_id >= other.command_id and self.start_ns >= other.start_ns
+        return newer and self.released >= other.released
+
+
 @dataclass(slots=True)
 class Sequence:
     """What has been obeyed, as far as it matters for older commands that are still to come.
@@ -46,81 +73,78 @@ class Sequence:
 
     kept: bool = True
     _newest: int = 0
-    # By kind: (id, until when an older command had to start to be done with [ns]). Of two of which one is newer and
-    # later as well, that one says it all.
-    _obeyed: dict[CommandKind, list[tuple[int, int]]] = field(default_factory=dict)
-    _released: list[tuple[int, int]] = field(default_factory=list)  # (id, waypoints), the same way
-    _values: dict[CommandKind, tuple[int, float]] = field(default_factory=dict)  # (id, value) of the newest
-    _cancelled: dict[int, int] = field(default_factory=dict)  # what has not arrived yet: by which command
+    _obeyed: dict[CommandKind, list[_Mark]] = field(default_factory=dict)
+    # What has not arrived yet: by which command, and when that one was to start [ns].
+    _cancelled: dict[int, tuple[int, int]] = field(default_factory=dict)
 
     def receive(self, command_id: int) -> None:
         """Take note that a command has arrived for the first time."""
         self.kept = self.kept and command_id == self._newest + 1
         self._newest = max(self._newest, command_id)
 
-    def obey(self, command: Command, starts_ns: int) -> None:
+    def obey(self, command: Command, start_ns: int) -> None:
         """Take note of what is obeyed now, and of when it was to start [ns]."""
-        kind = command.kind
-        until_ns = _FOR_EVER_NS if kind is CommandKind.ABORT else starts_ns
-        _add(self._obeyed.setdefault(kind, []), command.id, until_ns)
-        if kind is CommandKind.RELEASE:
-            _add(self._released, command.id, _ALL if command.released < 0 else command.released)
-        elif kind in (CommandKind.SET_TOLERANCE, CommandKind.SET_TIMEOUT):
-            self._values[kind] = command.id, command.value  # an older one is dropped: this is the newest
+        kind, released = command.kind, 0
+        if kind is CommandKind.ABORT:
+            start_ns = _FOR_EVER_NS
+        elif kind is CommandKind.RELEASE:
+            released = _ALL if command.released < 0 else command.released
+        new, marks = _Mark(start_ns, command.id, released, command.value), self._obeyed.setdefault(kind, [])
+        if not any(mark.says_all_of(new) for mark in marks):
+            marks[:] = [*(mark for mark in marks if not new.says_all_of(mark)), new]
 
     def overtaking(self, command: Command) -> int | None:
         """Return the newest command that an older one comes too late for; None if it does not."""
-        return self._newest_of(_DONE_WITH_BY[command.kind], command)
+        marks = self._following(command, _DONE_WITH_BY[command.kind])
+        return max((mark.command_id for mark in marks), default=None)
 
     def held_by(self, command: Command) -> int | None:
         """Return the hold that a command has to stand still for although it comes after it; None if there is none."""
-        held = self._newest_of({CommandKind.HOLD}, command)
-        if held is None:
-            return None
-        resumed = self._newest_of({CommandKind.RESUME}, command)
-        return held if resumed is None or resumed < held else None
+        last = self._last(command, CommandKind.HOLD, CommandKind.RESUME)
+        return None if last is None or last not in self._obeyed.get(CommandKind.HOLD, ()) else last.command_id
 
     def released_for(self, command: Command) -> int:
         """Return how many waypoints newer commands have released, counted from the plan's first; -1 for all."""
-        count = max((count for command_id, count in self._released if command_id > command.id), default=0)
+        count = max((mark.released for mark in self._following(command, {CommandKind.RELEASE})), default=0)
         return -1 if count == _ALL else count
 
     def value_for(self, command: Command, kind: CommandKind) -> float | None:
         """Return the tolerance [m] or time-out [s] that a newer command has set; None if none has."""
-        setting = self._values.get(kind)
-        return setting[1] if setting is not None and setting[0] > command.id else None
+        last = self._last(command, kind)
+        return None if last is None else last.value
 
-    def cancel(self, target_id: int, by_id: int) -> None:
-        """Remember that a command which has not arrived yet is not wanted any more."""
-        self._cancelled.setdefault(target_id, by_id)
+    def cancel(self, target_id: int, by_id: int, start_ns: int) -> None:
+        """Remember that a command which has not arrived yet is not wanted any more, from some time on [ns]."""
+        self._cancelled.setdefault(target_id, (by_id, start_ns))
 
-    def take_cancel(self, command_id: int) -> int | None:
-        """Return what cancelled a command that arrives now, before it did; None if nothing did."""
-        return self._cancelled.pop(command_id, None)
+    def take_cancel(self, command: Command) -> tuple[int, bool] | None:
+        """Return what cancelled a command that arrives now, before it did; None if nothing did.
+
+        With it comes whether the command would have been begun by then, had it come before.
+        """
+        by_id, start_ns = self._cancelled.pop(command.id, (None, 0))
+        return None if by_id is None else (by_id, command.not_before_ns <= start_ns)
 
     def state(self) -> dict[str, object]:
         """Return all of it as plain data."""
+        settings = (CommandKind.SET_TOLERANCE, CommandKind.SET_TIMEOUT)
         return {
-            "obeyed": {kind.value: [list(mark) for mark in marks] for kind, marks in self._obeyed.items()},
-            "released": [list(mark) for mark in self._released],
-            "values": {kind.value: list(setting) for kind, setting in self._values.items()},
-            "cancelled": [list(pair) for pair in self._cancelled.items()],
+            "obeyed": {
+                kind.value: [[mark.command_id, mark.start_ns] for mark in marks] for kind, marks in self._obeyed.items()
+            },
+            "released": [[mark.command_id, mark.released] for mark in self._obeyed.get(CommandKind.RELEASE, ())],
+            "values": {
+                kind.value: [[mark.command_id, mark.value] for mark in self._obeyed[kind]]
+                for kind in settings
+                if kind in self._obeyed
+            },
+            "cancelled": [[target_id, *cancel] for target_id, cancel in self._cancelled.items()],
         }
 
-    def _newest_of(self, kinds: frozenset[CommandKind] | set[CommandKind], command: Command) -> int | None:
-        """Return the newest command of some kinds that is newer than this one, and was not to start before it."""
-        newer = [
-            command_id
-            for kind in kinds
-            for command_id, until_ns in self._obeyed.get(kind, ())
-            if command_id > command.id and command.not_before_ns <= until_ns
-        ]
-        return max(newer, default=None)
+    def _following(self, command: Command, kinds: Iterable[CommandKind]) -> list[_Mark]:
+        """Return what was obeyed of some kinds that follows a command."""
+        return [mark for kind in kinds for mark in self._obeyed.get(kind, ()) if mark.follows(command)]
 
-
-def _add(marks: list[tuple[int, int]], command_id: int, much: int) -> None:
-    """Add a mark, unless one is newer and no less; it takes the place of those that are older and no more."""
-    if any(other_id >= command_id and other >= much for other_id, other in marks):
-        return
-    marks[:] = [mark for mark in marks if mark[0] > command_id or mark[1] > much]
-    marks.append((command_id, much))
+    def _last(self, command: Command, *kinds: CommandKind) -> _Mark | None:
+        """Return the last of what was obeyed of some kinds that follows a command."""
+        return max(self._following(command, kinds), key=lambda mark: (mark.start_ns, mark.command_id), default=None)

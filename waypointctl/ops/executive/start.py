@@ -65,5 +65,7 @@ def is_overtaken(walk: Walk, now_ns: int, command: Command) -> bool:
     later_id = walk.sequence.overtaking(command)
     if later_id is None or (command.kind is CommandKind.ABORT and issued_before(walk, command)):
         return False
+    if command.kind is CommandKind.ABORT:
+        walk.sequence.obey(command, now_ns)  # what is older and still to come is not wanted either
     walk.life.advance(now_ns, command.id, Stage.SKIPPED, f"overtaken by command {later_id}")
     return True
