@@ -111,7 +111,7 @@ def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyt
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(Path, "replace", full)
-    with pytest.raises(OutputError, match=r"a: the letter cannot be written: No space left on device\n  give a file"):
+    with pytest.raises(OutputError, match=r"a: the letter cannot be written: No space left on device\n  Give a file"):
         write_whole(tmp_path / "a", b"third", "the letter")
     assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("a", b"second")]
 

@@ -107,8 +107,8 @@ def test_what_is_of_another_kind_is_replaced_only_by_force(
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ("--out y --markdown ./y --plot z", "y: --out and --markdown would both write this file\n  give --markdown"),
-        ("--markdown y --plot y --force", "y: --markdown and --plot would both write this file\n  give --plot"),
+        ("--out y --markdown ./y --plot z", "y: --out and --markdown would both write this file\n  Give --markdown"),
+        ("--markdown y --plot y --force", "y: --markdown and --plot would both write this file\n  Give --plot"),
         ("--save --out link/evaluation-easy.json", "link/evaluation-easy.json: --save and --out would both write"),
     ],
 )
@@ -158,7 +158,7 @@ def test_what_is_no_acceptance_is_refused(place: Path, program: Program, accepta
     assert code == 2
     assert err == (
         f"error: --acceptance: {acceptance!r} is not an acceptance region: a shape, box or radius, and a size up to "
-        "100 m\n  such as radius:0.2 or box:50cm\n"
+        "100 m\n  Such as radius:0.2 or box:50cm\n"
     )
 
 

@@ -65,7 +65,7 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["{}", "[]", "not json"])
 def test_what_is_no_evaluation_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "e.json").write_text(text)
-    with pytest.raises(InputError, match=r"e\.json: not an evaluation: .*\n  write it again with"):
+    with pytest.raises(InputError, match=r"e\.json: not an evaluation: .*\n  Write it again with"):
         read_evaluation(tmp_path / "e.json")
 
 

@@ -149,7 +149,7 @@ def test_one_bad_number_is_one_problem(tmp_path: Path) -> None:
 
 def test_a_suite_that_is_not_there_is_refused_with_those_that_are(tmp_path: Path) -> None:
     with pytest.raises(
-        SuiteError, match=r"papers: there is no such file\n  give a YAML file, or .*: paper, region, anywhere, station$"
+        SuiteError, match=r"papers: there is no such file\n  Give a YAML file, or .*: paper, region, anywhere, station$"
     ):
         load_suite("papers")
     with pytest.raises(SuiteError, match="is a folder, not a file"):

@@ -24,7 +24,7 @@ def test_terms_that_a_policy_does_not_name_are_at_their_defaults(make_policy: Ma
     [
         (
             {"fall": 1.0, "sparkle": 2.0},
-            r"paid for sparkle, which .* not know\n  known terms are progress, progress_cap",
+            r"paid for sparkle, which .* not know\n  Known terms are progress, progress_cap",
         ),
         ({"fall": -1.0}, r"reward\.fall: -1\.0 is not a number >= 0"),
     ],

@@ -57,5 +57,5 @@ def test_a_damaged_policy_is_still_called_damaged(tmp_path: Path, make_policy: C
     make_policy(tmp_path)
     make_policy(tmp_path / "whole")
     (tmp_path / "policy.onnx").unlink()
-    with pytest.raises(PolicyError, match=r"no policy\.onnx; a policy has .*\n  copy the whole folder again"):
+    with pytest.raises(PolicyError, match=r"no policy\.onnx; a policy has .*\n  Copy the whole folder again"):
         load_policy(tmp_path)

@@ -36,7 +36,7 @@ def test_a_policy_that_fits_passes(policy: LoadedPolicy) -> None:
 
 
 def test_another_robot_is_refused(policy: LoadedPolicy) -> None:
-    with pytest.raises(PolicyError, match=r"policy 'tiny': made for the robot 'ant', not 'rover'\n  choose a policy"):
+    with pytest.raises(PolicyError, match=r"policy 'tiny': made for the robot 'ant', not 'rover'\n  Choose a policy"):
         check(policy, robot="rover")
 
 
@@ -73,7 +73,7 @@ def test_another_number_of_joints_is_refused(policy: LoadedPolicy) -> None:
 def test_other_limits_of_the_actions_are_refused(tmp_path: Path, make_policy: Callable[..., LoadedPolicy]) -> None:
     strong = ActionSpec(size=8, meaning="torque", limits=(-150.0, 150.0))
     with pytest.raises(
-        PolicyError, match=r"actions: within \[-150\.0, 150\.0\], not \[-1\.0, 1\.0\]\n  train a policy"
+        PolicyError, match=r"actions: within \[-150\.0, 150\.0\], not \[-1\.0, 1\.0\]\n  Train a policy"
     ):
         check(make_policy(tmp_path / "strong", action=strong))
 

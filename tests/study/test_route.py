@@ -30,7 +30,7 @@ def test_anybodys_mission_is_a_route(tmp_path: Path) -> None:
 
 
 def test_an_unknown_route_is_refused_with_those_there_are(tmp_path: Path) -> None:
-    with pytest.raises(MissionError, match=r"there is no such file\n  give .* two-point, ten-point, short"):
+    with pytest.raises(MissionError, match=r"there is no such file\n  Give .* two-point, ten-point, short"):
         load_route("three-point")
     with pytest.raises(MissionError, match="no such file"):
         load_route(str(tmp_path / "none.yaml"))
