@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from tests.ops.flying import STILL, Scripted, flown, mission_of, only
 from waypointctl.log.messages import (
+    Clock,
     Command,
     CommandKind,
     CommandStage,
@@ -22,6 +23,7 @@ from waypointctl.ops.flight import FlightResult
 
 FAR = {"name": "far", "position_m": [500.0, 0.0], "timeout_s": 60.0}
 SEED = 0  # the link up, which loses half, loses the plan the first time
+SHUFFLING = 22  # another, which loses the abort and the hold
 
 
 def steered(seed: int, loss: float) -> tuple[FlightResult, list[Message]]:
@@ -79,3 +81,28 @@ def test_a_plan_that_was_lost_and_is_sent_again_does_not_undo_what_stopped_it(ha
     assert arrived[0][1] == 2, "the plan, command 1, was lost the first time"
     assert (CommandKind.UPLOAD_PLAN, 1) in arrived
     assert only(Telemetry, messages)[-1].mode is mode
+
+
+def test_what_was_sent_again_and_comes_late_leaves_alone_what_was_issued_after_it_for_later() -> None:
+    mission = mission_of(
+        FAR,
+        link={"up": {"delay_s": 0.1, "loss": 0.5}, "down": {"delay_s": 0.1}},
+        schedule=[
+            {"at_s": 1.0, "do": "abort"},
+            {"at_s": 1.2, "do": "go_to", "position_m": [500.0, 9.0], "not_before_s": 8.0},
+            {"at_s": 1.4, "do": "hold", "not_before_s": 8.0},
+            {"at_s": 1.6, "do": "resume", "not_before_s": 8.0},
+        ],
+        seed=SHUFFLING,
+        expect={"max_time_s": 9.0},
+    )
+    _, messages = flown(mission)
+    arrived = list(dict.fromkeys(command.id for command in only(Command, messages)))
+    assert arrived == [1, 3, 5, 4, 2], "the link loses the abort and the hold the first time"
+    stages = [stage for stage in only(CommandStage, messages) if stage.clock is Clock.ROBOT]
+    assert [stage.command_id for stage in stages if stage.stage is Stage.STARTED] == [1, 2, 3, 4, 5]
+    assert [(stage.command_id, stage.reason) for stage in stages if stage.reason] == [
+        (1, "by command 2"),
+        (3, "flight ended"),
+    ]
+    assert only(Telemetry, messages)[-1].mode is Mode.WALKING

@@ -3,146 +3,19 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import permutations
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.ops.executive.rig import SECOND, A, B, C, Rig
-from waypointctl.log.messages import CommandKind, Mode, PlannedWaypoint, Stage
+from tests.ops.executive.sent import Sent, arrived, busy
+from waypointctl.log.messages import CommandKind, Mode, Stage
 
-UPLOAD, APPEND, RELEASE, GO_TO = (
-    CommandKind.UPLOAD_PLAN,
-    CommandKind.APPEND_PLAN,
-    CommandKind.RELEASE,
-    CommandKind.GO_TO,
-)
-HOLD, RESUME, ABORT, CANCEL, HOME = (
-    CommandKind.HOLD,
-    CommandKind.RESUME,
-    CommandKind.ABORT,
-    CommandKind.CANCEL,
-    CommandKind.RETURN_HOME,
-)
-
-
-@dataclass(frozen=True)
-class Sent:
-    """A command before it has an id."""
-
-    kind: CommandKind
-    waypoints: tuple[PlannedWaypoint, ...] = ()
-    released: int = -1
-    target_id: int = -1
-    value: float = 1.0
-    not_before: float | None = None
-
-    @property
-    def start(self) -> float:
-        """When it is to start, if it arrives at 1 s."""
-        return 1.0 if self.not_before is None else self.not_before
-
-
-TIMES = (1.0, 1.02, 9.98, 10.0, 10.02, 19.98, 20.0, 20.02)  # of looking at the world [s]
-
-
-def send(rig: Rig, now: float, one: Sent, number: int, **arguments: Any) -> None:
-    """Hand over a command."""
-    arguments = {"released": one.released, "target_id": one.target_id, "value": one.value, **arguments}
-    rig.send(now, one.kind, *one.waypoints, id=number, on_failure="abort", **arguments)
-
-
-def arrived(stream: list[Sent], order: tuple[int, ...]) -> Rig:
-    """Return a robot that got a stream at 1 s, in an order; ids are places in the stream, from 1."""
-    rig = Rig()
-    for number in order:
-        send(rig, 1.0, stream[number - 1], number, not_before=stream[number - 1].not_before)
-    rig.sense(1.02, "start")
-    return rig
-
-
-def done(stream: list[Sent], order: tuple[int, ...]) -> list[tuple[object, ...]]:
-    """Return what a robot does that gets a stream at 1 s, in an order."""
-    rig, seen = Rig(), []
-    for number in order:
-        send(rig, 1.0, stream[number - 1], number, not_before=stream[number - 1].not_before)
-    for time in TIMES:
-        rig.sense(time, "start")
-        seen.append(busy(rig))
-    return [*seen, doing(rig)]
-
-
-def wanted(stream: list[Sent]) -> list[tuple[object, ...]]:
-    """Return what a robot does that gets every command at its start, those that start together by their ids.
-
-    It never hears of what an abort or a cancel had ended by then, nor of any `not_before`.
-    """
-    rig, seen, ids, ended = Rig(), [], dict[int, int](), set[int]()
-    for time in TIMES:
-        for number, one in enumerate(stream, 1):
-            if number in ended or one.start != time:
-                continue
-            to_come = {other for other, older in enumerate(stream[: number - 1], 1) if older.start > time}
-            ended |= to_come if one.kind is ABORT else to_come & {one.target_id}
-            ids[number] = len(ids) + 1
-            send(rig, time, one, ids[number], target_id=ids.get(one.target_id, -1))
-        rig.sense(time, "start")
-        seen.append(busy(rig))
-    return [*seen, doing(rig)]
-
-
-def busy(rig: Rig) -> tuple[object, ...]:
-    """Return what a robot is doing, and is still to do."""
-    executive = rig.executive
-    plan: Any = executive.state()["plan"]
-    open_items = [(item["waypoint"], item["released"]) for item in plan["items"] if not item["over"]]
-    return executive.mode, executive.goals.tolist() if executive.on_foot else None, open_items
-
-
-def doing(rig: Rig) -> tuple[object, ...]:
-    """Return what a robot is doing and is still to do, and, if it pauses, what it does when it is resumed."""
-    mode = rig.executive.mode
-    if mode is Mode.PAUSED:
-        rig.send(30.0, RESUME, id=100)
-    return mode, rig.executive.target, *busy(rig)
-
-
-TIMELESS = [replace(waypoint, timeout_ns=1000 * SECOND) for waypoint in (A, B, C)]
-setting = st.builds(lambda value: Sent(CommandKind.SET_TOLERANCE, value=value), st.sampled_from([0.2, 2.0]))
-going = st.builds(lambda to: Sent(GO_TO, (to,)), st.sampled_from(TIMELESS))
-uploading = st.builds(lambda released: Sent(UPLOAD, tuple(TIMELESS), released=released), st.sampled_from([-1, 0, 1, 2]))
-releasing = st.builds(lambda released: Sent(RELEASE, released=released), st.sampled_from([-1, 1, 2, 3]))
-halting = st.sampled_from([Sent(HOLD), Sent(RESUME), Sent(ABORT), Sent(HOME)])
-
-
-@st.composite
-def streams(draw: st.DrawFn) -> tuple[list[Sent], tuple[int, ...]]:
-    """Draw up to six commands, some of which cancel an earlier one that lasts, and an order of arrival."""
-    start = st.sampled_from([None, None, 10.0, 20.0])
-    command: st.SearchStrategy[Sent] = st.builds(
-        lambda one, not_before: replace(one, not_before=not_before),
-        st.one_of(going, uploading, releasing, halting, setting),
-        start,
-    )
-    stream = draw(st.lists(command, min_size=2, max_size=5))
-    lasting = [number for number, one in enumerate(stream, 1) if one.kind in (GO_TO, UPLOAD, HOME)]
-    takes_back = draw(st.booleans())
-    if lasting and takes_back:
-        target = draw(st.sampled_from(lasting))
-        stream.insert(draw(st.integers(target, len(stream))), Sent(CANCEL, target_id=target, not_before=draw(start)))
-    return stream, tuple(draw(st.permutations(range(1, len(stream) + 1))))
-
-
-@given(streams())
-@settings(max_examples=600, deadline=None)
-def test_whatever_order_commands_come_in_the_robot_does_what_the_order_of_issue_says(
-    case: tuple[list[Sent], tuple[int, ...]],
-) -> None:
-    stream, order = case
-    assert done(stream, order) == wanted(stream)
+UPLOAD, RELEASE, GO_TO = CommandKind.UPLOAD_PLAN, CommandKind.RELEASE, CommandKind.GO_TO
+HOLD, RESUME, ABORT, CANCEL = CommandKind.HOLD, CommandKind.RESUME, CommandKind.ABORT, CommandKind.CANCEL
 
 
 @given(st.permutations(range(1, 30)), st.lists(st.integers(1, 29), max_size=20))
@@ -220,6 +93,75 @@ def test_a_command_counts_from_the_time_that_it_is_for() -> None:
     assert rig.executive.target == A, "it was issued earlier, for later"
     rig.send(6.0, ABORT, id=4)
     assert rig.send(7.0, GO_TO, C, id=3, not_before=20.0) is Stage.SKIPPED, "an abort ends what waits too"
+
+
+def test_a_late_abort_ends_nothing_that_was_issued_after_it_and_waits() -> None:
+    rig = arrived([Sent(GO_TO, (A,)), Sent(ABORT), Sent(GO_TO, (B,), not_before=10.0)], (1, 3, 2))
+    assert rig.ended(1) == (Stage.CANCELLED, "by command 2")
+    assert (rig.executive.mode, rig.stage(3)) == (Mode.IDLE, Stage.ACCEPTED)
+    rig.sense(10.0, "start")
+    assert rig.executive.target == B
+
+
+def test_an_abort_for_later_ends_what_was_begun_before_its_time_whenever_it_was_issued() -> None:
+    later = Sent(GO_TO, (C,), not_before=20.0)
+    rig = arrived([Sent(ABORT, not_before=10.0), Sent(GO_TO, (A,)), later], (1, 2, 3))
+    assert rig.sense(9.98, "start") is Mode.WALKING
+    assert rig.sense(10.0, "start") is Mode.IDLE
+    assert (rig.ended(2), rig.stage(3)) == ((Stage.CANCELLED, "by command 1"), Stage.ACCEPTED)
+    rig.sense(20.0, "start")
+    assert rig.executive.target == C
+
+
+def test_an_abort_that_is_overtaken_still_ends_what_was_issued_before_it() -> None:
+    rig = arrived([Sent(GO_TO, (A,), not_before=10.0), Sent(ABORT), Sent(GO_TO, (B,))], (3, 2, 1))
+    assert rig.ended(2) == (Stage.SKIPPED, "overtaken by command 3")
+    assert rig.ended(1) == (Stage.SKIPPED, "overtaken by command 2")
+    rig.sense(10.0, "start")
+    assert rig.executive.target == B
+
+
+@pytest.mark.parametrize("order", list(permutations((1, 2, 3))))
+def test_of_commands_for_one_time_the_one_issued_first_is_started_first(order: tuple[int, ...]) -> None:
+    rig = arrived([Sent(GO_TO, (A,)), Sent(HOLD, not_before=10.0), Sent(RESUME, not_before=10.0)], order)
+    assert rig.sense(10.0, "start") is Mode.WALKING
+    assert (rig.stage(2), rig.stage(3)) == (Stage.COMPLETED, Stage.COMPLETED)
+
+
+def test_what_has_waited_until_now_comes_before_what_arrives_now() -> None:
+    rig = arrived([Sent(GO_TO, (A,)), Sent(HOLD, not_before=10.0)], (1, 2))
+    rig.sense(9.98, "start")
+    assert rig.send(10.0, RESUME, id=3) is Stage.COMPLETED
+    assert rig.sense(10.0, "start") is Mode.WALKING
+    assert rig.life(2)[-1] is Stage.COMPLETED
+    late = arrived([Sent(GO_TO, (A,))], (1,))
+    late.send(2.0, HOLD, id=2, not_before=9.985, expires=9.99)
+    late.send(10.0, GO_TO, B, id=3)
+    assert late.ended(2) == (Stage.EXPIRED, "not started in time"), "between two looks at the clock"
+
+
+@pytest.mark.parametrize("order", list(permutations((1, 2, 3, 4))))
+def test_what_is_kept_is_not_changed_by_what_was_meant_for_what_is_under_way(order: tuple[int, ...]) -> None:
+    kept = Sent(UPLOAD, (C, B), released=1, not_before=10.0)
+    rig = arrived([Sent(UPLOAD, (A, B), released=1), kept, Sent(RELEASE), Sent(CommandKind.SET_TOLERANCE)], order)
+    rig.sense(10.0, "start")
+    assert busy(rig)[2] == busy(arrived([replace(kept, not_before=None)], (1,)))[2]
+
+
+def test_of_two_settings_that_follow_a_command_the_one_that_starts_last_is_taken() -> None:
+    changes = [Sent(CommandKind.SET_TOLERANCE, value=0.2, not_before=10.0), Sent(CommandKind.SET_TOLERANCE, value=2.0)]
+    rig = arrived([Sent(GO_TO, (A,)), *changes, Sent(HOLD, not_before=10.0), Sent(RESUME)], (2, 3, 4, 5))
+    rig.sense(10.0, "start")
+    assert rig.send(11.0, GO_TO, A, id=1) is Stage.STARTED
+    assert rig.executive.target == replace(A, tolerance_m=0.2)
+    assert rig.executive.mode is Mode.PAUSED, "the hold is for later than the resume"
+
+
+def test_what_is_cancelled_before_its_time_ends_nothing_when_it_comes() -> None:
+    rig = arrived([Sent(GO_TO, (A,)), Sent(GO_TO, (B,), not_before=10.0), Sent(CANCEL, target_id=2)], (1, 3))
+    rig.send(11.0, GO_TO, B, id=2, not_before=10.0)
+    assert rig.life(2) == [Stage.RECEIVED, Stage.CANCELLED]
+    assert rig.executive.target == A
 
 
 def test_what_came_out_of_turn_is_in_the_state_and_what_did_not_is_not() -> None:

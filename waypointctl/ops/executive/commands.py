@@ -195,7 +195,7 @@ def _abort(walk: Walk, now_ns: int, command: Command) -> None:
         for command_id in issued_before(walk, command):
             take_back(walk, now_ns, command_id, Stage.CANCELLED, by(command.id))
         return
-    # What is under way may have been issued later: begun before the `not_before` of this one, or added to an older plan.
+    # What is under way may be newer: begun before the `not_before` of this one, or added to an older plan.
     under_way = walk.under_way
     ended = [command_id for command_id in walk.life.open_ids if command_id < command.id or command_id in under_way]
     walk.rest()

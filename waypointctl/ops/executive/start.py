@@ -11,9 +11,10 @@ A command that arrives for the first time is RECEIVED. Then, in this order, it i
    that arrives after its `not_before` and of which every waypoint has been reached,
 6. ACCEPTED and STARTED. One that adds to the plan is STARTED when the robot comes to its first waypoint.
 
-A command that was kept is judged as in 4 and 5 when its time has come; what cannot be obeyed then has FAILED. After its
-`expires` a command is EXPIRED, not yet started or under way: its waypoints leave the plan, and the robot goes on with
-what other commands want, or stands. What arrives after its `not_before` and before its `expires` starts at once.
+A command that was kept is judged as in 4 and 5 when its time has come, before what arrives then; of those for one time
+the one that was issued first comes first. What cannot be obeyed then has FAILED. After its `expires` a command is
+EXPIRED, not yet started or under way: its waypoints leave the plan, and the robot goes on with what other commands
+want, or stands. What arrives after its `not_before` and before its `expires` starts at once.
 
 While a command that was issued earlier is still to come, one that is about it cannot be told from one that is wrong. A
 release, a resume, a tolerance or a time-out that finds nothing to change, and a cancel of what is not there, are then

@@ -221,10 +221,9 @@ class Walk:
     ) -> None:
         """Announce an event; where no command is given, it is about the item's, or the one last under way."""
         index = -1 if item is None else item.waypoint.index
-        command = command_id
-        if command is None:
-            command = self.command_id if item is None else item.command_id
-        self.announce(Event(now_ns, kind, Clock.ROBOT, severity, text, index, command))
+        if command_id is None:
+            command_id = self.command_id if item is None else item.command_id
+        self.announce(Event(now_ns, kind, Clock.ROBOT, severity, text, index, command_id))
 
     def _after_a_change(self, now_ns: int, *, moved_on: bool) -> None:
         """Follow a change of the plan, which has waypoints left."""
