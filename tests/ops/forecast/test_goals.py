@@ -15,6 +15,7 @@ from waypointctl.ops.forecast.goals import goals_of, period_s, setting_out_s, wh
 from waypointctl.ops.forecast.traffic import traffic_of
 from waypointctl.ops.forecast.way import walks_of
 from waypointctl.policy.bundle import load_policy
+from waypointctl.units import seconds
 
 POLICY = Path(__file__).parents[3] / "policies" / "ant-waypoint"
 CORNER, CLIMB = "[[5, 0], [5, 5]]", "[[6, 3], [8, 9]]"
@@ -48,6 +49,17 @@ def test_a_flight_takes_as_long_as_is_told(
     flown = fly(mission, load_policy(POLICY), lambda _: None)
     assert flown.outcome == "success"
     assert told.time_s == pytest.approx(flown.sim_time_ns / 1e9, rel=band)
+
+
+def test_a_thought_makes_the_pose_behind_a_goal_older() -> None:
+    mission = steered("continuous", 5, 0, CLIMB)
+    thinking = mission.model_copy(update={"operator": mission.operator.model_copy(update={"think_s": 3.0})})
+    speed_mps, traffic = walking_speed(POLICY).mps, traffic_of(thinking)
+    quick, slow = (expected(each, speed_mps, traffic, "heading").time_s for each in (mission, thinking))
+    assert quick is not None
+    assert slow is not None
+    assert slow > 1.2 * quick
+    assert seconds(fly(thinking, load_policy(POLICY), lambda _: None).sim_time_ns) == pytest.approx(slow, rel=0.15)
 
 
 def test_each_goal_of_move_and_wait_costs_a_round_trip_and_setting_out() -> None:

@@ -25,15 +25,15 @@ def found(text: str, speed_mps: float = 2.0) -> list[tuple[str, tuple[str | int,
 
 def test_a_leg_needs_time_for_its_goals_but_for_the_last() -> None:
     # 14 goals of 1 m, each reached in a box of 0.25 m round it, nine metres and a third in all: before the last one are
-    # 13 round trips, 12 thoughts, 13/14 of the way, and setting out
-    needed_s = 13 * 2 + 12 * 1 + (10 - 0.5 / 0.8) / 2 * 13 / 14 + 13 * setting_out_s(3)
+    # 13 walks, and between them 12 round trips, 12 thoughts, 13/14 of the way, and setting out
+    needed_s = 12 * 2 + 12 * 1 + (10 - 0.5 / 0.8) / 2 * 13 / 14 + 13 * setting_out_s(3)
     text = ONE + FAR + "operator: {think: 1 s}\n"
     assert found(text) == [
         (
             "timeout",
             ("waypoints", 0, "timeout_s"),
-            f"WP1 takes 14 short-range goals: it is {needed_s:.1f} s on the operator's clock until the last is sent, "
-            "and the leg has 30 s; give it more, or a longer operator.carrot",
+            f"WP1 takes 14 short-range goals: the robot is on its way for {needed_s:.1f} s until the last but one is "
+            "reached, waiting included, and the leg has 30 s; give it more, or a longer operator.carrot",
         )
     ]
     assert found(text + f"defaults: {{timeout: {needed_s + 0.1} s}}\n") == []

@@ -143,14 +143,15 @@ def round_trip_s(mission: Mission, traffic: Traffic) -> float | Blocked:
 
 
 def steered_s(walk: Walk, mission: Mission, speed_mps: float, round_trip_s: float) -> float:
-    """Return how long a way takes that is steered at a rate over a round trip [s].
+    """Return how long a way takes that is steered at a rate over a round trip [s], thoughts included.
 
     A goal ahead of an old pose bounds the speed: until the next one from a nearer pose has come, the robot comes to
     where the goal counts as reached, and not much further. Where it walks about as fast as the goals come, now the one
     is short and now the other: neither bound is reached.
     """
     cycles = goals_of(walk, mission, at_rate=True)
-    waits_s = cycles * period_s(round_trip_s, mission.operator.update_rate_hz)
+    script = mission.operator
+    waits_s = cycles * period_s(round_trip_s + script.think_s, script.update_rate_hz)
     return float(math.cbrt((walk.way_m / speed_mps) ** 3 + waits_s**3))
 
 
@@ -165,5 +166,6 @@ def _continuous(
         spent if walk.duration_s is None else steered_s(walk, mission, speed_mps, trip_s) + stands_s(walk.waypoint)
         for walk, spent in zip(walks, spent_s, strict=True)
     ]
-    spare_s = max(period_s(trip_s, mission.operator.update_rate_hz) - trip_s - _LAST_GOAL_S, 0.0)
-    return _at_once("heading", max(sum(took_s) - trip_s - spare_s, SETTING_OUT_S + sum(spent_s)), 1, traffic)
+    age_s = trip_s + mission.operator.think_s
+    spare_s = max(period_s(age_s, mission.operator.update_rate_hz) - age_s - _LAST_GOAL_S, 0.0)
+    return _at_once("heading", max(sum(took_s) - age_s - spare_s, SETTING_OUT_S + sum(spent_s)), 1, traffic)

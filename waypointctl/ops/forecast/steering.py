@@ -1,4 +1,4 @@
-"""What may go wrong where the operator steers: legs whose time is out on its clock, and goals that are old."""
+"""What may go wrong where the operator steers: legs whose time is out between goals, and goals that are old."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from waypointctl.mission.mission import Leg, Mission
 from waypointctl.ops.forecast.duration import Blocked, round_trip_s, steered_moves, steered_s
 from waypointctl.ops.forecast.finding import Finding
 from waypointctl.ops.forecast.goals import NEAR_CARROT
-from waypointctl.ops.forecast.traffic import Traffic
+from waypointctl.ops.forecast.traffic import Traffic, go_to_bytes
 from waypointctl.ops.forecast.way import walks_of
-from waypointctl.units import seconds
+from waypointctl.units import ns, seconds
 
 _MUCH_SLOWER: Final = 1.5  # times as far as to where a goal counts as reached; what is less is hardly felt
 
 
 def steering_findings(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
-    """Yield what may go wrong under autonomy heading. A leg's time counts on the operator's clock there."""
+    """Yield what may go wrong under autonomy heading. A leg's time is the robot's, from its first goal's start on."""
     if mission.autonomy != "heading":
         return
     if mission.operator.steering == "move_and_wait":
@@ -31,21 +31,26 @@ def _move_and_wait(mission: Mission, speed_mps: float, traffic: Traffic) -> Iter
     walks, legs = walks_of(mission, speed_mps), mission.legs()
     spent_s = [walk.way_m / speed_mps if walk.duration_s is None else walk.duration_s for walk in walks]
     counts, heard = steered_moves(mission, walks, spent_s, traffic)
-    first = 0
+    think_ns = ns(mission.operator.think_s)
+    first, sent_ns = 0, 0  # of a leg's goals: its place, and when it is sent
     for walk, count in zip(walks, counts, strict=True):
         # The time is looked at when a goal is over, and the waypoint itself is the last goal.
-        before, last = (heard[place] if 0 <= place < len(heard) else None for place in (first - 1, first + count - 2))
+        last, end = (heard[place] if place < len(heard) else None for place in (first + count - 2, first + count - 1))
+        begins_ns = traffic.arrives_up_ns(sent_ns, go_to_bytes(walk.waypoint))
         first += count
-        if walk.duration_s is None or count == 1 or not isinstance(last, int):
-            continue
-        needed_s = seconds(last - before if isinstance(before, int) else last)
-        leg = legs[walk.waypoint.index]
-        if needed_s > leg.timeout_s:
-            text = (
-                f"{leg.name} takes {count} short-range goals: it is {needed_s:.1f} s on the operator's clock until "
-                f"the last is sent, and the leg has {leg.timeout_s:g} s; give it more, or a longer operator.carrot"
-            )
-            yield _timeout(leg, text)
+        if walk.duration_s is not None and count > 1 and begins_ns is not None and isinstance(last, int):
+            needed_s = seconds(last - traffic.down.delay(last) - begins_ns)
+            leg = legs[walk.waypoint.index]
+            if needed_s > leg.timeout_s:
+                text = (
+                    f"{leg.name} takes {count} short-range goals: the robot is on its way for {needed_s:.1f} s until "
+                    f"the last but one is reached, waiting included, and the leg has {leg.timeout_s:g} s; give it "
+                    "more, or a longer operator.carrot"
+                )
+                yield _timeout(leg, text)
+        if not isinstance(end, int):
+            return
+        sent_ns = end + think_ns
 
 
 def _continuous(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
@@ -53,7 +58,7 @@ def _continuous(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterato
     trip_s = round_trip_s(mission, traffic)
     if isinstance(trip_s, Blocked):
         return
-    age_s = trip_s + 1 / mission.operator.update_rate_hz
+    age_s = trip_s + mission.operator.think_s + 1 / mission.operator.update_rate_hz
     walks = walks_of(mission, speed_mps)
     took_s = [steered_s(walk, mission, speed_mps, trip_s) for walk in walks]
     alone_s = sum(walk.way_m for walk in walks) / speed_mps
