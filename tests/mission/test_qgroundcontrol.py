@@ -48,6 +48,30 @@ def test_waypoints_with_their_holds_and_radii(tmp_path: Path) -> None:
     assert (east.acceptance, east.tolerance_m, east.hold_s) == ("radius", 1.5, 4)
 
 
+@pytest.mark.parametrize("picture", [item(2000, 0, 0, 1, frame=2), item(203, 0, 0, 0, 0, 1, frame=2)])
+def test_one_picture_is_an_observation_of_the_waypoint_before_it(tmp_path: Path, picture: dict[str, Any]) -> None:
+    path = tmp_path / "yard.plan"
+    path.write_text(json.dumps(plan(picture, NORTH, picture, picture, EAST)))
+    survey = read_plan(path)
+    assert [stop.observe for stop in survey.stops] == [True, False]
+    (note,) = survey.notes
+    assert re.fullmatch(r"1 x \w[\w ]+ \(command \d+\) before the first waypoint", note)
+    mission = parse_mission(mission_text(survey, "yard.plan", "p").encode(), "yard")
+    assert [leg.observe for leg in mission.legs()] == [True, False]
+
+
+@pytest.mark.parametrize(
+    "pictures", [item(2000, 0, 2, 0, frame=2), item(2000, 0, 2, 9, frame=2), item(203, 1, frame=2)]
+)
+def test_pictures_at_intervals_are_left_out(tmp_path: Path, pictures: dict[str, Any]) -> None:
+    path = tmp_path / "yard.plan"
+    path.write_text(json.dumps(plan(NORTH, pictures, pictures)))
+    survey = read_plan(path)
+    assert [stop.observe for stop in survey.stops] == [False]
+    assert survey.notes[0].startswith("2 x ")
+    assert survey.notes[0].endswith(": only one picture at a time is taken, at a waypoint")
+
+
 def test_a_takeoff_is_left_out_a_landing_and_a_return_are_places(tmp_path: Path) -> None:
     path = tmp_path / "yard.plan"
     path.write_text(json.dumps(plan(item(22, frame=2), EAST, item(20, frame=2))))
@@ -71,10 +95,10 @@ def test_what_changes_nothing_about_the_way_is_left_out_a_line_a_kind(tmp_path: 
     assert survey.stops == read(tmp_path, NORTH, EAST, item(20)).stops
     assert survey.notes == (
         "2 x DO_CHANGE_SPEED (command 178): the policy walks at its own speed",
-        "3 x DO_SET_CAM_TRIGG_DIST (command 206): no camera is commanded",
+        "3 x DO_SET_CAM_TRIGG_DIST (command 206): the camera takes one picture at a time, at a waypoint",
         "1 x DO_SET_ROI_LOCATION (command 195): there is no gimbal to point",
         "1 x CONDITION_YAW (command 115): where it faces is the policy's own",
-        "1 x IMAGE_STOP_CAPTURE (command 2001): no camera is commanded",
+        "1 x IMAGE_STOP_CAPTURE (command 2001): the camera takes one picture at a time, at a waypoint",
     )
 
 

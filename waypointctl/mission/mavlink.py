@@ -19,6 +19,8 @@ SPLINE: Final = 82
 VTOL_TAKEOFF: Final = 84
 VTOL_LAND: Final = 85
 DELAY: Final = 93
+SHOOT: Final = 203
+PICTURE: Final = 2000
 
 FOLLOWED: Final = {
     WAYPOINT: "waypoint",
@@ -33,6 +35,8 @@ FOLLOWED: Final = {
     VTOL_TAKEOFF: "VTOL takeoff",
     VTOL_LAND: "VTOL landing",
     DELAY: "delay",
+    SHOOT: "camera control",
+    PICTURE: "picture",
 }
 TAKEOFFS: Final = (TAKEOFF, VTOL_TAKEOFF)
 LANDINGS: Final = (LAND, VTOL_LAND)
@@ -52,7 +56,7 @@ NOT_DONE: Final = {
 
 _SPEED: Final = "the policy walks at its own speed"
 _FACING: Final = "where it faces is the policy's own"
-_CAMERA: Final = "no camera is commanded"
+_CAMERA: Final = "the camera takes one picture at a time, at a waypoint"
 _GIMBAL: Final = "there is no gimbal to point"
 _GROUND: Final = "the robot stays on the ground"
 _WAIT: Final = "nothing that is left in waits for it"
@@ -84,7 +88,6 @@ LEFT_OUT: Final = {
     200: ("DO_CONTROL_VIDEO", _CAMERA),
     201: ("DO_SET_ROI", _GIMBAL),
     202: ("DO_DIGICAM_CONFIGURE", _CAMERA),
-    203: ("DO_DIGICAM_CONTROL", _CAMERA),
     204: ("DO_MOUNT_CONFIGURE", _GIMBAL),
     205: ("DO_MOUNT_CONTROL", _GIMBAL),
     206: ("DO_SET_CAM_TRIGG_DIST", _CAMERA),
@@ -101,7 +104,6 @@ LEFT_OUT: Final = {
     534: ("SET_CAMERA_SOURCE", _CAMERA),
     1000: ("DO_GIMBAL_MANAGER_PITCHYAW", _GIMBAL),
     1001: ("DO_GIMBAL_MANAGER_CONFIGURE", _GIMBAL),
-    2000: ("IMAGE_START_CAPTURE", _CAMERA),
     2001: ("IMAGE_STOP_CAPTURE", _CAMERA),
     2003: ("DO_TRIGGER_CONTROL", _CAMERA),
     2500: ("VIDEO_START_CAPTURE", _CAMERA),

@@ -23,18 +23,22 @@ from waypointctl.mission.mavlink import (
     LEFT_OUT,
     LOITER_TIME,
     NOT_DONE,
+    PICTURE,
     RETURN,
+    SHOOT,
     TAKEOFFS,
     WAYPOINT,
 )
-from waypointctl.mission.survey import Stop, Survey, Zone, mission_name, place_of
-from waypointctl.mission.wording import counted
+from waypointctl.mission.plan_fence import place_in, rally_points, zones_of
+from waypointctl.mission.survey import Stop, Survey, mission_name, place_of
 
 _GLOBAL_FRAMES: Final = (0, 3, 5, 6, 10, 11)  # MAV_FRAMEs with latitude and longitude
 _PARAMETERS: Final = 7
 _HOLD: Final = 0
 _RADIUS: Final = 1
 _LATITUDE: Final = 4
+_IMAGES: Final = 2  # of a picture: how many
+_SHOT: Final = 4  # of camera control: 1 to take one
 _DAY_S: Final = 86_400.0
 
 
@@ -62,30 +66,20 @@ def read_plan(path: Path, origin: Place | None = None) -> Survey:
     way = _Way(home)
     way.follow(mission)
     stops = tuple(way.stops)
-    zones = tuple(_zones(root))
+    zones = tuple(zones_of(root))
     if not stops and not report.problems:
         mission.complain("has no waypoint to walk to: at least one item of command 16 is needed")
     report.refuse()
     assert home is not None
     report.notes += [f"{count} x {what}" for what, count in way.left_out.items()]
-    if root.has("rallyPoints") and any(points := list(_rally(root))):
+    if root.has("rallyPoints") and any(points := list(rally_points(root))):
         report.notes.append(f"rallyPoints: {len(points)}; the robot has one home, onboard.home")
     return Survey(mission_name(path.stem), origin or home, home, stops, zones, tuple(report.notes))
 
 
 def _home(mission: Part) -> Place | None:
     position = mission.at("plannedHomePosition")
-    return None if position is None else _place(position)
-
-
-def _place(part: Part) -> Place | None:
-    """Return the place that a list [latitude, longitude, ...] says."""
-    elements = list(part.elements())
-    if len(elements) < 2:
-        if isinstance(part.value, list):
-            part.complain(f"has {counted(len(elements), 'numbers')}; latitude and longitude are needed")
-        return None
-    return place_of(elements[0], elements[1])
+    return None if position is None else place_in(position)
 
 
 @dataclass(slots=True)
@@ -140,6 +134,8 @@ class _Way:
             self.stops += [] if self.home is None else [Stop(self.home, "home")]
         elif command == DELAY:
             self._wait(item)
+        elif command in (PICTURE, SHOOT):
+            self._observe(item, command)
         elif command not in LAST or not _is_here(item):  # what ends without a place ends where the robot stands
             stop = _stop(item, command)
             self.stops += [] if stop is None else [stop]
@@ -154,6 +150,21 @@ class _Way:
             self.stops[-1] = replace(self.stops[-1], hold_s=self.stops[-1].hold_s + delay_s)
         else:
             self.left_out[f"delay (command {DELAY}) before the first waypoint: the robot sets out at once"] += 1
+
+    def _observe(self, item: Part, command: int) -> None:
+        """Take an order for one picture: the waypoint before it is observed."""
+        values = _parameters(item)
+        if values is None:
+            return
+        one = values[_SHOT].value == 1 if command == SHOOT else values[_IMAGES].value == 1
+        if one and self.stops:
+            self.stops[-1] = replace(self.stops[-1], observe=True)
+        elif one:
+            self.left_out[f"{FOLLOWED[command]} (command {command}) before the first waypoint"] += 1
+        else:
+            self.left_out[
+                f"{FOLLOWED[command]} (command {command}): only one picture at a time is taken, at a waypoint"
+            ] += 1
 
 
 def _items(mission: Part) -> Iterator[Part]:
@@ -208,36 +219,3 @@ def _stop(item: Part, command: int) -> Stop | None:
 
 def _optional(part: Part, most: float) -> float | None:
     return 0.0 if part.value is None else part.number(0, most)
-
-
-def _zones(root: Part) -> Iterator[Zone]:
-    fence = root.at("geoFence") if root.has("geoFence") else None
-    if fence is None:
-        return
-    version = fence.at("version")
-    if version is None or not version.one_of(2):
-        return
-    for circle in fence.each("circles"):
-        inclusion, inner = circle.at("inclusion"), circle.at("circle")
-        if inclusion is None or inner is None or not inclusion.one_of(True, False):
-            continue
-        center, radius = inner.at("center"), inner.at("radius")
-        place = None if center is None else _place(center)
-        radius_m = None if radius is None else radius.number(0.001, 20_000)
-        if place is not None and radius_m is not None:
-            yield Zone(inclusion.value, (place,), radius_m)
-    for polygon in fence.each("polygons"):
-        inclusion, corners = polygon.at("inclusion"), polygon.at("polygon")
-        if inclusion is None or corners is None or not inclusion.one_of(True, False):
-            continue
-        places = [place for place in (_place(corner) for corner in corners.elements()) if place is not None]
-        if len(places) >= 3:
-            yield Zone(inclusion.value, tuple(places))
-        elif isinstance(corners.value, list):
-            corners.complain(f"has {counted(len(places), 'corners')}; at least 3 are needed")
-
-
-def _rally(root: Part) -> Iterator[Part]:
-    rally = root.at("rallyPoints")
-    if rally is not None:
-        yield from rally.each("points")

@@ -30,12 +30,14 @@ class Stop:
         name: empty for none.
         hold_s: how long to stand there.
         radius_m: how near is there; None for the mission's default.
+        observe: whether a picture is taken there.
     """
 
     place: Place
     name: str = ""
     hold_s: float = 0.0
     radius_m: float | None = None
+    observe: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +143,8 @@ def _stop(stop: Stop, frame: LocalFrame) -> str:
         parts += ["acceptance: radius", f"tolerance: {stop.radius_m:g} m"]
     if stop.hold_s:
         parts.append(f"hold: {stop.hold_s:g} s")
+    if stop.observe:
+        parts.append("observe: true")
     return f"{{{', '.join(parts)}}}"
 
 
