@@ -70,6 +70,7 @@ def test_a_learner_loaded_from_a_checkpoint_has_robots_that_go_and_see_alike(tmp
 PATIENCE_S = 300.0  # only a machine with much else to do needs more than a few
 
 
+@pytest.mark.slow  # test_killed_training.py has the same without variation
 def test_killed_and_resumed_it_ends_in_the_same_weights(tmp_path: Path) -> None:
     text = RECIPE.replace("steps: 640", "steps: 3200").replace("steps: 384", "steps: 1920")
     recipe_file = tiny_recipe(tmp_path, text + BARE)

@@ -143,7 +143,7 @@ def test_a_release_is_obeyed_where_a_plan_is_on_board() -> None:
 def test_a_command_that_the_mission_fails_by_is_found(autonomy: str, do: str) -> None:
     place = {"position_m": [0.0, 0.0], "tolerance_m": 50.0} if do == "go_to" else {}
     schedule = [{"at_s": 0.5, "do": do} | place]
-    far = {"position_m": [500.0, 0.0], "timeout_s": 300.0}
+    far = {"position_m": [60.0, 0.0], "timeout_s": 300.0}
     mission = mission_of(far, autonomy=autonomy, schedule=schedule, expect={"max_time_s": 5.0})
     texts = [each.text for each in of(mission) if "the mission is expected to fail" in each.text]
     result, _ = flown(mission)
