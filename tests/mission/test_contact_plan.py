@@ -173,6 +173,7 @@ def test_jitter_is_one_number_a_line() -> None:
     ("source", "problem"),
     [
         (b"0.1\n0,2", "j:2:1: '0,2' is not a number of seconds"),
+        (b"0.1\n1_0", "j:2:1: '1_0' is not a number of seconds"),
         (b"0.1 0.2", "j:1:5: '0.2' follows the number; one number of seconds stands on a line"),
         (b"nan", "j:1:1: nan is not between -86400 and 86400 s"),
         (b"  1e6", "j:1:3: 1e6 is not between -86400 and 86400 s"),

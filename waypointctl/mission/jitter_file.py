@@ -36,7 +36,7 @@ def read_jitter(
 
 def _seconds(word: Word, report: TextReport, least_delay_s: float | None) -> float | None:
     try:
-        value = float(word.text)
+        value = float(word.text.replace("_", "?"))  # Python reads 1_0 as 10
     except ValueError:
         report.add(word, f"'{word.text}' is not a number of seconds")
         return None

@@ -129,3 +129,9 @@ def test_windows_further_apart_than_a_loss_of_the_link_are_found() -> None:
     windows = "link: {{up: {{windows: [{{from: 0 s, to: {} s}}], windows_every: 10 s}}}}\n"
     assert kinds(ONE + rules + windows.format(6)) == []
     assert kinds(ONE + rules + windows.format(4)) == [("heartbeat", ("onboard", "link_loss"))]
+
+
+def test_a_rule_that_the_mission_is_over_before_needs_no_heartbeats() -> None:
+    rules = "onboard: {{link_loss: {{after: {} s}}}}\n"
+    assert kinds(ONE + rules.format(2)) == [("heartbeat", ("onboard", "link_loss"))]
+    assert kinds(ONE + rules.format(60)) == []

@@ -7,6 +7,8 @@ import pytest
 from waypointctl.mission.files import load_mission, parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.fly import fly
+from waypointctl.ops.forecast import effect
+from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.forecast import Forecast, WalkingSpeed, forecast
 from waypointctl.ops.forecast.rehearsal import rehearse
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
@@ -136,3 +138,28 @@ def test_long_ways_take_no_more_steps() -> None:
     assert rehearsed is not None
     assert rehearsed.good
     assert rehearsed.time_s == pytest.approx((9_000 + 9_000 * 2**0.5) / 2.0, rel=0.001)
+
+
+def test_what_takes_too_many_steps_is_not_known_and_not_counted() -> None:
+    far = TWO.replace("{delay: 1.28 s}", "{delay: 1 h}") + (
+        "defaults: {timeout: 1 d}\nautonomy: heading\noperator: {steering: continuous, update_rate: 10 Hz}\n"
+        "schedule: [{at: 1 min, do: hold}, {at: 5 min, do: resume}]\n"
+    )
+    budget = Budget(50)
+    assert rehearse(read(far), 2.0, 1e5, budget) is None
+    assert budget.left == -1
+    found = forecast(read(far), SPEED)
+    assert found.own.time_s is not None
+    assert "the schedule" in found.not_counted
+
+
+def test_the_missions_own_autonomy_is_rehearsed_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def note(mission: Mission, *_: object) -> None:
+        asked.append(mission.autonomy)
+
+    monkeypatch.setattr(effect, "rehearse", note)
+    schedule = "schedule: [{at: 1 s, do: hold}, {at: 2 s, do: resume}]\n"
+    forecast(read(TWO + "autonomy: heading\n" + schedule), SPEED)
+    assert asked == 2 * ["heading"] + 2 * ["mission"] + 2 * ["waypoint"]  # joint is a fall

@@ -6,6 +6,7 @@ from tests.ops.flying import UNDER_FOOT, flown, mission_of, only
 from waypointctl.log.messages import FINAL_STAGES, Action, CommandStage, Stage, State
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.duration import expected
 from waypointctl.ops.forecast.effect import effect_of
 from waypointctl.ops.forecast.finding import Finding
@@ -20,7 +21,7 @@ CLOSED = "link: {up: {windows: [{from: 0 s, to: 9 s}]}}\n"
 
 def of(mission: Mission) -> list[Finding]:
     traffic = traffic_of(mission)
-    effect = effect_of(mission, 2.0, expected(mission, 2.0, traffic, mission.autonomy))
+    effect = effect_of(mission, 2.0, expected(mission, 2.0, traffic, mission.autonomy), Budget())
     return list(schedule_findings(mission, traffic, effect))
 
 

@@ -12,6 +12,7 @@ from typing import Final
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.schedule import ScheduledCommand
 from waypointctl.ops.executive.rules import rules_of
+from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.duration import Autonomy, Expected
 from waypointctl.ops.forecast.rehearsal import Rehearsed, rehearse
 from waypointctl.ops.forecast.stuck import always_stuck
@@ -36,20 +37,21 @@ class Effect:
     rehearsed: Rehearsed | None = None
 
 
-def effect_of(mission: Mission, speed_mps: float, without: Expected) -> Effect:
+def effect_of(mission: Mission, speed_mps: float, without: Expected, budget: Budget) -> Effect:
     """Return what the schedule makes of a mission, a waypoint outside the fence, and a rule that no robot can meet.
 
     Args:
         mission: with its schedule.
         speed_mps: how fast the policy walks.
         without: what is expected of it without the schedule, under the autonomy that is asked about.
+        budget: of what is rehearsed; where it is spent the schedule is not counted.
     """
     cannot = _is_rejected(mission) or always_stuck(mission, speed_mps)
     if without.blocked is not None or without.falls or not (mission.schedule or cannot):
         return Effect(without)
     asked, about_s = _under(mission, without.autonomy), without.time_s or 0.0
-    before = rehearse(_with(asked, ()), speed_mps, about_s)
-    after = rehearse(asked, speed_mps, about_s) if mission.schedule else before
+    before = rehearse(_with(asked, ()), speed_mps, about_s, budget)
+    after = rehearse(asked, speed_mps, about_s, budget) if mission.schedule else before
     if (held := _held_pilot(mission, without)) is not None:
         return Effect(replace(without, time_s=None), culprit=held)
     if before is None or after is None:
@@ -60,7 +62,7 @@ def effect_of(mission: Mission, speed_mps: float, without: Expected) -> Effect:
         return Effect(replace(without, time_s=time_s), rehearsed=after)
     if before.good or cannot:
         blamed = before.good and without.autonomy == mission.autonomy
-        culprit = _culprit(mission, asked, speed_mps, about_s) if blamed else None
+        culprit = _culprit(mission, asked, speed_mps, about_s, budget) if blamed else None
         return Effect(replace(without, time_s=None), culprit=culprit, rehearsed=after)
     return Effect(without, counted=not mission.schedule, rehearsed=after)
 
@@ -81,11 +83,11 @@ def _held_pilot(mission: Mission, without: Expected) -> int | None:
     return last if is_hold and at_s < without.time_s else None
 
 
-def _culprit(mission: Mission, asked: Mission, speed_mps: float, about_s: float) -> int | None:
+def _culprit(mission: Mission, asked: Mission, speed_mps: float, about_s: float, budget: Budget) -> int | None:
     """Return the place of the first scheduled command after which nothing makes the mission good again."""
     in_turn = sorted(asked.schedule, key=lambda command: command.at_s)
     for count in range(len(in_turn) - 1, max(len(in_turn) - 1 - _MOST_REHEARSALS, -1), -1):
-        rehearsed = rehearse(_with(asked, tuple(in_turn[:count])), speed_mps, about_s)
+        rehearsed = rehearse(_with(asked, tuple(in_turn[:count])), speed_mps, about_s, budget)
         if rehearsed is not None and rehearsed.good:
             return next(place for place, each in enumerate(mission.schedule) if each is in_turn[count])
     return None

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.delivery import HOPELESS, delivered, delivery_findings
 from waypointctl.ops.forecast.duration import AUTONOMIES, Expected, expected
 from waypointctl.ops.forecast.effect import Effect, effect_of
@@ -61,13 +62,13 @@ def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
     Raises:
         MissionError: something is wrong with a file that it refers to.
     """
-    traffic = traffic_of(mission)
-    alone = [expected(mission, speed.mps, traffic, autonomy) for autonomy in AUTONOMIES]
-    waited = [queued(mission, speed.mps, traffic, each) for each in alone]
-    queue = next(each for each in waited if each.expected.autonomy == mission.autonomy)
-    effects = [_got_through(mission, traffic, effect_of(mission, speed.mps, each.expected)) for each in waited]
-    times = tuple(effect.expected for effect in effects)
-    effect = next(each for each in effects if each.expected.autonomy == mission.autonomy)
+    traffic, budget = traffic_of(mission), Budget()
+    in_turn = sorted(AUTONOMIES, key=lambda each: each != mission.autonomy)  # its own first: it is what is asked
+    alone = [expected(mission, speed.mps, traffic, autonomy) for autonomy in in_turn]
+    waited = [queued(mission, speed.mps, traffic, each, budget) for each in alone]
+    effects = [_got_through(mission, traffic, effect_of(mission, speed.mps, each.expected, budget)) for each in waited]
+    times = tuple(sorted((it.expected for it in effects), key=lambda each: AUTONOMIES.index(each.autonomy)))
+    effect, queue = effects[0], waited[0]
     own = effect.expected
     findings = [
         *route_findings(mission, speed.mps),

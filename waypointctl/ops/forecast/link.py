@@ -55,7 +55,7 @@ def link_findings(mission: Mission, traffic: Traffic, own: Expected, follows: st
     yield from _queue_up(traffic.up, largest)
     yield from _queue_down(traffic.down, down)
     yield from _rates(mission, traffic, follows)
-    yield from _link_loss(mission, traffic)
+    yield from _link_loss(mission, traffic, own)
     yield from joint_findings(mission, traffic)
 
 
@@ -149,12 +149,14 @@ def _rate(
         yield Finding("rate", (*path, "rate_bps"), text)
 
 
-def _link_loss(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
+def _link_loss(mission: Mission, traffic: Traffic, own: Expected) -> Iterator[Finding]:
     """Yield a rule for the loss of the link that would see one where there is none."""
     rule, beat_s = mission.onboard.link_loss, mission.operator.heartbeat_s
     path = ("onboard", "link_loss")
     if rule is None or (beat_s is None and mission.autonomy == "joint"):  # a pilot's actions are heard all the time
         return
+    if beat_s is None and own.time_s is not None and own.time_s <= rule.after_s:
+        return  # it is over by then
     if beat_s is None:
         text = (
             f"without heartbeats the link counts as lost {rule.after_s:g} s after any command: set operator.heartbeat"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.duration import Expected
 from waypointctl.ops.forecast.rehearsal import rehearse
 from waypointctl.ops.forecast.traffic import Traffic, mean_rate_bps, telemetry_bps
@@ -29,7 +30,7 @@ class Queued:
     follows: str = ""
 
 
-def queued(mission: Mission, speed_mps: float, traffic: Traffic, without: Expected) -> Queued:
+def queued(mission: Mission, speed_mps: float, traffic: Traffic, without: Expected, budget: Budget) -> Queued:
     """Return what is expected of a mission whose acknowledgements wait behind its telemetry.
 
     It is gone through on paper, once as it is and once with little telemetry; the difference is the wait.
@@ -39,6 +40,7 @@ def queued(mission: Mission, speed_mps: float, traffic: Traffic, without: Expect
         speed_mps: how fast the policy walks.
         traffic: its link.
         without: what is expected under an autonomy if nothing waits.
+        budget: of what is rehearsed; where it is spent the wait is not counted.
     """
     needed_bps, has_bps = telemetry_bps(mission), mean_rate_bps(traffic.down.contacts)
     if has_bps is None or needed_bps <= has_bps or without.time_s is None:
@@ -49,7 +51,7 @@ def queued(mission: Mission, speed_mps: float, traffic: Traffic, without: Expect
     asked = mission.model_copy(update={"autonomy": without.autonomy, "expect": expect, "schedule": ()})
     rate_hz = mission.telemetry.rate_hz * _LITTLE * has_bps / needed_bps
     little = asked.model_copy(update={"telemetry": mission.telemetry.model_copy(update={"rate_hz": rate_hz})})
-    plain, waits = (rehearse(each, speed_mps, without.time_s) for each in (little, asked))
+    plain, waits = (rehearse(each, speed_mps, without.time_s, budget) for each in (little, asked))
     if plain is None or waits is None or not plain.good:
         return Queued(without, counted=False)
     if not waits.good:

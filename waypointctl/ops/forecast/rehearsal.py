@@ -13,6 +13,7 @@ import numpy as np
 
 from waypointctl.log.messages import Ack, Command, Telemetry
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.walker import Walker
 from waypointctl.ops.ground.build import answer_time, patience_ns, station_for
 from waypointctl.ops.ground.standstill import why_it_stands
@@ -25,8 +26,9 @@ from waypointctl.task.observation import NOISE_SIZE
 from waypointctl.units import ns, seconds
 
 _TICK_NS: Final = 20_000_000  # the control period
-_MOST_TICKS: Final = 20_000  # of a flight as it is expected; a longer one gets longer ticks
+_MOST_TICKS: Final = 2_000  # of a flight as it is expected; a longer one gets longer ticks
 _PATIENCE: Final = 4  # times as many, for what comes between; then it is not known how it ends
+_MOST_BEACONS: Final = 500  # of a flight as it is expected; they say nothing new
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,26 +50,39 @@ class Rehearsed:
     ends: bool = True
 
 
-def rehearse(mission: Mission, speed_mps: float, about_s: float, *, losses: bool = False) -> Rehearsed | None:
+def rehearse(
+    mission: Mission, speed_mps: float, about_s: float, budget: Budget | None = None, *, losses: bool = False
+) -> Rehearsed | None:
     """Go through a mission on paper; None where no point can stand for the robot, or the end is too far off.
 
     Args:
         mission: what is asked; not under autonomy joint.
         speed_mps: how fast the policy walks.
         about_s: how long it takes, roughly.
+        budget: of steps; one of its own if it is left out.
         losses: whether the link loses messages, as the mission's seed would have it.
     """
     if mission.autonomy == "joint":
         return None
     ticks = max(round(about_s / seconds(_TICK_NS) / _MOST_TICKS), 1)
-    rehearsal = _Rehearsal(mission, speed_mps, ticks * _TICK_NS, losses=losses)
-    return rehearsal.run(_PATIENCE * _MOST_TICKS)
+    beacon_s = max(about_s / _MOST_BEACONS, mission.telemetry.beacon_s)
+    quiet = mission.model_copy(update={"telemetry": mission.telemetry.model_copy(update={"beacon_s": beacon_s})})
+    rehearsal = _Rehearsal(quiet, speed_mps, ticks * _TICK_NS, budget or Budget(), losses=losses)
+    try:
+        return rehearsal.run(_PATIENCE * _MOST_TICKS)
+    except _BudgetSpent:
+        return None
+
+
+class _BudgetSpent(Exception):
+    """There are no steps left."""
 
 
 class _Rehearsal:
     """The state of a mission on paper."""
 
-    def __init__(self, mission: Mission, speed_mps: float, tick_ns: int, *, losses: bool) -> None:
+    def __init__(self, mission: Mission, speed_mps: float, tick_ns: int, budget: Budget, *, losses: bool) -> None:
+        self._budget = budget
         self._mission, self._tick_ns, self._now_ns = mission, tick_ns, 0
         self._heard_ns = 0  # when the ground last heard or did anything
         link, margin_ns = mission.link, ns(mission.commands.margin_s)
@@ -102,6 +117,8 @@ class _Rehearsal:
     def _exchange(self) -> None:
         """Let the ground live up to now, and the robot obey what has arrived."""
         while not self._station.finished:
+            if not self._budget.spend():
+                raise _BudgetSpent
             at_ns = self._ground_ns
             if at_ns is not None and at_ns <= self._now_ns:
                 self._heard_ns = at_ns
