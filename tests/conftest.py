@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -23,6 +25,11 @@ from waypointctl.policy.manifest import (
 from waypointctl.policy.write import write_bundle
 from waypointctl.task.observation import layout
 from waypointctl.training.onnx_export import mlp_to_onnx
+
+# The torch that has CUDA brings Triton, whose LLVM crashes the process where that of Mesa's software renderer has been
+# loaded before it. Here one process draws and trains; the other way round they get along.
+with contextlib.suppress(ImportError):
+    importlib.import_module("triton")
 
 FloatArray = NDArray[np.float64]
 
