@@ -28,7 +28,8 @@ _waypoint = st.builds(Waypoint, position_m=position, **{key: st.none() | value f
 _way = st.tuples(number(0, 864000), number(0, 1)).map(lambda pair: Way(delay_s=pair[0], jitter_s=pair[0] * pair[1]))
 _circle = st.builds(Area, center_m=position, radius_m=number(0.1, 100))
 _triangle = st.just(Area(name="yard", corners=tuple(Corner(position_m=at) for at in ((0, 0), (9, 0), (0, 9)))))
-_fence = st.builds(Geofence, keep_out=st.lists(_circle | _triangle, max_size=3).map(tuple))
+_areas = st.lists(_circle | _triangle, max_size=3).map(tuple)
+_fence = st.builds(Geofence, keep_in=_areas, keep_in_match=st.sampled_from(["any", "all"]), keep_out=_areas)
 _onboard = st.builds(
     Onboard,
     on_failure=st.none() | st.builds(OnFailure, retry=st.integers(0, 9)),

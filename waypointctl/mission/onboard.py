@@ -75,7 +75,12 @@ class Area(FileModel):
 class Geofence(FileModel):
     """Where the robot may be. A commanded waypoint elsewhere is rejected; `do` says what follows a breach."""
 
-    keep_in: Annotated[tuple[Area, ...], Field(max_length=100)] = Field((), description="to be in one of them")
+    keep_in: Annotated[tuple[Area, ...], Field(max_length=100)] = Field(
+        (), description="to be in one of them, or in all of them, as keep_in_match says"
+    )
+    keep_in_match: Literal["any", "all"] = Field(
+        "any", description="any: inside at least one area of keep_in; all: inside every area of keep_in"
+    )
     keep_out: Annotated[tuple[Area, ...], Field(max_length=100)] = Field((), description="to be in none of them")
     do: Literal["hold", "return_home", "abort"] = Field("hold", description="when the robot walks out of the fence")
 

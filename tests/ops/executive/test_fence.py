@@ -94,6 +94,21 @@ def test_a_fence_names_what_is_broken() -> None:
     assert Fence().breach(1e9, -1e9) == ""
 
 
+@pytest.mark.parametrize(
+    ("place", "of_any", "of_all"),
+    [
+        ((9.5, 5.0), "", ""),
+        ((1.0, 1.0), "", "is outside keep-in annex"),
+        ((14.0, 5.0), "", "is outside keep-in square"),
+        ((20.0, 5.0), "is outside keep-in", "is outside keep-in square"),
+    ],
+)
+def test_areas_to_stay_in_hold_one_by_one_or_all_together(place: Point, of_any: str, of_all: str) -> None:
+    areas = (SQUARE, Circle("annex", (12.0, 5.0), 3.0))
+    assert Fence(areas).breach(*place) == of_any
+    assert Fence(areas, keep_in_all=True).breach(*place) == of_all
+
+
 @settings(deadline=None)
 @given(
     start=points,
@@ -102,12 +117,13 @@ def test_a_fence_names_what_is_broken() -> None:
     center=points,
     radius=st.floats(0.1, 10.0),
     keep_in=st.booleans(),
+    keep_in_all=st.booleans(),
 )
 def test_a_way_breaks_the_fence_where_one_of_its_points_does(
-    start: Point, end: Point, polygon: Polygon, center: Point, radius: float, keep_in: bool
+    start: Point, end: Point, polygon: Polygon, center: Point, radius: float, keep_in: bool, keep_in_all: bool
 ) -> None:
     circle = Circle("pond", center, radius)
-    fence = Fence((polygon, circle)) if keep_in else Fence((), (polygon, circle))
+    fence = Fence((polygon, circle), (), keep_in_all) if keep_in else Fence((), (polygon, circle))
     found = fence.breach_between(start, end)
     steps = [i / 200 for i in range(201)]
     sampled = [fence.breach(start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])) for t in steps]

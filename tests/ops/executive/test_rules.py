@@ -291,6 +291,7 @@ def test_a_missions_rules_are_the_robots() -> None:
                 "link_loss": {"after_s": 60.0, "do": "return_home"},
                 "geofence": {
                     "keep_in": [{"corners": [[0, 0], [9, 0], [9, 9]]}],
+                    "keep_in_match": "all",
                     "keep_out": [{"name": "pit", "center_m": [3, 3], "radius_m": 1}],
                     "do": "abort",
                 },
@@ -311,6 +312,7 @@ def test_a_missions_rules_are_the_robots() -> None:
         fence=Fence(
             (Polygon("1", ((0.0, 0.0), (9.0, 0.0), (9.0, 9.0))),),
             (Circle("pit", (3.0, 3.0), 1.0),),
+            keep_in_all=True,
         ),
         on_breach="abort",
     )

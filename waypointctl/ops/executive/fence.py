@@ -1,7 +1,7 @@
 """The geofence: areas that the robot is to stay in, and areas that it is to stay out of.
 
-A border belongs to its area. With several areas to stay in, being in one of them is enough; every area to stay out of
-counts for itself.
+A border belongs to its area. With several areas to stay in, being in one of them is enough, or all of them are required
+where the fence says so; every area to stay out of counts for itself.
 """
 
 from __future__ import annotations
@@ -86,11 +86,15 @@ class Fence:
 
     keep_in: tuple[Area, ...] = ()
     keep_out: tuple[Area, ...] = ()
+    keep_in_all: bool = False  # whether the robot has to be in every area of keep_in; else one is enough
 
     def breach(self, x_m: float, y_m: float) -> str:
         """Return how a place breaks the fence, as "is outside keep-in"; empty if it does not."""
         point = (x_m, y_m)
-        if self.keep_in and not any(area.holds(point) for area in self.keep_in):
+        outside = [area for area in self.keep_in if not area.holds(point)]
+        if self.keep_in_all and outside:
+            return f"is outside keep-in {outside[0].name}"
+        if outside and len(outside) == len(self.keep_in):
             return "is outside keep-in"
         return next((f"is inside keep-out {area.name}" for area in self.keep_out if area.holds(point)), "")
 

@@ -8,7 +8,7 @@ from typing import Final
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.onboard import Area as AreaModel
-from waypointctl.mission.onboard import Home
+from waypointctl.mission.onboard import Geofence, Home
 from waypointctl.ops.executive.fence import Area, Circle, Fence, Polygon
 from waypointctl.units import ns
 
@@ -81,9 +81,13 @@ def rules_of(mission: Mission) -> Rules:
         stuck_fails=onboard.stuck is not None,
         link_loss_ns=0 if loss is None else ns(loss.after_s),
         on_link_loss="finish" if loss is None else loss.do,
-        fence=Fence(_areas(onboard.geofence.keep_in), _areas(onboard.geofence.keep_out)),
+        fence=_fence(onboard.geofence),
         on_breach=onboard.geofence.do,
     )
+
+
+def _fence(model: Geofence) -> Fence:
+    return Fence(_areas(model.keep_in), _areas(model.keep_out), keep_in_all=model.keep_in_match == "all")
 
 
 def _areas(models: tuple[AreaModel, ...]) -> tuple[Area, ...]:
