@@ -6,14 +6,17 @@ import re
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
 import typer.main
+from mujoco import MjModel
 
 from waypointctl.cli.main import app
 from waypointctl.errors import MissionError, SuiteError
 from waypointctl.evaluation.suite import Suite
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.yaml_source import read_model
+from waypointctl.sim.robots import load_robot
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -56,6 +59,22 @@ def test_the_readmes_flights_take_what_it_says(capsys: pytest.CaptureFixture[str
     (table,) = re.findall(r"<!-- python docs/readme_delay\.py -->\n(.*?)\n<!-- end -->", README, re.DOTALL)
     runpy.run_path(str(ROOT / "docs" / "readme_delay.py"))["main"]()
     assert capsys.readouterr().out.strip() == table
+
+
+def test_the_first_screen_names_the_gravity_and_the_ground_that_missions_are_flown_on() -> None:
+    first_screen = " ".join(README.split("```console")[0].split())
+    robot = load_robot("ant").model
+    grounds = [geom for geom in range(robot.ngeom) if robot.geom_bodyid[geom] == 0]
+    assert [int(robot.geom_type[geom]) for geom in grounds] == [0]  # a plane, and nothing else
+    assert tuple(robot.geom_quat[grounds[0]]) == (1, 0, 0, 0)
+    assert tuple(robot.opt.gravity[:2]) == (0, 0)
+    assert f"Earth's gravity, {-robot.opt.gravity[2]:g} m/s²" in first_screen
+    assert f"on level, flat ground without end or obstacles** (sliding friction {_sliding(robot):g})" in first_screen
+
+
+def _sliding(robot: MjModel) -> float:
+    """Return the friction between robot and ground: MuJoCo takes the larger one of two that touch."""
+    return float(np.max(robot.geom_friction[:, 0]))
 
 
 @pytest.mark.parametrize(

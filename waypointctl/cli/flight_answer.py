@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-import json
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
+from waypointctl.cli.view.story_json import Plain, json_text, story_json
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
     from waypointctl.ops.record import Recording
+    from waypointctl.replay.story import Story
 
 EXIT_CODES: Final = {"success": 0, "failure": 1, "interrupted": 130}
 
 
-def answer(mission: str, recording: Recording) -> str:
+def answer(mission: str, recording: Recording, story: Story) -> str:
     """Return the JSON object that stands for the flight of a mission, by its name."""
-    return f"{json.dumps(facts(mission, recording), indent=2)}\n"
+    return f"{json_text(facts(mission, recording, story))}\n"
 
 
-def facts(mission: str, recording: Recording) -> dict[str, Any]:
-    """Return what there is to say of the flight of a mission, by its name."""
+def facts(mission: str, recording: Recording, story: Story) -> Plain:
+    """Return what there is to say of the flight of a mission, by its name; fields are only ever added.
+
+    `waypoints_reached` counts what the operator has heard of; `story` is what `replay --json` has of the log.
+    """
     result = recording.result
     return {
         "mission": mission,
@@ -32,4 +36,5 @@ def facts(mission: str, recording: Recording) -> dict[str, Any]:
         "log": str(recording.path),
         "log_sha256": recording.sha256,
         "pictures": recording.pictures,
+        "story": story_json(story, mission),
     }

@@ -81,9 +81,10 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
         typer.echo(f"interrupted before it was where {flight.log.path} ends; that log is as it was", err=True)
         return _INTERRUPTED
     say_missing(recording)
-    print_flight(view.watch.chronicle.story(), recording, time.monotonic() - began_s, stderr=asked.json)
+    story = view.watch.chronicle.story()
+    print_flight(story, recording, time.monotonic() - began_s, stderr=asked.json)
     if asked.json:
-        sys.stdout.write(answer(mission.name, recording))
+        sys.stdout.write(answer(mission.name, recording, story))
     return EXIT_CODES[recording.result.outcome]
 
 
@@ -101,10 +102,9 @@ def _say_complete(asked: Resumption) -> int:
     story = story_of(log)
     typer.echo(f"{path} is complete: {story.outcome}: {story.reason}", err=True)
     if asked.json:
-        learned = sum(waypoint.learned_ns is not None for waypoint in story.waypoints)
-        result = FlightResult(story.outcome, story.reason, learned, len(story.waypoints), story.ended_ns)
+        result = FlightResult(story.outcome, story.reason, story.learned, len(story.waypoints), story.ended_ns)
         recording = recording_of(result, path, int(log.metadata["seed"]), log.count("/camera"))
-        sys.stdout.write(answer(mission_name(log), recording))
+        sys.stdout.write(answer(mission_name(log), recording, story))
     return 0
 
 

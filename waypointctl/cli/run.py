@@ -103,9 +103,10 @@ def run(
             )
         wall_s = time.monotonic() - began_s
     say_missing(recording)
-    print_flight(view.watch.chronicle.story(), recording, wall_s, stderr=json)
+    story = view.watch.chronicle.story()
+    print_flight(story, recording, wall_s, stderr=json)
     if json:
-        sys.stdout.write(answer(mission_file.mission.name, recording))
+        sys.stdout.write(answer(mission_file.mission.name, recording, story))
     raise typer.Exit(EXIT_CODES[recording.result.outcome])
 
 

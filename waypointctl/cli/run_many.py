@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from waypointctl.errors import InputError
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
     from waypointctl.cli.junit import Case
+    from waypointctl.cli.view.story_json import Plain
     from waypointctl.mission.files import MissionFile
     from waypointctl.ops.record import Recording
     from waypointctl.policy.bundle import LoadedPolicy
@@ -47,11 +47,20 @@ class Many:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of a mission file: a flight, why it could not be flown, or neither, after an interruption."""
+    """What came of a mission file: a flight, why it could not be flown, or neither, after an interruption.
+
+    Attributes:
+        path: of the file.
+        mission: its name.
+        recording: of its flight.
+        facts: of its flight, as --json has them.
+        problem: why it could not be flown.
+    """
 
     path: Path
     mission: str = ""
     recording: Recording | None = None
+    facts: Plain = field(default_factory=dict)
     problem: str = ""
 
 
@@ -67,6 +76,7 @@ def run_many(many: Many, load: LoadMission) -> int:
     """
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.junit import junit_xml
+    from waypointctl.cli.view.story_json import json_text
     from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
 
     if many.junit is not None:
@@ -79,8 +89,7 @@ def run_many(many: Many, load: LoadMission) -> int:
     _print_table(outcomes, stderr=many.as_json)
     if many.as_json:
         records = [_record(outcome) for outcome in outcomes]
-        answer = records[0] if len(records) == 1 else {"missions": records}
-        sys.stdout.write(f"{json.dumps(answer, indent=2)}\n")
+        sys.stdout.write(f"{json_text(records[0] if len(records) == 1 else {'missions': records})}\n")
     return _exit_code(outcomes)
 
 
@@ -103,19 +112,23 @@ def _fly_all(many: Many, load: LoadMission, interrupted: Callable[[], bool]) -> 
 def _fly(
     path: Path, many: Many, load: LoadMission, policies: dict[Path, LoadedPolicy], interrupted: Callable[[], bool]
 ) -> Outcome:
+    from waypointctl.cli.flight_answer import facts
     from waypointctl.cli.log_place import claimed
     from waypointctl.cli.pictures import say_missing
+    from waypointctl.ops.ground.operator import planned_waypoints
     from waypointctl.ops.record import record
     from waypointctl.policy.bundle import load_policy
+    from waypointctl.replay.chronicle import Chronicle
 
     file = load(path)
+    name, chronicle = file.mission.name, Chronicle(planned_waypoints(file.mission))
     folder = many.policy or file.policy_path.resolve()
     if folder not in policies:
         policies[folder] = load_policy(many.policy or file.policy_path)
-    with claimed(file.mission.name, many.out, force=many.force) as log:
-        recording = record(file, policies[folder], log, interrupted=interrupted, pictures=True)
+    with claimed(name, many.out, force=many.force) as log:
+        recording = record(file, policies[folder], log, watch=chronicle, interrupted=interrupted, pictures=True)
     say_missing(recording)
-    return Outcome(path, file.mission.name, recording)
+    return Outcome(path, name, recording, facts(name, recording, chronicle.story()))
 
 
 def _reason(outcome: Outcome) -> str:
@@ -140,12 +153,10 @@ def _case(outcome: Outcome) -> Case:
     return Case(name, "success" if result.outcome == "success" else "failure", result.reason, flown_s, output)
 
 
-def _record(outcome: Outcome) -> dict[str, Any]:
+def _record(outcome: Outcome) -> Plain:
     """Return an outcome as --json has it."""
-    from waypointctl.cli.flight_answer import facts
-
     if outcome.recording is not None:
-        return {"file": str(outcome.path), **facts(outcome.mission, outcome.recording)}
+        return {"file": str(outcome.path), **outcome.facts}
     said = ("error", outcome.problem) if outcome.problem else ("skipped", _NOT_FLOWN)
     return {"file": str(outcome.path), "outcome": said[0], "reason": said[1]}
 
