@@ -96,6 +96,7 @@ def test_every_topic_of_the_contract_is_there_with_its_schema(log_path: Path) ->
         "/odometry": "foxglove.Odometry",
         "/joints": "foxglove.JointStates",
         "/scene": "foxglove.SceneUpdate",
+        "/goal": "foxglove.SceneUpdate",
         "/waypoints": "foxglove.PosesInFrame",
         "/path": "foxglove.PosesInFrame",
         "/log": "foxglove.Log",

@@ -102,6 +102,7 @@ def _scene_panel(root: str) -> dict[str, Any]:
         "transforms": {},
         "topics": {
             "/scene": {"visible": True},
+            "/goal": {"visible": True},
             "/path": {"visible": True, "type": "line", "lineWidth": 0.05, "gradient": ["#5cd6a980", "#5cd6a9ff"]},
             "/waypoints": {"visible": False},
         },

@@ -57,13 +57,11 @@ def scene(
 
     All of them, each time: after a seek a viewer knows no more than the last message on the topic.
     """
-    update = SceneUpdate()
-    for index in gone:
-        # What is deleted is what is earlier than this, and it may have been drawn at the same instant.
-        update.deletions.append(SceneEntityDeletion(id=_entity_id(index), timestamp=timestamp(time_ns + 1)))
+    update = SceneUpdate(deletions=[deletion(time_ns, _entity_id(index)) for index in gone])
     for waypoint in waypoints:
-        region = _waypoint(waypoint, standings.get(waypoint.index, Standing.PENDING))
-        update.entities.append(region)
+        standing = standings.get(waypoint.index, Standing.PENDING)
+        label = f"{waypoint.index + 1} {waypoint.name}".strip()
+        update.entities.append(region(_entity_id(waypoint.index), waypoint, standing, label))
     bodies: dict[str, SceneEntity] = {}
     for geom in geoms:
         entity = bodies.setdefault(geom.body, SceneEntity(id=f"body {geom.body}", frame_id=geom.body))
@@ -90,17 +88,22 @@ def _color(rgba: tuple[float, float, float, float]) -> Color:
     return Color(r=r, g=g, b=b, a=a)
 
 
-def _waypoint(waypoint: PlannedWaypoint, standing: Standing) -> SceneEntity:
+def deletion(time_ns: int, entity_id: str) -> SceneEntityDeletion:
+    """Return the deletion of an entity that was drawn at `time_ns` or before."""
+    return SceneEntityDeletion(id=entity_id, timestamp=timestamp(time_ns + 1))  # it deletes what is earlier than that
+
+
+def region(entity_id: str, waypoint: PlannedWaypoint, standing: Standing, label: str) -> SceneEntity:
+    """Return the region in which `waypoint` accepts the robot, with its label."""
     side = 2 * waypoint.tolerance_m
     size = Vector3(x=side, y=side, z=REGION_HEIGHT_M)
     at = pose((waypoint.x_m, waypoint.y_m, REGION_HEIGHT_M / 2))
-    entity = SceneEntity(id=_entity_id(waypoint.index), frame_id=WORLD)
+    entity = SceneEntity(id=entity_id, frame_id=WORLD)
     color = _color(standing.value)
     if waypoint.acceptance == "box":
         entity.cubes.append(CubePrimitive(pose=at, size=size, color=color))
     else:
         entity.cylinders.append(CylinderPrimitive(pose=at, size=size, bottom_scale=1, top_scale=1, color=color))
-    label = f"{waypoint.index + 1} {waypoint.name}".strip()
     above = pose((waypoint.x_m, waypoint.y_m, LABEL_HEIGHT_M))
     white = Color(r=1, g=1, b=1, a=1)
     entity.texts.append(TextPrimitive(pose=above, billboard=True, font_size=0.3, color=white, text=label))

@@ -13,11 +13,12 @@ from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from waypointctl.log.foxglove.geometry import timestamp
+from waypointctl.log.foxglove.goal import GoalMarker
 from waypointctl.log.foxglove.motion import Motion
 from waypointctl.log.foxglove.scene import Standing, near, scene, waypoint_poses
 from waypointctl.log.foxglove.trail import Trail
 from waypointctl.log.kinematics import Kinematics
-from waypointctl.log.messages import Command, Event, EventKind, Message, PlannedWaypoint, Severity, State
+from waypointctl.log.messages import Command, CommandStage, Event, EventKind, Message, PlannedWaypoint, Severity, State
 from waypointctl.units import NS_PER_S
 
 VIEW_TOPICS: Final = {
@@ -25,6 +26,7 @@ VIEW_TOPICS: Final = {
     "/odometry": Odometry,
     "/joints": JointStates,
     "/scene": SceneUpdate,
+    "/goal": SceneUpdate,
     "/waypoints": PosesInFrame,
     "/path": PosesInFrame,
     "/log": Log,
@@ -57,6 +59,7 @@ class FoxgloveView:
         self._geoms = kinematics.geoms
         self._motion = Motion(kinematics)
         self._trail = Trail()
+        self._goal = GoalMarker()
         self._waypoints = {waypoint.index: waypoint for waypoint in waypoints}
         self._standings: dict[int, Standing] = {}
         self._focus = -1  # the waypoint that the last event was about
@@ -77,6 +80,8 @@ class FoxgloveView:
                 return self._commanded(message)
             case Event():
                 return self._happened(message)
+            case CommandStage():
+                return _if_any("/goal", message.time_ns, self._goal.advanced(message))
             case _:
                 return ()
 
@@ -99,7 +104,8 @@ class FoxgloveView:
         return frames
 
     def _commanded(self, command: Command) -> Sequence[Frame]:
-        known = {waypoint.index: waypoint for waypoint in command.waypoints}
+        self._goal.commanded(command)
+        known = {waypoint.index: waypoint for waypoint in command.waypoints if waypoint.index >= 0}
         if known.items() <= self._waypoints.items():
             return ()
         self._waypoints = dict(sorted((self._waypoints | known).items()))
@@ -110,8 +116,12 @@ class FoxgloveView:
             timestamp=timestamp(event.time_ns), level=_LEVELS[event.severity], message=event.text, name=event.clock
         )
         frames = [Frame("/log", event.time_ns, line.SerializeToString())]
+        frames += _if_any("/goal", event.time_ns, self._goal.happened(event))
         standing = _STANDINGS.get(event.kind)
-        if standing is not None and event.waypoint in self._waypoints:
+        if standing is None or event.waypoint not in self._waypoints:
+            return frames
+        # A goal that is sent again and again draws the scene once.
+        if (self._focus, self._standings.get(event.waypoint)) != (event.waypoint, standing):
             self._standings[event.waypoint] = standing
             self._focus = event.waypoint
             frames.append(self._scene(event.time_ns))
@@ -126,3 +136,7 @@ class FoxgloveView:
         data = scene(time_ns, self._geoms, waypoints, self._standings, gone=sorted(self._drawn - drawn))
         self._drawn = drawn
         return Frame("/scene", time_ns, data)
+
+
+def _if_any(topic: str, time_ns: int, data: bytes | None) -> Sequence[Frame]:
+    return () if data is None else (Frame(topic, time_ns, data),)
