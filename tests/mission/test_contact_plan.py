@@ -97,8 +97,11 @@ def test_contacts_are_put_in_the_order_of_time_and_ranges_may_follow_on_each_oth
             "a range +0 +10 1 2 1 1",
             "1:1: has 6 values; wanted are start time, stop time, one node, other node, light time in s",
         ),
-        ("a contact 0 +10 1 2 1", "1:11: '0' is not a time: write +seconds"),
-        ("a contact +0 0 1 2 1", "1:14: '0' is not a time: write +seconds"),
+        ("a contact 1 +10 1 2 1", "1:11: '1' is not a time: write +seconds"),
+        (
+            "a contact 0 +10 1 2 1",
+            "1:1: this contact is hypothetical (a time is 0): it does not say when; mission start is +0",
+        ),
         ("a contact +x +10 1 2 1", "1:11: '+x' is not a number: time"),
         ("a contact +nan +10 1 2 1", "1:11: +nan is not from 0 to 1e+09: time"),
         ("a contact +10 +10 1 2 1", "1:15: +10 is not after +10"),
@@ -137,6 +140,60 @@ def test_a_plan_without_the_contact_says_which_it_has() -> None:
         "plan:1:1: has no contact from node 1 to node 2; its contacts are from 1 to 3, from 3 to 2"
     ]
     assert problems_of("# nothing") == ["plan:1:1: has no contact from node 1 to node 2; its contacts are none at all"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "a contact +60 +600 5 7 10000 0.4",
+        "a contact 0 0 3 4 0 0.0",
+        "a contact 2027/03/01-00:00:00 2027/03/01-01:00:00 1 3 1",
+        "a contact +10 +5 3 2 0",
+        "a contact +0 +10 ipn:1 7 1",
+        "a contact 0 0 1 2 0 0.0",
+        "a contact +1 0 1 2 0",
+        "a contact -1 -1 1 1 0",
+        "a range +0 +5 1 9 nan",
+        "a range 2027/03/01-00:00:00 +5 8 9 1",
+        "c contact +0 5 7 100",
+        "d contact * 2 1",
+        "d range +0 1 7",
+        "b contact",
+        "b range",
+        "i contact +0 1 2",
+        "l range",
+        "m horizon +0",
+        "m utcdelta 3",
+        "^ 2",
+        "# a contact",
+    ],
+)
+def test_what_does_not_say_when_the_two_nodes_can_talk_is_passed_over(line: str) -> None:
+    needed = "a contact +0 +10 1 2 1\n" + RANGE
+    expected = spans(needed, (1, 2))
+    assert spans(f"{line}\n{needed}", (1, 2)) == expected
+    assert spans(f"{needed}{line}\n", (1, 2)) == expected
+
+
+@pytest.mark.parametrize(
+    ("source", "kind"),
+    [
+        (b'{"contacts": [{"contact": 0}]}', "is JSON (a contact plan of HDTN)"),
+        (b"[1]", "is JSON"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n", "is a Git LFS pointer, not the file"),
+        (b"PK\x03\x04" + bytes(9), "is a ZIP archive"),
+        (b"\xff\xfea\0 \0", "is not UTF-8 text but UTF-16"),
+        (b"a contact\0", "is a binary file, not text"),
+        (b"<!DOCTYPE html><html></html>", "is an HTML page"),
+        (b"<?xml version='1.0'?><!-- x --><gpx/>", "is a GPX file"),
+    ],
+)
+def test_another_kind_of_file_is_named_in_one_problem(source: bytes, kind: str) -> None:
+    (plan,) = read_contact_plan(source, "plan", (1, 2))[1]
+    assert str(plan).startswith(f"plan: {kind}")
+    assert str(plan).endswith(", not a contact plan in ION's terms ('a contact ...')")
+    (jitter,) = read_jitter(source, "j")[1]
+    assert str(jitter).startswith(f"j: {kind}")
 
 
 def test_without_need_of_ranges_there_may_be_none() -> None:

@@ -4,8 +4,10 @@
     a range   +0 +3600 1 2 1          from, to [s], one node, the other node, one-way light time [s]
 
 '+' counts from mission start, or from what an '@' line sets. A range from a lower node number to a higher one holds
-both ways, unless the opposite direction has ranges of its own. Commands that say nothing of contacts are passed over,
-so is what '## begin' and '## end' mark as another program's; those that would change the plan are refused.
+both ways, unless the opposite direction has ranges of its own. What says nothing of when the two nodes of a link can
+talk is passed over: lines about other nodes, commands that list or set something else, registrations, hypothetical
+contacts (a time of 0), and what '## begin' and '## end' mark as another program's. Those that would change the plan for
+the two nodes are refused.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from datetime import UTC, datetime
 from itertools import pairwise
 from typing import Final
 
+from waypointctl.mission.file_kind import kind_of
 from waypointctl.mission.problems import Problem
 from waypointctl.mission.text_problems import TextReport, Word
 
@@ -29,6 +32,7 @@ _OTHER_PROGRAM: Final = re.compile(rb"^##\s*begin\s+(?!ionadmin\b)\S+.*?^##\s*en
 _CONTACT: Final = ("start time", "stop time", "source node", "destination node", "rate in bytes/s")
 _RANGE: Final = ("start time", "stop time", "one node", "other node", "light time in s")
 ANY_MOMENT: Final = "0001/01/01-00:00:00"  # a reference to look at each line with, where the right one is not known
+_MOST_SHOWN: Final = 8  # of the ways that a plan has contacts of
 _REGISTRATION: Final = "-1"
 _MAX_DIGITS: Final = 18
 
@@ -57,26 +61,27 @@ class Passage:
 
 
 def read_contact_plan(
-    source: bytes, where: str, way: tuple[int, int] | None, *, reference: str | None = None, needs_ranges: bool = True
+    source: bytes, where: str, way: tuple[int, int], *, reference: str | None = None, needs_ranges: bool = True
 ) -> tuple[Passage, tuple[Problem, ...]]:
     """Return what a contact plan says of one direction, and everything that is wrong with it.
 
     Args:
         source: the plan's bytes.
         where: its name, for the problems.
-        way: from which node to which; None only looks at each line.
+        way: from which node to which.
         reference: the moment of mission start, as yyyy/mm/dd-hh:mm:ss; without it absolute times are refused.
         needs_ranges: whether each contact has to be within a range.
     """
-    plan = _Plan(TextReport(where), _moment(reference) if reference else None)
+    if kind := kind_of(source):
+        problem = Problem(where, 0, 0, "", f"{kind.value}, not a contact plan in ION's terms ('a contact ...')")
+        return Passage((), ()), (problem,)
+    plan = _Plan(TextReport(where), way, _moment(reference) if reference else None)
     for words in plan.report.lines(_without_other_programs(source)):
         plan.take(words)
-    if way is None:
-        return Passage((), ()), tuple(plan.report.problems)
-    contacts = plan.ordered(plan.contacts.get(way, []), "contact")
-    ranges = plan.ordered(plan.ranges.get(way, plan.reverse_ranges(way)), "range")
+    contacts = plan.ordered(plan.contacts, "contact")
+    ranges = plan.ordered(plan.ranges.get(way, plan.reverse_ranges()), "range")
     if not plan.report.problems:
-        plan.check(way, contacts, ranges if needs_ranges else None)
+        plan.check(contacts, ranges if needs_ranges else None)
     return Passage(contacts, ranges), tuple(plan.report.problems)
 
 
@@ -100,12 +105,15 @@ def _without_other_programs(source: bytes) -> bytes:
 
 
 class _Plan:
-    """Fills up line by line."""
+    """Fills up line by line with what is said of one way."""
 
-    def __init__(self, report: TextReport, reference: datetime | None) -> None:
+    def __init__(self, report: TextReport, way: tuple[int, int], reference: datetime | None) -> None:
         self.report = report
-        self.contacts: dict[tuple[int, int], list[Span]] = {}
-        self.ranges: dict[tuple[int, int], list[Span]] = {}
+        self.contacts: list[Span] = []
+        self.ranges: dict[tuple[int, int], list[Span]] = {}  # of the way and of the way back
+        self._way = way
+        self._others: set[tuple[int, int]] = set()  # ways that the plan has contacts of beside this one
+        self._hypothetical: Word | None = None
         self._reference = reference
         self._offset_s = 0.0  # of '+0', after mission start
         self._is_dateless = False  # an absolute time without a reference was found: one cause, one problem
@@ -120,7 +128,10 @@ class _Plan:
                 self.report.add(command, "'@' wants a time")
             return
         kind = rest[0].text if rest else ""
-        if kind not in ("contact", "range") or command.text in ("i", "l"):
+        if kind not in ("contact", "range") or command.text not in ("a", "c", "d"):
+            return
+        nodes = rest[3:5] if command.text == "a" else rest[2:4]
+        if self._is_of_others(kind, [_node_number(word) for word in nodes]):
             return
         if command.text != "a":
             problem = f"'{command.text} {kind}' would change the plan; write the plan as it is to be, with 'a {kind}'"
@@ -130,6 +141,15 @@ class _Plan:
         else:
             self._add_range(command, rest[1:])
 
+    def _is_of_others(self, kind: str, nodes: list[int | None]) -> bool:
+        """Tell whether a line is about other nodes than the way's; one whose nodes cannot be read is not."""
+        if kind == "range":
+            return any(node is not None and node not in self._way for node in nodes)
+        is_other = any(node not in (None, end) for node, end in zip(nodes, self._way, strict=False))
+        if is_other and len(nodes) == 2 and nodes[0] is not None and nodes[1] is not None and nodes[0] != nodes[1]:
+            self._others.add((nodes[0], nodes[1]))
+        return is_other
+
     def ordered(self, spans: list[Span], kind: str) -> tuple[Span, ...]:
         """Return spans in the order of time, and report those that overlap."""
         spans = sorted(spans, key=lambda span: span.begin_s)
@@ -138,17 +158,23 @@ class _Plan:
                 self.report.add(after.at, f"this {kind} overlaps that of line {before.at.line}")
         return tuple(spans)
 
-    def reverse_ranges(self, way: tuple[int, int]) -> list[Span]:
+    def reverse_ranges(self) -> list[Span]:
         """Return the ranges that hold in this direction because the opposite one, of a lower node first, has them."""
-        source, destination = way
+        source, destination = self._way
         return self.ranges.get((destination, source), []) if source > destination else []
 
-    def check(self, way: tuple[int, int], contacts: tuple[Span, ...], ranges: tuple[Span, ...] | None) -> None:
+    def check(self, contacts: tuple[Span, ...], ranges: tuple[Span, ...] | None) -> None:
         """Report that there is no contact, or one without a range."""
-        source, destination = way
+        source, destination = self._way
         if not contacts:
-            known = ", ".join(f"from {a} to {b}" for a, b in sorted(self.contacts)) or "none at all"
-            self.report.add(None, f"has no contact from node {source} to node {destination}; its contacts are {known}")
+            known = ", ".join(f"from {a} to {b}" for a, b in sorted(self._others)[:_MOST_SHOWN]) or "none at all"
+            known += f" and {len(self._others) - _MOST_SHOWN} more" if len(self._others) > _MOST_SHOWN else ""
+            self.report.add(
+                self._hypothetical,
+                f"has no contact from node {source} to node {destination}; its contacts are {known}"
+                if self._hypothetical is None
+                else "this contact is hypothetical (a time is 0): it does not say when; mission start is +0",
+            )
         for contact in contacts if ranges is not None else ():
             gap_s = _gap(contact, ranges or ())
             if gap_s is not None:
@@ -158,13 +184,16 @@ class _Plan:
     def _add_contact(self, command: Word, words: list[Word]) -> None:
         if words and words[0].text == _REGISTRATION:
             return  # says that a node belongs to the plan, and nothing of when it can be talked to
+        if "0" in (word.text for word in words[:2]):
+            self._hypothetical = command
+            return
         confidence = words[len(_CONTACT) :][:1]
         span = self._span(command, words[: len(_CONTACT)] + words[len(_CONTACT) + 1 :], _CONTACT, least=1)
         if confidence and self._number(confidence[0], "confidence", least=0) != 1:
             self.report.add(confidence[0], "only a contact that is certain can be flown: leave the confidence out")
         elif span is not None:
-            way, bytes_per_s = span
-            self.contacts.setdefault(way, []).append(replace(bytes_per_s, value=BITS_PER_BYTE * bytes_per_s.value))
+            _, bytes_per_s = span
+            self.contacts.append(replace(bytes_per_s, value=BITS_PER_BYTE * bytes_per_s.value))
 
     def _add_range(self, command: Word, words: list[Word]) -> None:
         span = self._span(command, words, _RANGE, least=0)
@@ -214,10 +243,10 @@ class _Plan:
         return 0.0
 
     def _node(self, word: Word) -> int:
-        if word.text.isascii() and word.text.isdecimal() and len(word.text) <= _MAX_DIGITS:
-            return int(word.text)
-        self.report.add(word, f"'{word.text}' is not a node number")
-        return 0
+        number = _node_number(word)
+        if number is None:
+            self.report.add(word, f"'{word.text}' is not a node number")
+        return number or 0
 
     def _number(self, word: Word, what: str, least: float) -> float:
         try:
@@ -229,6 +258,11 @@ class _Plan:
             self.report.add(word, f"{word.text} is not from {least:g} to {MOST:g}: {what}")
             return least
         return value
+
+
+def _node_number(word: Word) -> int | None:
+    is_number = word.text.isascii() and word.text.isdecimal() and len(word.text) <= _MAX_DIGITS
+    return int(word.text) if is_number else None
 
 
 def _gap(contact: Span, ranges: tuple[Span, ...]) -> float | None:

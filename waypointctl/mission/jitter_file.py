@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from waypointctl.mission.file_kind import kind_of
 from waypointctl.mission.problems import Problem
 from waypointctl.mission.text_problems import TextReport, Word
 
@@ -21,6 +22,8 @@ def read_jitter(
         least_delay_s: the shortest delay of the link that it is for; nothing may arrive before it has left. None where
             that is not known, or was looked at before.
     """
+    if kind := kind_of(source):
+        return (), (Problem(where, 0, 0, "", f"{kind.value}; a file of jitter has one number of seconds a line"),)
     report = TextReport(where)
     samples = []
     for word, *others in report.lines(source):

@@ -134,7 +134,9 @@ def _problems_anyway(tree: Tree, path: DataPath, source: bytes, place: str) -> t
     """Return what is wrong in the file named at `path`, where the mission that names it is wrong itself."""
     if path[-1:] == _JITTER:
         return read_jitter(source, place)[1]
-    reference = _at(tree.data, (*path[:-1], "reference"))
+    reference, *way = (_at(tree.data, (*path[:-1], key)) for key in ("reference", "from_node", "to_node"))
+    if not all(type(node) is int for node in way):
+        return ()  # which lines matter is not known
     if reference is not None and not (isinstance(reference, str) and is_moment(reference)):
         reference = ANY_MOMENT  # the mission's problem is told already
-    return read_contact_plan(source, place, None, reference=reference)[1]
+    return read_contact_plan(source, place, (way[0], way[1]), reference=reference, needs_ranges=False)[1]

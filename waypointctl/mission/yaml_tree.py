@@ -27,6 +27,8 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
+from waypointctl.mission.file_kind import FileKind, kind_of
+
 MAX_DEPTH: Final = 20
 MAX_BYTES: Final = 1 << 20
 
@@ -210,6 +212,9 @@ class _Builder:
 def _decode(source: bytes) -> str:
     if len(source) > MAX_BYTES:
         raise YamlFault(f"has {len(source)} bytes; {MAX_BYTES} are allowed")
+    kind = kind_of(source)
+    if kind is not None and kind not in (FileKind.JSON, FileKind.HDTN_PLAN):  # other JSON is YAML too
+        raise YamlFault(kind.value, Mark(1, 1))
     source = source.removeprefix(BOM_UTF8)
     try:
         text = source.decode()
