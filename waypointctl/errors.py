@@ -16,7 +16,12 @@ Anything else that is raised is a bug.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Sequence
+from typing import ClassVar, Final
+
+from waypointctl.display_text import printable
+
+_MOST_CHARACTERS: Final = 4000  # of a line of a message; the value in it is shortened by whoever puts it there
 
 
 class WaypointctlError(Exception):
@@ -29,20 +34,30 @@ class InputError(WaypointctlError):
     """What was given is wrong.
 
     Args:
-        problem: what was found and what is allowed, one sentence or a few lines.
+        problem: what was found and what is allowed, one sentence.
         where: the file, or file:line:column, that it was found at.
         mend: what to do about it; the message begins it with a capital letter.
+        details: lines that follow the problem, such as a list of problems.
     """
 
     exit_code = 2
 
-    def __init__(self, problem: str, *, where: str | None = None, mend: str | None = None) -> None:
-        """Join the parts into one message."""
+    def __init__(
+        self, problem: str, *, where: str | None = None, mend: str | None = None, details: Sequence[str] = ()
+    ) -> None:
+        """Join the parts into one message that is fit to show; the attributes keep them as they are."""
         self.problem = problem
         self.where = where
         self.mend = mend
-        message = f"{where}: {problem}" if where else problem
-        super().__init__(f"{message}\n  {mend[0].upper()}{mend[1:]}" if mend else message)
+        self.details = tuple(details)
+        lines = [f"{printable(where)}: {_line(problem)}" if where else _line(problem), *map(_line, details)]
+        if mend:
+            lines.append(f"  {_line(mend[0].upper() + mend[1:])}")
+        super().__init__("\n".join(lines))
+
+
+def _line(text: str) -> str:
+    return printable(text, _MOST_CHARACTERS)
 
 
 class MissionError(InputError):

@@ -10,6 +10,9 @@ from typing import Any, Final
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from waypointctl.display_text import printable_lines
 
 # Colours that the colour-blind tell apart (Okabe and Ito), and greys.
 BLUE: Final = "#0072B2"
@@ -48,6 +51,15 @@ def picture(
         figure = Figure(figsize=size_in, dpi=dpi)
         FigureCanvasAgg(figure)
         draw(figure)
+        _escape_texts(figure)
         image = io.BytesIO()
         figure.savefig(image, format="png", dpi=dpi, metadata={"Software": None})
     return image.getvalue()
+
+
+def _escape_texts(figure: Figure) -> None:
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)
+        shown = printable_lines(text.get_text())
+        if shown != text.get_text():
+            text.set_text(shown)

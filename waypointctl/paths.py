@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import shlex
 import stat
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
+from waypointctl.display_text import shell_word
 from waypointctl.errors import OutputError
 
 _FILE_MEND: Final = "give a file in a folder that you can write to"
@@ -32,7 +32,7 @@ def folder_fault(path: Path) -> str | None:
 
 def command_for_log(path: str) -> str:
     """Return what to say where a log was given for something else."""
-    log = shlex.quote(path)
+    log = shell_word(path)
     return f"this is a log: `waypointctl replay {log}` shows it, `waypointctl run --resume {log}` goes on with it"
 
 
@@ -42,15 +42,15 @@ def command_for_plan(path: str) -> str:
     kind = _PLANS.get(plan.suffix.lower())
     if kind is None:
         return ""
-    there = shlex.quote(plan.with_suffix(".yaml").name)
-    return f"this is {kind}; import it first: `waypointctl import {shlex.quote(path)} --out {there}`"
+    there = shell_word(plan.with_suffix(".yaml").name)
+    return f"this is {kind}; import it first: `waypointctl import {shell_word(path)} --out {there}`"
 
 
 def command_for_mission(path: str) -> str:
     """Return what to say where a mission was given for a log; nothing for a file that is not called like one."""
     if Path(path).suffix.lower() not in (".yaml", ".yml"):
         return ""
-    mission = shlex.quote(path)
+    mission = shell_word(path)
     return f"`waypointctl run {mission}` flies a mission and writes its log, `waypointctl validate {mission}` checks it"
 
 

@@ -68,7 +68,7 @@ def test_it_counts_and_tells_what_became_of_each() -> None:
     assert failure.get("name") == "b & <b>.yaml"
     assert failure[0].attrib == {"type": "failure", "message": "timeout: 1 of 2"}
     assert failure[0].text == "timeout: 1 of 2\nsecond line"
-    assert error[0].text == 'c.yaml:1:1: "x" \ufffd \ufffd'
+    assert error[0].text == r'c.yaml:1:1: "x" \u0007 \ud83d'
     assert [child.tag for child in skipped] == ["skipped"]
     assert skipped[0].attrib == {"message": "not flown"}
     assert sum(float(case.get("time", "")) for case in suite.findall("testcase")) == pytest.approx(37.55)

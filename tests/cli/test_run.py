@@ -202,7 +202,7 @@ def test_whoever_reads_the_answer_may_go_away(yard: Path) -> None:
     flight = start(yard, "run", "easy.yaml", "--json", stdout=writing, stderr=subprocess.PIPE)
     os.close(writing)
     _, err = flight.communicate(timeout=60)
-    assert flight.returncode == 1
+    assert flight.returncode == 0
     assert b"Traceback" not in err
     assert b"Exception ignored" not in err
 
@@ -229,7 +229,7 @@ def test_a_terminal_that_cannot_show_a_name_does_not_end_the_flight(yard: Path) 
     out, err = flight.communicate(timeout=60)
     assert flight.returncode == 0
     assert b"success: 2 of 2 waypoints reached" in out
-    assert b"robot     ?? reached" in err
+    assert rb"robot     \u8fd1\u3044 reached" in err
 
 
 def test_a_policy_that_is_not_there_is_told_with_its_place_in_the_mission(yard: Path, program: Program) -> None:

@@ -2,35 +2,42 @@
 
 from __future__ import annotations
 
-import io
 import os
 import re
 import sys
 from typing import IO, TYPE_CHECKING, Final, cast
 
+from waypointctl.cli.standard_streams import styled
+
 if TYPE_CHECKING:
     from rich.console import Console
 
 _PIPE_WIDTH: Final = 160  # columns where there is no terminal to ask, so that tables keep their cells whole
+_MOST_COLUMNS: Final = 10_000
+_SIZES: Final = ("COLUMNS", "LINES")
 
 
 def console(*, stderr: bool = False) -> Console:
     """Return the console of stdout or stderr, with colours and progress on a terminal only.
 
-    What is printed is taken as it is: names from missions and logs are no markup.
+    What is printed is taken as it is: names from missions and logs are no markup, and cannot steer the
+    terminal.
     """
-    from rich.console import Console
+    from waypointctl.cli.view.printable_console import PrintableConsole
 
-    stream = sys.stderr if stderr else sys.stdout
-    if isinstance(stream, io.TextIOWrapper):
-        stream.reconfigure(errors="replace")  # a name that the terminal cannot show is no reason to end a flight
-
-    made = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
+    stream = styled(sys.stderr if stderr else sys.stdout)
+    environ = {name: value for name, value in os.environ.items() if name not in _SIZES or _is_size(value)}
+    made = PrintableConsole(file=stream, highlight=False, markup=False, emoji=False, _environ=environ)
     if made.is_terminal:
         return made
-    width = None if os.environ.get("COLUMNS", "").isdigit() else _PIPE_WIDTH
+    width = None if "COLUMNS" in environ else _PIPE_WIDTH
     file = cast("IO[str]", _Trimmed(stream))
-    return Console(file=file, width=width, highlight=False, markup=False, emoji=False)
+    return PrintableConsole(file=file, width=width, highlight=False, markup=False, emoji=False, _environ=environ)
+
+
+def _is_size(text: str) -> bool:
+    """Return whether a variable of the environment says how large the terminal is; 0 says that it is not known."""
+    return re.fullmatch("[0-9]{1,5}", text) is not None and 0 < int(text) <= _MOST_COLUMNS
 
 
 class _Trimmed:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from waypointctl.cli.options import rate_from
+from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -97,7 +98,7 @@ def _require(names: Sequence[str], evaluations: Sequence[Evaluation], rate: floa
         if case.rate < rate
     ]
     if below:
-        typer.echo(f"below {rate:.0%}: {', '.join(below)}", err=True)
+        typer.echo(f"below {rate:.0%}: {printable(', '.join(below))}", err=True)
         raise typer.Exit(1)
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from waypointctl.display_text import printable
 from waypointctl.errors import MissionError
 
 
@@ -43,7 +44,7 @@ def fmt(
         if not check and not diff:
             _replace(path, written)
         elif not diff:
-            typer.echo(f"{path}: would be laid out anew")
+            typer.echo(f"{printable(path)}: would be laid out anew")
     typer.echo(_sum(len(missions), changed, wrong, check or diff), err=True)
     if wrong:
         raise typer.Exit(2)
@@ -55,14 +56,15 @@ def _replace(path: Path, written: bytes) -> None:
     from waypointctl.paths import write_whole
 
     write_whole(path.resolve(), written, "the mission")  # a link stays one
-    typer.echo(f"{path}: laid out")
+    typer.echo(f"{printable(path)}: laid out")
 
 
 def _difference(source: bytes, written: bytes, path: Path) -> str:
     import difflib
 
     before, after = (text.decode("utf-8-sig").splitlines(keepends=True) for text in (source, written))
-    return "".join(difflib.unified_diff(before, after, str(path), f"{path} (laid out)"))
+    name = printable(path)
+    return "".join(difflib.unified_diff(before, after, name, f"{name} (laid out)"))
 
 
 def _sum(count: int, changed: int, wrong: int, only_told: bool) -> str:

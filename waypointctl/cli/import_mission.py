@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from waypointctl.display_text import printable, shell_word
 from waypointctl.errors import InputError
 
 if TYPE_CHECKING:
@@ -49,14 +50,16 @@ def import_mission(
     folder = Path.cwd() if out is None else out.parent
     text = mission_text(survey, str(file), os.path.relpath(policy or _POLICY, folder))
     for note in survey.notes:
-        typer.echo(f"left out: {note}", err=True)
+        typer.echo(f"left out: {printable(note)}", err=True)
     _warn_of_missing_policy(policy, file if out is None else out)
     if out is None:
         sys.stdout.write(text)
         return
     write_whole(out, text.encode(), "the mission")
     count = len(survey.stops)
-    typer.echo(f"{out}: {count} waypoint{'s' if count > 1 else ''}; `waypointctl validate {out}` says what to expect")
+    waypoints = f"{count} waypoint{'s' if count > 1 else ''}"
+    check = f"`waypointctl validate {shell_word(out)}` says what to expect"
+    typer.echo(f"{printable(out)}: {waypoints}; {check}")
 
 
 def _warn_of_missing_policy(given: Path | None, mission: Path) -> None:
@@ -65,7 +68,8 @@ def _warn_of_missing_policy(given: Path | None, mission: Path) -> None:
     policy = given or _POLICY
     if fault := folder_fault(policy):
         named = "" if given else f" It is the default of --policy, relative to {Path.cwd()}: give --policy DIR."
-        typer.echo(f"warning: {mission}: the policy {str(policy)!r} is not there: {fault}.{named}", err=True)
+        problem = f"{mission}: the policy {str(policy)!r} is not there: {fault}.{named}"
+        typer.echo(f"warning: {printable(problem)}", err=True)
 
 
 def origin_of(text: str) -> Place:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from waypointctl.display_text import printable
+
 if TYPE_CHECKING:
     from waypointctl.training.sb3_import import Imported
 
@@ -41,14 +43,13 @@ def import_policy(
 
     imported = import_sb3(model, out, robot=robot, observation=observation, vecnormalize=vecnormalize, force=force)
     for line in _lines(imported, out, vecnormalize):
-        typer.echo(line, err=json)
+        typer.echo(printable(line), err=json)
     if json:
         sys.stdout.write(_json(imported, out))
 
 
 def _lines(imported: Imported, out: Path, vecnormalize: Path | None) -> list[str]:
-    import shlex
-
+    from waypointctl.display_text import shell_word
     from waypointctl.training.sb3_import import CHECKED
 
     manifest, network = imported.policy.manifest, imported.network
@@ -66,7 +67,7 @@ def _lines(imported: Imported, out: Path, vecnormalize: Path | None) -> list[str
         f"  checked     gives stable-baselines3's own actions {compared}",
         "  executed    nothing: tensors, settings and numbers were read, pickled objects were not made",
         f"  trusted     that it was trained on the observations {trained_on}",
-        f"  to try it   {shlex.join(['waypointctl', 'eval', str(out)])}",
+        f"  to try it   waypointctl eval {shell_word(str(out))}",
     ]
 
 

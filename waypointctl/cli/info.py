@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from waypointctl.display_text import printable
+
 if TYPE_CHECKING:
     from waypointctl.cli.view.grid_view import GridView
     from waypointctl.evaluation.grid import Column
@@ -77,13 +79,14 @@ def _topic_record(topic: TopicSummary) -> dict[str, Any]:
 
 def _show(log: Log) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.words import printable
 
     out = console()
     unbroken = not out.is_terminal  # for programs that look for a line
     outcome = _outcome(log)
     unsaid, whole = _ending(log)
-    out.print(f"{log.path}: {log.duration_s:.3f} s of simulation, {log.message_count} messages", soft_wrap=unbroken)
+    out.print(
+        f"{printable(log.path)}: {log.duration_s:.3f} s of simulation, {log.message_count} messages", soft_wrap=unbroken
+    )
     out.print(f"outcome: {unsaid if outcome is None else printable(outcome)}", soft_wrap=unbroken)
     written = f"{log.contents.size_bytes:,} bytes, written by {printable(log.contents.library)}, {whole}"
     out.print(written, soft_wrap=unbroken)
@@ -105,7 +108,6 @@ def _ending(log: Log) -> tuple[str, str]:
 
 
 def _topic_table(log: Log) -> GridView:
-    from waypointctl.cli.view.words import printable
     from waypointctl.evaluation.grid import Column
     from waypointctl.units import seconds
 
@@ -121,23 +123,21 @@ def _topic_table(log: Log) -> GridView:
     for topic in log.topics.values():
         rate = "" if topic.rate_hz is None else f"{topic.rate_hz:.1f}"
         times = ("" if time is None else f"{seconds(time):.3f}" for time in (topic.first_ns, topic.last_ns))
-        rows.append((printable(topic.name), printable(topic.schema), str(topic.count), rate, *times))
+        rows.append((topic.name, topic.schema, str(topic.count), rate, *times))
     return _view(columns, rows)
 
 
 def _attachment_table(log: Log) -> GridView:
-    from waypointctl.cli.view.words import printable
     from waypointctl.evaluation.grid import Column
 
-    rows = [(printable(name), f"{len(data):,}") for name, data in log.attachments.items()]
+    rows = [(name, f"{len(data):,}") for name, data in log.attachments.items()]
     return _view((Column("attachment", is_text=True), Column("bytes")), rows)
 
 
 def _metadata_table(log: Log) -> GridView:
-    from waypointctl.cli.view.words import printable
     from waypointctl.evaluation.grid import Column
 
-    rows = [(printable(name), printable(text)) for name, text in log.metadata.items()]
+    rows = [(name, text) for name, text in log.metadata.items()]
     return _view((Column("metadata", is_text=True), Column("value", is_text=True)), rows)
 
 

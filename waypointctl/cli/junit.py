@@ -5,16 +5,14 @@ Times in it are simulated seconds, as its property `clock` says; no wall clock i
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 from xml.etree import ElementTree
 
-SUITE: Final = "waypointctl run"
+from waypointctl.display_text import printable, printable_lines
 
-# What XML 1.0 has no way to write.
-_NOT_XML: Final = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+SUITE: Final = "waypointctl run"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,20 +56,16 @@ def junit_xml(cases: Sequence[Case]) -> bytes:
 
 
 def _add(suite: ElementTree.Element, case: Case) -> None:
-    attributes = {"classname": SUITE, "name": _clean(case.name), "time": _time(case.time_s)}
+    attributes = {"classname": SUITE, "name": printable(case.name), "time": _time(case.time_s)}
     element = ElementTree.SubElement(suite, "testcase", attributes)
     if case.verdict == "skipped":
-        ElementTree.SubElement(element, "skipped", {"message": _clean(case.text.partition("\n")[0])})
+        ElementTree.SubElement(element, "skipped", {"message": printable(case.text.partition("\n")[0])})
     elif case.verdict != "success":
-        told = {"type": case.verdict, "message": _clean(case.text.partition("\n")[0])}
-        ElementTree.SubElement(element, case.verdict, told).text = _clean(case.text)
+        told = {"type": case.verdict, "message": printable(case.text.partition("\n")[0])}
+        ElementTree.SubElement(element, case.verdict, told).text = printable_lines(case.text)
     if case.output:
-        ElementTree.SubElement(element, "system-out").text = _clean(case.output)
+        ElementTree.SubElement(element, "system-out").text = printable_lines(case.output)
 
 
 def _time(seconds: float) -> str:
     return f"{seconds:.3f}"
-
-
-def _clean(text: str) -> str:
-    return _NOT_XML.sub("\N{REPLACEMENT CHARACTER}", text)

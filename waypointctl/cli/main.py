@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import sys
 
 import typer
@@ -18,6 +16,7 @@ from waypointctl.cli.policies import policies
 from waypointctl.cli.replay import replay
 from waypointctl.cli.run import run
 from waypointctl.cli.schema import schema
+from waypointctl.cli.standard_streams import display_streams
 from waypointctl.cli.study import study
 from waypointctl.cli.train import train_policy
 from waypointctl.cli.validate import validate
@@ -63,40 +62,35 @@ app.add_typer(study, name="study")
 def main() -> None:
     """Run the command line; print what waypointctl refuses as one message and exit with its code.
 
-    Under --json the message stands on stdout too, as an object: a program that reads one has one in any case.
+    Under --json the message stands on stdout too, as an object: a program that reads one has one in any case. A reader
+    that goes away changes neither what is done nor the exit code; an answer that cannot be written is exit code 2.
     """
+    with display_streams() as out:
+        code = _run()
+        out.flush()
+        if out.failure is not None:
+            print(f"error: the answer cannot be written: {out.failure.strerror}", file=sys.stderr)
+            code = 2
+    sys.exit(code)
+
+
+def _run() -> int | str | None:
+    """Run the command; return what to exit with."""
     try:
-        try:
-            app()
-        finally:
-            # What is still in the buffer may find the disk full as well.
-            if sys.stdout is not None:
-                sys.stdout.flush()
+        app()
+    except SystemExit as end:
+        return end.code
     except WaypointctlError as error:
         print(f"error: {error}", file=sys.stderr)
         if "--json" in sys.argv[1:]:
             _print_refusal(error)
-        sys.exit(error.exit_code)
-    except BrokenPipeError:
-        _drop_answer()
-        sys.exit(1)
-    except OSError as error:
-        if error.errno != errno.ENOSPC:
-            raise
-        print(f"error: the answer cannot be written: {error.strerror}", file=sys.stderr)
-        _drop_answer()
-        sys.exit(2)
+        return error.exit_code
+    return 0
 
 
 def _print_refusal(error: WaypointctlError) -> None:
     import json
 
     parts = {name: getattr(error, name, None) for name in ("problem", "where", "mend")}
-    print(json.dumps({"error": parts | {"problem": parts["problem"] or str(error)}, "exit_code": error.exit_code}))
-
-
-def _drop_answer() -> None:
-    # The interpreter flushes stdout as it ends, and would complain of the same once more.
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, sys.stdout.fileno())
-    os.close(nowhere)
+    lines = [parts["problem"] or str(error), *getattr(error, "details", ())]
+    print(json.dumps({"error": parts | {"problem": "\n".join(lines)}, "exit_code": error.exit_code}))

@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from waypointctl.display_text import printable
+
 if TYPE_CHECKING:
     from waypointctl.log.reader import Log
     from waypointctl.ops.record import Recording
@@ -17,7 +19,7 @@ _PNG: Final = b"\x89PNG"
 def say_missing(recording: Recording) -> None:
     """Say on stderr why a flight that observed has no pictures, if that is so."""
     if recording.no_pictures:
-        print(f"no pictures: {recording.no_pictures}", file=sys.stderr, flush=True)
+        print(f"no pictures: {printable(recording.no_pictures)}", file=sys.stderr, flush=True)
 
 
 def picture_files(log: Log, folder: Path) -> list[PictureFile]:
@@ -55,4 +57,4 @@ def write_pictures(files: list[PictureFile], folder: Path) -> None:
         raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(folder)) from error
     for file in files:
         write_whole(folder / file.name, file.data, "the picture")
-        print(f"written: {folder / file.name}", file=sys.stderr)
+        print(f"written: {printable(folder / file.name)}", file=sys.stderr)

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from waypointctl.display_text import printable
+
 if TYPE_CHECKING:
     from waypointctl.evaluation.catalogue import Entry
 
@@ -44,9 +46,9 @@ def list_policies(
     elif entries:
         console().print(GridView(policies_grid(entries)))
     else:
-        typer.echo(f"no policies in {folder}; `waypointctl train RECIPE.yaml` makes one", err=True)
+        typer.echo(f"no policies in {printable(folder)}; `waypointctl train RECIPE.yaml` makes one", err=True)
     for fault in (fault for entry in entries for fault in entry.faults):
-        typer.echo(f"warning: {fault}", err=True)
+        typer.echo(f"warning: {printable(fault)}", err=True)
 
 
 @policies.command("show")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from waypointctl.cli.options import not_negative, positive
+from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
     from waypointctl.cli.view.playback import Playback
@@ -115,4 +116,4 @@ def _draw(story: Story, log: Log, verification: Verification, png: Path) -> None
     proof = f"replay {verification.verdict}, {verification.steps} control steps"
     picture = draw(story, mission_name(log), proof, is_exact=verification.verdict == "exact")
     write_whole(png, picture, "the picture")
-    typer.echo(f"drawn into {png}", err=True)
+    typer.echo(f"drawn into {printable(png)}", err=True)

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from waypointctl.display_text import printable
+
 if TYPE_CHECKING:
     from waypointctl.replay.resume import Unfinished
 
@@ -60,15 +62,14 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.pictures import say_missing
     from waypointctl.cli.view.summary import print_flight
-    from waypointctl.cli.view.words import printable
     from waypointctl.replay.resume import Interrupted, go_on, made_elsewhere
 
-    mission = flight.carried.mission
+    mission, log = flight.carried.mission, printable(flight.log.path)
     if asked.console and not flight.milestones.had_console:
         raise typer.BadParameter("--console: the flight had none, and with one it would be another flight.")
     if others := made_elsewhere(flight.log):
         note = "it is gone on with only if it is the same flight here, and the finished log will name this program"
-        typer.echo(f"note: {flight.log.path} was made elsewhere ({printable(others)}): {note}", err=True)
+        typer.echo(f"note: {log} was made elsewhere ({printable(others)}): {note}", err=True)
     typer.echo(f"{mission.name}: flown again up to {_end_s(flight):.2f} s, then on", err=True)
     began_s = time.monotonic()
     try:
@@ -78,7 +79,7 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
         ):
             recording = go_on(flight, again=view.learn, watch=view.sink, interrupted=interrupted, console=view.console)
     except Interrupted:
-        typer.echo(f"interrupted before it was where {flight.log.path} ends; that log is as it was", err=True)
+        typer.echo(f"interrupted before it was where {log} ends; that log is as it was", err=True)
         return _INTERRUPTED
     say_missing(recording)
     story = view.watch.chronicle.story()
@@ -100,7 +101,7 @@ def _say_complete(asked: Resumption) -> int:
     path = asked.log.with_name(asked.log.name.removesuffix(PART))
     log = open_log(path)
     story = story_of(log)
-    typer.echo(f"{path} is complete: {story.outcome}: {story.reason}", err=True)
+    typer.echo(printable(f"{path} is complete: {story.outcome}: {story.reason}"), err=True)
     if asked.json:
         result = FlightResult(story.outcome, story.reason, story.learned, len(story.waypoints), story.ended_ns)
         recording = recording_of(result, path, int(log.metadata["seed"]), log.count("/camera"))

@@ -132,8 +132,7 @@ def _mission(path: Path, seed: int | None, policy: Path | None) -> MissionFile:
 
 def _refuse_missing_policy(mission_file: MissionFile) -> None:
     """Refuse a mission whose policy is not there, with the place where it is named."""
-    import shlex
-
+    from waypointctl.display_text import shell_word
     from waypointctl.errors import MissionError
     from waypointctl.paths import folder_fault
 
@@ -143,6 +142,6 @@ def _refuse_missing_policy(mission_file: MissionFile) -> None:
         mend = (
             f"The mission names {named!r}, relative to its own folder {beside}. "
             "A policy is a folder with manifest.json; "
-            f"`waypointctl run {shlex.quote(str(mission_file.path))} --policy DIR` flies the one in DIR."
+            f"`waypointctl run {shell_word(str(mission_file.path))} --policy DIR` flies the one in DIR."
         )
         raise MissionError(problem, where=mission_file.policy_place, mend=mend)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 from waypointctl.units import seconds
 
@@ -105,7 +106,8 @@ def _fly_all(many: Many, load: LoadMission, interrupted: Callable[[], bool]) -> 
         except InputError as error:
             outcome = Outcome(path, problem=str(error))
         outcomes.append(outcome)
-        print(f"{path}: {outcome.problem or _reason(outcome)}", file=sys.stderr, flush=True)
+        told = outcome.problem or printable(_reason(outcome))
+        print(f"{printable(path)}: {told}", file=sys.stderr, flush=True)
     return outcomes
 
 
@@ -146,7 +148,9 @@ def _case(outcome: Outcome) -> Case:
     if recording is None:
         return Case(name, "skipped", _NOT_FLOWN, 0.0)
     result = recording.result
-    output = f"mission {outcome.mission}, seed {recording.seed}\n{recording.path}\nsha256 {recording.sha256}\n"
+    output = (
+        f"mission {outcome.mission}, seed {recording.seed}\n{printable(recording.path)}\nsha256 {recording.sha256}\n"
+    )
     flown_s = seconds(result.sim_time_ns)
     if result.outcome == "interrupted":
         return Case(name, "error", f"interrupted: {result.reason}", flown_s, output)

@@ -8,6 +8,7 @@ from pathlib import Path
 import typer
 
 from waypointctl.cli.evaluation_run import ChosenSuite
+from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import SelectionRecord
@@ -32,7 +33,7 @@ def refuse_selection_trials(
         if save:
             mend = "Give another --seed; without --save the trials are walked with a warning."
             raise InputError(f"--save: {problem}", where=str(folder), mend=mend)
-        typer.echo(f"warning: {folder}: {problem}; another --seed does not", err=True)
+        typer.echo(f"warning: {printable(folder)}: {printable(problem)}; another --seed does not", err=True)
 
 
 def _is_suite_of(record: SelectionRecord, suite: ChosenSuite) -> bool:

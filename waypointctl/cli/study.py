@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from waypointctl.cli.options import not_negative
+from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def delay(
             interrupted=interrupted,
         )
     if found is None:
-        typer.echo(f"interrupted; {folder} has what was flown, and the same command goes on", err=True)
+        typer.echo(f"interrupted; {printable(folder)} has what was flown, and the same command goes on", err=True)
         raise typer.Exit(130)
     _tell(found, folder, stderr=json)
     if json:
@@ -144,4 +145,4 @@ def _tell(found: DelayStudy, folder: Path, *, stderr: bool) -> None:
     for grid in tables(found):
         people.print(GridView(grid, ("--json", str(folder / TABLES))))
         people.print()
-    typer.echo(f"{folder / PICTURE}: the picture; the tables in {TABLES} and {VALUES}", err=stderr)
+    typer.echo(f"{printable(folder / PICTURE)}: the picture; the tables in {TABLES} and {VALUES}", err=stderr)

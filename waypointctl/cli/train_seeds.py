@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Final
 
+from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def _train(
         seed = one.recipe.seed
         title = f"{one.recipe.name}, seed {seed}, {seeds.index(seed) + 1} of {len(seeds)}, in {run}"
         if not is_live(console(stderr=True)):
-            typer.echo(title, err=True)
+            typer.echo(printable(title), err=True)
         trained = train_watched(one, Places(run, run), title, interrupted, threads=threads, resume=resume)
         return trained.evaluation is not None
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
+
+from waypointctl.display_text import shell_word
 
 if TYPE_CHECKING:
     from waypointctl.training.recipe_file import RecipeFile
@@ -98,4 +99,4 @@ class TrainingAsked:
             ("--threads", self.threads or None),
         ]
         given = [part for name, value in options if value is not None for part in (name, str(value))]
-        return shlex.join(["waypointctl", "train", str(self.recipe), *given, "--resume"])
+        return " ".join(map(shell_word, ["waypointctl", "train", str(self.recipe), *given, "--resume"]))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from waypointctl.display_text import printable
 from waypointctl.paths import folder_fault
 
 if TYPE_CHECKING:
@@ -129,13 +130,13 @@ def _show(result: _Checked) -> None:
     mission = result.file.mission
     count = mission.num_legs
     typer.echo(
-        f"OK {result.path}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
-        f"{mission.path_length_m():.1f} m, {link_text(mission.link)}, autonomy {mission.autonomy}"
+        f"OK {printable(result.path)}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
+        f"{mission.path_length_m():.1f} m, {printable(link_text(mission.link))}, autonomy {mission.autonomy}"
     )
     if result.forecast is not None:
         typer.echo(f"   {expectation(result.forecast)}")
     for warning in result.warnings:
-        typer.echo(f"warning: {warning.place}: {warning.path}: {warning.text}", err=True)
+        typer.echo(f"warning: {printable(f'{warning.place}: {warning.path}: {warning.text}')}", err=True)
 
 
 def _record(result: _Checked) -> dict[str, Any]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from waypointctl.display_text import printable
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +56,20 @@ class Grid:
         rows = tuple(tuple(row[index] for index in kept) for row in self.rows)
         return Grid(self.title, tuple(self.columns[index] for index in kept), rows, self.notes)
 
+    def printable(self) -> Grid:
+        """Return the table with each of its texts on one line, fit to show."""
+        columns = tuple(replace(one, heading=printable(one.heading), of=printable(one.of)) for one in self.columns)
+        rows = tuple(tuple(map(printable, row)) for row in self.rows)
+        return Grid(printable(self.title), columns, rows, tuple(map(printable, self.notes)))
+
     def to_markdown(self) -> str:
         """Return the table as Markdown, its title in bold above it and its notes below."""
-        lines = [_row(column.heading for column in self.columns)]
-        lines.append(f"|{'|'.join('---' if column.is_text else '---:' for column in self.columns)}|")
-        lines += [_row(row) for row in self.rows]
-        return "\n".join([f"**{_escaped(self.title)}**", "", *lines, *(f"\n{_escaped(note)}" for note in self.notes)])
+        shown = self.printable()
+        lines = [_row(column.heading for column in shown.columns)]
+        lines.append(f"|{'|'.join('---' if column.is_text else '---:' for column in shown.columns)}|")
+        lines += [_row(row) for row in shown.rows]
+        notes = (f"\n{_escaped(note)}" for note in shown.notes)
+        return "\n".join([f"**{_escaped(shown.title)}**", "", *lines, *notes])
 
 
 def _row(cells: Iterable[str]) -> str:

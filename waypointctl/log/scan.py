@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import struct
 import zlib
 from pathlib import Path
@@ -22,6 +21,7 @@ from mcap.records import Attachment, Channel, Chunk, DataEnd, Footer, Header, Me
 from mcap.stream_reader import get_chunk_data_stream
 from zstandard import ZstdError
 
+from waypointctl.display_text import shell_word
 from waypointctl.errors import LogError
 from waypointctl.log.contents import ChunkPlace, Contents, TopicSummary
 from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION
@@ -125,7 +125,7 @@ def _nothing_flown(path: Path) -> LogError:
     return LogError(
         "nothing was flown yet: its flight was killed before it began, or is only just beginning",
         where=str(path),
-        mend=f"Run the mission again: `waypointctl run MISSION.yaml --out {shlex.quote(str(path.with_suffix('')))} "
+        mend=f"Run the mission again: `waypointctl run MISSION.yaml --out {shell_word(str(path.with_suffix('')))} "
         "--force`.",
     )
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
+from waypointctl.display_text import printable
 from waypointctl.errors import MissionError
 from waypointctl.mission.wording import path_text, shown
 from waypointctl.mission.yaml_source import read_source
@@ -32,8 +33,8 @@ class JsonReport:
             return
         if len(self.problems) == 1:
             raise MissionError(self.problems[0], where=self.where)
-        lines = "\n".join(f"{self.where}: {problem}" for problem in self.problems)
-        raise MissionError(f"{len(self.problems)} problems\n{lines}", where=self.where)
+        details = [f"{printable(self.where)}: {problem}" for problem in self.problems]
+        raise MissionError(f"{len(self.problems)} problems", where=self.where, details=details)
 
 
 @dataclass(frozen=True, slots=True)

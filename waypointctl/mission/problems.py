@@ -10,6 +10,7 @@ from typing import Any, Final, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from waypointctl.display_text import printable
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.wording import how_to_write, path_text, shown, unit_of, units_of
 from waypointctl.mission.yaml_tree import DataPath, Mark, Tree
@@ -50,6 +51,7 @@ _EXPECTED: Final = {
     "string_too_long": "text of at most {max_length} characters",
     "string_pattern_mismatch": "text of the form {pattern}",
 }
+_MOST_CHARACTERS: Final = 4000  # of a line of a message
 _BOUNDS: Final = frozenset({"greater_than", "greater_than_equal", "less_than", "less_than_equal"})
 
 
@@ -75,7 +77,7 @@ class Problem:
 
     def __str__(self) -> str:
         """Return one line for people."""
-        return f"{self.place}: {self.sentence}"
+        return f"{printable(self.place)}: {printable(self.sentence, _MOST_CHARACTERS)}"
 
 
 def problems_of(error: ValidationError, tree: Tree, where: str, model: type[BaseModel]) -> list[Problem]:

@@ -97,5 +97,4 @@ def as_error(problems: tuple[Problem, ...], error: type[InputError]) -> InputErr
     first, *others = problems
     if not others:
         return error(first.sentence, where=first.place)
-    lines = "\n".join(str(problem) for problem in problems)
-    return error(f"{len(problems)} problems\n{lines}", where=first.where)
+    return error(f"{len(problems)} problems", where=first.where, details=[str(problem) for problem in problems])

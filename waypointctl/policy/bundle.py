@@ -131,7 +131,7 @@ def _found(error: ValidationError) -> str:
     for fault in error.errors(include_url=False):
         place = ".".join(str(part) for part in fault["loc"])
         lines.append(f"{place}: {fault['msg']}" if place else fault["msg"])
-    return "\n  ".join(lines)
+    return "; ".join(lines)
 
 
 def _refuse_damaged(manifest: Manifest, files: Mapping[str, bytes], where: str) -> None:

@@ -208,7 +208,7 @@ def _carried(log: Log) -> Carried:
         return carried_by(log)
     except InputError as error:
         problem = f"cannot be gone on with: what it carries cannot be used: {error.problem}"
-        raise LogError(problem, where=where, mend=_KEPT) from error
+        raise LogError(problem, where=where, mend=_KEPT, details=error.details) from error
 
 
 def _require_all_seen(witness: Witness, result: FlightResult) -> None:

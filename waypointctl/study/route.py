@@ -30,7 +30,7 @@ def load_route(name_or_file: str) -> MissionFile:
         if Path(name_or_file).suffix:
             raise
         mend = f"give a mission file, or a route that comes with waypointctl: {', '.join(BUILT_IN)}"
-        raise MissionError(error.problem, where=error.where, mend=mend) from error
+        raise MissionError(error.problem, where=error.where, mend=mend, details=error.details) from error
 
 
 def load_routes(names_or_files: Sequence[str]) -> dict[str, MissionFile]:

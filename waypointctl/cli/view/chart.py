@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.cli.view.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
-from waypointctl.cli.view.words import printable
+from waypointctl.display_text import printable
 from waypointctl.replay.story import Fate, WaypointStory, is_on_map
 
 if TYPE_CHECKING:

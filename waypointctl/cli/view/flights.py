@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from waypointctl.cli.view.words import printable
+from waypointctl.display_text import printable
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
@@ -32,11 +32,11 @@ def flights_table(outcomes: Iterable[Outcome]) -> Table:
 
 def _row(outcome: Outcome) -> tuple[str, ...]:
     if outcome.recording is None:
-        return printable(str(outcome.path)), "broken" if outcome.problem else "not flown", "-", "-", "-"
+        return printable(outcome.path), "broken" if outcome.problem else "not flown", "-", "-", "-"
     result = outcome.recording.result
     reached = f"{result.waypoints_reached}/{result.waypoints_total}"
     flown = f"{seconds(result.sim_time_ns):.2f}"
-    return printable(outcome.mission), result.outcome, reached, flown, printable(str(outcome.recording.path))
+    return printable(outcome.mission), result.outcome, reached, flown, printable(outcome.recording.path)
 
 
 def _style(outcome: Outcome) -> str | None:

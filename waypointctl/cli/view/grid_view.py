@@ -42,13 +42,14 @@ class GridView:
 
         from waypointctl.cli.view.fitting import fitted
 
-        fit = fitted(self.grid, options.max_width)
-        if self.grid.title:
-            yield Text(self.grid.title, style="table.title")
+        grid = self.grid.printable()
+        fit = fitted(grid, options.max_width)
+        if grid.title:
+            yield Text(grid.title, style="table.title")
         yield self._table(fit)
         if fit.left_out:
             yield Text(_left_out(fit.left_out, self.options), style="dim")
-        yield from (Text(note, style="table.caption") for note in self.grid.notes)
+        yield from (Text(note, style="table.caption") for note in grid.notes)
 
     def _table(self, fit: Fitted) -> Table:
         from rich import box

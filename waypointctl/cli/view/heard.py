@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from waypointctl.cli.view.words import printable
+from waypointctl.display_text import printable
 from waypointctl.log.messages import Ack, Clock, CommandStage, Event, EventKind, Message, Stage, Telemetry
 from waypointctl.units import seconds
 

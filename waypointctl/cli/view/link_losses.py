@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
-from waypointctl.cli.view.words import at, printable
+from waypointctl.cli.view.words import at
+from waypointctl.display_text import printable
 from waypointctl.units import NS_PER_S, seconds
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from waypointctl.cli.view.words import Happening, at, printable
+from waypointctl.cli.view.words import Happening, at
+from waypointctl.display_text import printable
 from waypointctl.log.messages import Clock, Mode, Severity
 from waypointctl.replay.story import Fate
 from waypointctl.units import seconds

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
 from typing import TYPE_CHECKING, Final
 
 from waypointctl.cli.console import console
 from waypointctl.cli.view.link_losses import link_lines
 from waypointctl.cli.view.tables import command_table, effort_lines, reward_table, waypoint_table
-from waypointctl.cli.view.words import printable, size
+from waypointctl.cli.view.words import size
+from waypointctl.display_text import printable, shell_word
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
@@ -36,9 +36,9 @@ def print_flight(story: Story, recording: Recording, wall_s: float, *, stderr: b
     out.print(f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
     out.print(f"seed       {recording.seed}")
     if recording.pictures:
-        log = shlex.quote(str(recording.path))
+        log = shell_word(recording.path)
         out.print(f"pictures   {recording.pictures}: waypointctl replay {log} --pictures FOLDER", soft_wrap=True)
-    out.print(f"log        {recording.path} ({size(recording.path.stat().st_size)})", soft_wrap=True)
+    out.print(f"log        {printable(recording.path)} ({size(recording.path.stat().st_size)})", soft_wrap=True)
     out.print(f"sha256     {recording.sha256}", soft_wrap=True)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from waypointctl.cli.view.grid_view import GridView
-from waypointctl.cli.view.words import at, number, printable
+from waypointctl.cli.view.words import at, number
+from waypointctl.display_text import printable
 from waypointctl.evaluation.grid import Column, Grid
 from waypointctl.log.messages import EventKind
 from waypointctl.replay.story import FARTHEST_M, Fate

@@ -13,13 +13,12 @@ if TYPE_CHECKING:
 
 def tell_trained(trained: Trained, recipe_file: RecipeFile, go_on: str, *, stderr: bool) -> None:
     """Print how the policy did, or, of a training that was interrupted, the commands to go on with."""
-    import shlex
-
     import typer
 
     from waypointctl.cli.console import console
     from waypointctl.cli.view.evaluation import evaluation_table
     from waypointctl.cli.view.training_words import outcome, span
+    from waypointctl.display_text import printable, shell_word
     from waypointctl.evaluation.result import EVALUATION
 
     if trained.evaluation is not None:
@@ -27,9 +26,9 @@ def tell_trained(trained: Trained, recipe_file: RecipeFile, go_on: str, *, stder
         people.print(evaluation_table(trained.evaluation, trained.folder / EVALUATION))
         if trained.selection is not None:
             typer.echo(outcome(trained.selection, recipe_file.recipe.total_steps), err=stderr)
-        typer.echo(f"{trained.folder}: trained in {span(trained.wall_time_s)}", err=stderr)
+        typer.echo(f"{printable(trained.folder)}: trained in {span(trained.wall_time_s)}", err=stderr)
         return
-    try_it = shlex.join(["waypointctl", "eval", str(trained.folder)])
+    try_it = f"waypointctl eval {shell_word(trained.folder)}"
     typer.echo(f"interrupted after {trained.steps} of {recipe_file.recipe.total_steps} steps", err=stderr)
     typer.echo(f"  to go on:   {go_on}", err=stderr)
     typer.echo(f"  to try it:  {try_it}", err=stderr)

@@ -37,6 +37,7 @@ def tell_seeds(trained: SeedsTrained, go_on: str, *, stderr: bool) -> None:
 
     from waypointctl.cli.console import console
     from waypointctl.cli.view.seeds import seeds_table
+    from waypointctl.display_text import printable
     from waypointctl.training.seeds import CURVES, PICTURE, RESULTS
 
     if trained.compared is None:
@@ -45,7 +46,7 @@ def tell_seeds(trained: SeedsTrained, go_on: str, *, stderr: bool) -> None:
         return
     table = seeds_table(trained.recipe_file.recipe.name, trained.compared, trained.group / RESULTS)
     console(stderr=stderr).print(table)
-    typer.echo(f"{trained.group / PICTURE}: the learning curves; as numbers in {CURVES}", err=stderr)
+    typer.echo(f"{printable(trained.group / PICTURE)}: the learning curves; as numbers in {CURVES}", err=stderr)
 
 
 def seeds_json(trained: SeedsTrained) -> str:

@@ -22,6 +22,7 @@ from waypointctl.cli.view.training_words import (
     started,
     tested,
 )
+from waypointctl.display_text import printable
 from waypointctl.training.status import (
     CheckpointSaved,
     CheckpointTested,
@@ -107,7 +108,7 @@ class PlainLines:
         if not self._readers:
             return
         try:
-            print(text, file=sys.stderr, flush=True)
+            print(printable(text), file=sys.stderr, flush=True)
         except BrokenPipeError:
             self._readers = False  # whoever read has gone; that is no reason to end the training
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from waypointctl.display_text import printable
 from waypointctl.log.messages import Ack, Clock, Event, Message, Severity, Stage
 from waypointctl.units import seconds
 
 # Of a command's acknowledgements these say something new; RECEIVED and ACCEPTED come just before STARTED.
 _TELLING: Final = (Stage.STARTED, Stage.COMPLETED, Stage.FAILED, Stage.REJECTED)
-_CONTROL: Final = dict.fromkeys([*range(0x20), *range(0x7F, 0xA0)], "\N{REPLACEMENT CHARACTER}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +61,3 @@ def size(count: int) -> str:
             return f"{count} B" if unit == "B" else f"{number:.1f} {unit}"
         number /= 1000
     return f"{number:.1f} GB"
-
-
-def printable(text: str) -> str:
-    """Return text from a file without the characters that would steer a terminal."""
-    return text.translate(_CONTROL)
