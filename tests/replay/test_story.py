@@ -212,3 +212,13 @@ def test_a_place_that_no_map_has_is_left_out_and_its_time_is_kept() -> None:
     # It walks straight on along x while it is lost, so that neither way nor time is lost with it.
     assert story.effort == whole.effort
     assert story.learned == whole.learned == 1
+
+
+def test_the_newest_commands_are_those_of_all_commands() -> None:
+    chronicle = Chronicle()
+    for message in flight():
+        chronicle(message)
+        for most in (0, 1, 2, 5):
+            assert chronicle.newest_commands(most) == chronicle.commands[len(chronicle.commands) - most :][-most:]
+        trips = [command.round_trip_ns for command in chronicle.commands if command.round_trip_ns is not None]
+        assert chronicle.round_trip_ns == (trips[-1] if trips else None)

@@ -22,11 +22,16 @@ class Belief:
     stages: dict[int, Stage] = field(default_factory=dict)
     reasons: dict[int, str] = field(default_factory=dict)
     ended_ns: int = -1
+    _reached: set[int] = field(default_factory=set)
 
     @property
     def reached(self) -> tuple[int, ...]:
         """The waypoints that the robot has reported as reached."""
         return self.telemetry.reached if self.telemetry else ()
+
+    def knows_reached(self, index: int) -> bool:
+        """Tell whether the robot has reported a waypoint as reached."""
+        return index in self._reached
 
     @property
     def is_whole(self) -> bool:
@@ -38,6 +43,7 @@ class Belief:
         if isinstance(message, Telemetry):
             if self.telemetry is None or message.frame >= self.telemetry.frame:  # one that was overtaken is no news
                 self.telemetry = message
+                self._reached.update(message.reached[len(self._reached) :])  # what is reached stays so, in its order
             return
         if self.stages.get(message.command_id) in FINAL_STAGES:
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from itertools import islice
 from typing import Final
 
 from waypointctl.log.messages import (
@@ -68,6 +69,8 @@ class Chronicle:
         self._waypoints = {waypoint.index: GrowingWaypoint(waypoint) for waypoint in waypoints}
         self._commands: dict[int, GrowingCommand] = {}
         self._truth, self._belief = GrowingTrack(), GrowingTrack()
+        self._learned = 0  # how many of the waypoints in telemetry's `reached`, which only grows, have been taken
+        self._acknowledged = -1  # the newest command of which anything has been heard
         self._link = {"up": WayTally(), "down": WayTally()}
         self._states_off_map = self._frames_off_map = 0
         self._reward: dict[str, float] = {}
@@ -92,6 +95,7 @@ class Chronicle:
             case Ack():
                 self.now_ns = max(self.now_ns, message.received_ns)
                 self._command(message.command_id).acks.append(message)
+                self._acknowledged = max(self._acknowledged, message.command_id)
             case Command():
                 self._receive(message)
             case CommandStage():
@@ -105,6 +109,17 @@ class Chronicle:
     def commands(self) -> tuple[CommandStory, ...]:
         """The commands so far, by id."""
         return tuple(command.story(id_) for id_, command in sorted(self._commands.items()))
+
+    def newest_commands(self, most: int) -> tuple[CommandStory, ...]:
+        """Return the last `most` commands that were issued, by id."""
+        newest = sorted(islice(reversed(self._commands), most))
+        return tuple(self._commands[command_id].story(command_id) for command_id in newest)
+
+    @property
+    def round_trip_ns(self) -> int | None:
+        """From issuing the newest command that was acknowledged to its first acknowledgement; None without one."""
+        command = self._commands.get(self._acknowledged)
+        return None if command is None else command.story(self._acknowledged).round_trip_ns
 
     @property
     def waypoints(self) -> tuple[WaypointStory, ...]:
@@ -174,10 +189,11 @@ class Chronicle:
             self._belief.add(frame.issued_ns, frame.received_ns, frame.x_m, frame.y_m, frame.speed_mps)
         else:
             self._frames_off_map += 1
-        for index in frame.reached:
+        for index in frame.reached[self._learned :]:
             waypoint = self._waypoints.get(index)
             if waypoint is not None and waypoint.learned_ns is None:
                 waypoint.learned_ns = frame.received_ns
+        self._learned = max(self._learned, len(frame.reached))
 
     def _receive(self, command: Command) -> None:
         entry = self._command(command.id)

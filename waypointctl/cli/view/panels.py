@@ -65,7 +65,7 @@ def commands(chronicle: Chronicle, most: int, *, narrow: bool) -> Table:
     table.add_column("on board", no_wrap=True, style="green")
     table.add_column("known", no_wrap=True, style="magenta")
     table.add_column("round trip", justify="right", no_wrap=True)
-    for command in chronicle.commands[-most:]:
+    for command in chronicle.newest_commands(most):
         times = () if narrow else (at(command.issued_ns), at(command.received_ns))
         onboard = str(command.onboard) if command.onboard else "-"
         row = (str(command.id), printable(command.what), *times, onboard, str(command.heard), at(command.round_trip_ns))
@@ -101,8 +101,8 @@ def _robot(chronicle: Chronicle) -> Rows:
 
 def _operator(chronicle: Chronicle) -> Rows:
     frame = chronicle.telemetry
-    trips = [c.round_trip_ns for c in chronicle.commands if c.round_trip_ns is not None]
-    trip = ("round trip", "", f"{at(trips[-1])}, newest measured" if trips else "not yet measured")
+    trip_ns = chronicle.round_trip_ns
+    trip = ("round trip", "", "not yet measured" if trip_ns is None else f"{at(trip_ns)}, newest measured")
     if frame is None:
         return [("operator", "bold magenta", "has heard nothing yet"), trip]
     return [

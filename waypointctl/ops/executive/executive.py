@@ -82,7 +82,7 @@ class Executive:
     @property
     def reached(self) -> tuple[int, ...]:
         """The waypoints reached so far: indices in the mission, each once, in order."""
-        return tuple(self._walk.reached)
+        return self._walk.reached
 
     @property
     def goals(self) -> FloatArray:

@@ -54,7 +54,7 @@ def _judge_leg(walk: Walk, now_ns: int, position: FloatArray) -> None:
 def _reach(walk: Walk, now_ns: int, item: Item, missed: str) -> None:
     waypoint = item.waypoint
     if waypoint.index >= 0 and waypoint.index not in walk.reached:
-        walk.reached.append(waypoint.index)
+        walk.reached += (waypoint.index,)
     walk.tell(now_ns, EventKind.WAYPOINT_REACHED, f"{waypoint.name} reached{missed}", item)
     if waypoint.hold_ns:
         walk.machine.signal(Signal.HOLD_BEGUN)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import heapq
+from bisect import insort
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from itertools import islice
@@ -51,6 +53,9 @@ class Life:
     records: dict[int, Record] = field(default_factory=dict)
     pending: list[Command] = field(default_factory=list)
     _open: dict[int, None] = field(default_factory=dict)  # ids without a final stage, as they arrived
+    _expiries: list[tuple[int, int, int]] = field(default_factory=list)  # a heap: (after which [ns], arrival, id)
+    _pending_ids: set[int] = field(default_factory=set)
+    _known_to: int = 0  # every id from 1 to this has arrived
 
     def knows(self, command_id: int) -> bool:
         """Tell whether a command has arrived."""
@@ -58,12 +63,16 @@ class Life:
 
     def knows_all_before(self, command_id: int) -> bool:
         """Tell whether every command with a smaller id has arrived: the ground counts them from 1."""
-        return all(earlier in self.records for earlier in range(1, command_id))
+        return command_id <= self._known_to + 1
 
     def receive(self, now_ns: int, command: Command) -> None:
         """Enter a command that arrives for the first time."""
         self.records[command.id] = Record(Stage.RECEIVED, "", command.attempt, command.expires_ns)
         self._open[command.id] = None
+        if command.expires_ns >= 0:
+            heapq.heappush(self._expiries, (command.expires_ns, len(self.records), command.id))
+        while self._known_to + 1 in self.records:
+            self._known_to += 1
         self.report(self._stage(now_ns, command.id))
 
     def repeat(self, now_ns: int, command: Command) -> None:
@@ -83,23 +92,23 @@ class Life:
         record.stage, record.reason = stage, reason
         if stage in FINAL_STAGES:
             del self._open[command_id]
-            self.pending = [command for command in self.pending if command.id != command_id]
+            if command_id in self._pending_ids:
+                self._pending_ids.remove(command_id)
+                self.pending = [command for command in self.pending if command.id != command_id]
         self.report(self._stage(now_ns, command_id))
 
     def postpone(self, command: Command) -> None:
         """Keep an accepted command until it may start."""
-        self.pending.append(command)
-        self.pending.sort(key=lambda waiting: (waiting.not_before_ns, waiting.id))  # of two, the one issued first
+        self._pending_ids.add(command.id)
+        insort(self.pending, command, key=lambda waiting: (waiting.not_before_ns, waiting.id))  # the older one first
 
     def take_due(self, now_ns: int) -> Command | None:
         """Take out the first command that may start by now."""
         if self.pending and self.pending[0].not_before_ns <= now_ns:
-            return self.pending.pop(0)
+            command = self.pending.pop(0)
+            self._pending_ids.remove(command.id)
+            return command
         return None
-
-    def is_pending(self, command_id: int) -> bool:
-        """Tell whether a command waits for its time."""
-        return any(command.id == command_id for command in self.pending)
 
     def is_open(self, command_id: int) -> bool:
         """Tell whether a command has arrived and has not ended."""
@@ -115,13 +124,20 @@ class Life:
         return list(self._open)
 
     def expired(self, now_ns: int) -> list[int]:
-        """Return the open commands whose time is over."""
-        return [i for i in self._open if 0 <= self.records[i].expires_ns < now_ns]
+        """Take note that the time of some open commands is over, and return them as they arrived: each once."""
+        over = []
+        while self._expiries and self._expiries[0][0] < now_ns:
+            _, arrival, command_id = heapq.heappop(self._expiries)
+            if command_id in self._open:
+                over.append((arrival, command_id))
+        return [command_id for _, command_id in sorted(over)]
 
     @property
     def next_expiry_ns(self) -> int | None:
         """When the time of the next open command is over; None if none has an end."""
-        return min((r.expires_ns for r in map(self.records.__getitem__, self._open) if r.expires_ns >= 0), default=None)
+        while self._expiries and self._expiries[0][2] not in self._open:
+            heapq.heappop(self._expiries)
+        return self._expiries[0][0] if self._expiries else None
 
     def state(self) -> dict[str, object]:
         """Return it as plain data; of commands that ended long ago, which may be thousands, only how many they are."""

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, replace
+from itertools import islice
+from typing import Final
 
 from waypointctl.log.messages import Command, PlannedWaypoint
+
+_TOLD: Final = 256  # of the items, in a checkpoint: what all checkpoints take is to grow with the flight's length alone
 
 
 @dataclass(slots=True)
@@ -47,7 +51,7 @@ class Plan:
     @property
     def following(self) -> PlannedWaypoint | None:
         """The waypoint after the current one, if the robot may walk to it."""
-        item = next((item for item in self.items[self.at + 1 :] if not item.over), None)
+        item = next((item for item in islice(self.items, self.at + 1, None) if not item.over), None)
         return item.waypoint if item is not None and item.released else None
 
     @property
@@ -78,6 +82,10 @@ class Plan:
         to_come = [item for item in self.items[self.at :] if not item.over]
         return to_come if command_id is None else [item for item in to_come if item.command_id == command_id]
 
+    def has_open(self, command_id: int) -> bool:
+        """Tell whether a command has waypoints left."""
+        return any(item.command_id == command_id and not item.over for item in islice(self.items, self.at, None))
+
     def open_commands(self) -> list[int]:
         """Return the commands that have waypoints left, in the order of the plan."""
         return list(dict.fromkeys(item.command_id for item in self.open_items()))
@@ -91,5 +99,8 @@ class Plan:
                 item.waypoint = replace(item.waypoint, timeout_ns=timeout_ns)
 
     def state(self) -> dict[str, object]:
-        """Return all of it as plain data."""
-        return {"at": self.at, "items": [asdict(item) for item in self.items]}
+        """Return it as plain data; of a long plan some items from the one under way on, and which those are."""
+        begin = max(0, min(self.at, len(self.items) - _TOLD))
+        told = self.items[begin : begin + _TOLD]
+        part = {"begin": begin, "of": len(self.items)} if len(told) < len(self.items) else {}
+        return {"at": self.at, "items": [asdict(item) for item in told], **part}

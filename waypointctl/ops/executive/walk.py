@@ -20,6 +20,7 @@ from waypointctl.ops.executive.sequence import Sequence
 FloatArray = NDArray[np.float64]
 
 BY_RULE: Final = -1  # in place of a command's id: a rule sent it home
+_TOLD: Final = 256  # of the waypoints reached, in a checkpoint, for the same reason as in plan.py
 _NO_GOALS: Final = np.zeros((1, 2, 2))
 
 
@@ -52,7 +53,7 @@ class Walk:
     sequence: Sequence = field(default_factory=Sequence)
     leg: Leg | None = None
     stood_ns: int = 0
-    reached: list[int] = field(default_factory=list)
+    reached: tuple[int, ...] = ()
     suspended: Mode | None = None
     suspended_ns: int = 0
     cause: str = ""
@@ -132,7 +133,7 @@ class Walk:
         if self.plan.current is None:
             self.finish(now_ns, item.command_id)
             return
-        if not self.plan.open_items(item.command_id):
+        if not self.plan.has_open(item.command_id):
             self.life.advance(now_ns, item.command_id, Stage.COMPLETED)
         self._after_a_change(now_ns, moved_on=was_current)
 
@@ -235,14 +236,16 @@ class Walk:
             self.proceed(now_ns)
 
     def state(self) -> dict[str, object]:
-        """Return all of it as plain data."""
+        """Return it as plain data; of many waypoints reached the newest, and how many they are."""
+        newest = list(self.reached[-_TOLD:])
         return {
             "mode": self.mode.value,
             "command_id": self.command_id,
             "plan": self.plan.state(),
             "leg": None if self.leg is None else self.leg.state(),
             "stood_ns": self.stood_ns,
-            "reached": list(self.reached),
+            "reached": newest,
+            **({"reached_count": len(self.reached)} if len(newest) < len(self.reached) else {}),
             "suspended": None if self.suspended is None else self.suspended.value,
             "suspended_ns": self.suspended_ns,
             "cause": self.cause,

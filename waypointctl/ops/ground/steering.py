@@ -99,7 +99,7 @@ class HeadingOperator(Operator):
         return self._clock.is_over(timeout_ns) or self._clock.is_silent(now_ns, timeout_ns)
 
     def _leg_is_over(self) -> bool:
-        return self._plan[self._leg].index in self.belief.reached
+        return self.belief.knows_reached(self._plan[self._leg].index)
 
     def _give_up_leg(self, now_ns: int) -> list[Order]:
         return self._next_leg(now_ns) if self._skips else self._finish(TIMEOUT)
