@@ -198,7 +198,7 @@ def test_a_network_that_someone_replaced_hash_and_all_is_still_examined(folder: 
 def test_a_file_that_cannot_be_read_is_named(folder: Path) -> None:
     (folder / "policy.onnx").unlink()
     (folder / "policy.onnx").mkdir()
-    assert refusal(folder) == f"{folder / 'policy.onnx'}: cannot be read: Is a directory"
+    assert refusal(folder) == f"{folder / 'policy.onnx'}: is a folder, not a file"
 
 
 def test_a_manifest_nested_without_end_is_refused(folder: Path) -> None:

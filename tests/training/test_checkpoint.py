@@ -76,7 +76,7 @@ def test_damage_is_found(checkpoint: Path, recipe_file: RecipeFile, name: str, p
 @pytest.mark.parametrize("name", [FACTS, ARRAYS])
 def test_a_missing_file_is_named(checkpoint: Path, recipe_file: RecipeFile, name: str) -> None:
     (checkpoint / name).unlink()
-    with pytest.raises(RecipeError, match=f"cannot be read: No such file or directory: {name}"):
+    with pytest.raises(RecipeError, match=f"{name}: there is no such file"):
         load_checkpoint(new_learner(recipe_file), recipe_file, checkpoint)
 
 

@@ -21,6 +21,7 @@ from tests.training.sb3_models import normalised_env, rewritten, with_parts
 from waypointctl.errors import PolicyError
 from waypointctl.task.env import WaypointEnv
 from waypointctl.training.sb3_archive import read_archive
+from waypointctl.training.sb3_import import import_sb3
 from waypointctl.training.sb3_network import build_network
 from waypointctl.training.sb3_normaliser import read_normaliser
 
@@ -112,12 +113,13 @@ def test_other_actions_and_other_sizes_are_refused(model: Path, tmp_path: Path) 
 
 
 def test_tensors_that_have_no_place_or_are_not_finite_are_refused(model: Path, tmp_path: Path) -> None:
-    tensors = dict(read_archive(model).tensors)
+    tensors = {name: torch.from_numpy(array) for name, array in read_archive(model).tensors.items()}
     for name, value, message in (
         ("mlp_extractor.shared_net.0.weight", torch.zeros(3, 3), "no plain multilayer perceptron: Unexpected key"),
         ("action_net.weight", torch.full((8, 8), torch.nan), "action_net.weight is not an array of finite numbers"),
         ("action_net.weight", torch.zeros(8, 8, dtype=torch.int64), "is not an array of finite numbers"),
         ("action_net.weight", torch.zeros(8, 9), "no plain multilayer perceptron: size mismatch"),
+        ("mlp_extractor.value_net.2.weight", torch.zeros(2**23, 1), "no plain multilayer perceptron: size mismatch"),
         ("action_net.weight", torch.zeros(8), "no plain multilayer perceptron|maps 31 observations"),
     ):
         buffer = io.BytesIO()
@@ -125,10 +127,22 @@ def test_tensors_that_have_no_place_or_are_not_finite_are_refused(model: Path, t
         refused(with_parts(model, tmp_path / "bad.zip", policy=buffer.getvalue()), message)
 
 
+def test_settings_that_do_not_fit_together_are_refused(model: Path, tmp_path: Path) -> None:
+    bad = rewritten(model, tmp_path / "bad.zip", policy_kwargs={"squash_output": True})
+    refused(bad, "no plain multilayer perceptron: squash_output=True is only available")
+    tensors = {name: torch.from_numpy(array) for name, array in read_archive(model).tensors.items()}
+    buffer = io.BytesIO()
+    torch.save(tensors | {"log_std": torch.full((8,), -1e4)}, buffer)
+    bad = with_parts(model, tmp_path / "bad.zip", policy=buffer.getvalue())
+    with pytest.raises(PolicyError, match=r"bad\.zip: stable-baselines3 itself cannot act with it"):
+        import_sb3(bad, tmp_path / "out", robot="ant", observation="egocentric")
+    assert not (tmp_path / "out").exists()
+
+
 def test_what_is_no_model_is_refused(model: Path, tmp_path: Path) -> None:
     bad = tmp_path / "bad.zip"
-    refused(bad, "cannot be read: No such file")
-    refused(tmp_path, "cannot be read: Is a directory")
+    refused(bad, "there is no such file")
+    refused(tmp_path, "is a folder, not a file")
     bad.write_text("hello")
     refused(bad, "not a .zip that can be read: File is not a zip file")
     bad.write_bytes(model.read_bytes()[:-300])
@@ -161,6 +175,10 @@ def test_a_normaliser_that_is_none_is_refused(tmp_path: Path) -> None:
         (saved_state(state | {"epsilon": 0.0}), "is not what it can be"),
         (saved_state(state | {"clip_obs": float("nan")}), "is not what it can be"),
         (saved_state(state | {"clip_obs": "10"}), "str is no array of numbers"),
+        (saved_state(state | {"clip_obs": np.array([1.0, 2.0])}), "not a file of VecNormalize"),
+        (saved_state(state | {"epsilon": 10**400}), "not a file of VecNormalize"),
+        (saved_state(state | {"epsilon": 1e300}), "is not what it can be"),
+        (b"]r\xff\xff\xff\x7f.", "not a file of VecNormalize: it is not a pickle: it remembers something"),
     ):
         path.write_bytes(content)
         with pytest.raises(PolicyError, match=message):

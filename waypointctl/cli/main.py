@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
 import typer
 
@@ -38,9 +39,27 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
+def _limits(texts: list[str] | None) -> None:
+    from waypointctl.limits import set_limits
+
+    try:
+        set_limits(texts or ())
+    except ValueError as error:
+        raise typer.BadParameter(f"{error}.") from error
+
+
 @app.callback()
 def _options(
     version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Print the version."),
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            callback=_limits,
+            show_default=False,
+            help="Change a limit on what is read from files, such as policy-file=256MiB; docs/limits.md lists them.",
+        ),
+    ] = None,
 ) -> None:
     """Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log."""
 

@@ -5,19 +5,25 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Annotated, Final, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, ValidationError, field_serializer
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_serializer, model_validator
 
 from waypointctl.errors import InputError
 from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec, StartSpec
 from waypointctl.evaluation.paper import Training
 from waypointctl.evaluation.paths import RandomPaths
 from waypointctl.evaluation.wilson import wilson_interval
+from waypointctl.input_file import RECORD_FILE, read_input
 
 EVALUATION: Final = "evaluation.json"  # its name in a policy's folder: what the paper's suite found
 
-Point: TypeAlias = tuple[float, float]
+Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
+Count: TypeAlias = Annotated[int, Field(ge=0)]
+Several: TypeAlias = Annotated[int, Field(gt=0)]
+Rate: TypeAlias = Annotated[float, Field(ge=0, le=1)]
+Name: TypeAlias = Annotated[str, Field(max_length=255)]
+Point: TypeAlias = tuple[Number, Number]
 
 
 class _Record(BaseModel):
@@ -30,25 +36,31 @@ class CaseResult(_Record):
     What an evaluation of an earlier version did not measure is None.
     """
 
-    name: str
+    name: Name
     waypoints: tuple[Point, ...]  # [m]; none where they were drawn
-    trials: int
-    successes: int  # all waypoints reached in time, and the last one held where that was asked for
-    rate: float
-    wilson95: tuple[float, float]
-    falls: int
-    timeouts: int
-    mean_time_s: float | None  # from the start to the last waypoint, of the successes; None if there are none
-    spl: float  # success weighted by path length, mean over all trials
-    paper: float | None  # the published rate, where there is one
-    orbiting: int | None = None  # of the time-outs, those that ended walking round their waypoint
-    stuck: int | None = None  # of the time-outs, those that ended walking nowhere; the others were just late
-    strayed: int | None = None  # reached the last waypoint, but did not stay there: neither fall nor time-out
-    legs: int | None = None  # legs that were set out on
-    legs_reached: int | None = None  # of those, the ones whose waypoint was reached
-    mean_leg_time_s: float | None = None  # of the legs that were reached, in all trials
-    mean_speed_mps: float | None = None  # of the successes: all metres walked to the last waypoint by all seconds
+    trials: Several
+    successes: Count  # all waypoints reached in time, and the last one held where that was asked for
+    rate: Rate
+    wilson95: tuple[Rate, Rate]
+    falls: Count
+    timeouts: Count
+    mean_time_s: Number | None  # from the start to the last waypoint, of the successes; None if there are none
+    spl: Number  # success weighted by path length, mean over all trials
+    paper: Rate | None  # the published rate, where there is one
+    orbiting: Count | None = None  # of the time-outs, those that ended walking round their waypoint
+    stuck: Count | None = None  # of the time-outs, those that ended walking nowhere; the others were just late
+    strayed: Count | None = None  # reached the last waypoint, but did not stay there: neither fall nor time-out
+    legs: Several | None = None  # legs that were set out on
+    legs_reached: Count | None = None  # of those, the ones whose waypoint was reached
+    mean_leg_time_s: Number | None = None  # of the legs that were reached, in all trials
+    mean_speed_mps: Number | None = None  # of the successes: all metres walked to the last waypoint by all seconds
     course: RandomPaths | None = None  # how the paths were drawn; None where they were given
+
+    @model_validator(mode="after")
+    def _counts_agree(self) -> CaseResult:
+        if self.successes > self.trials:
+            raise ValueError(f"{self.successes} successes are more than the {self.trials} trials")
+        return self
 
     @field_serializer("course")
     def _as_the_suite_has_it(self, course: RandomPaths | None) -> dict[str, object] | None:
@@ -65,10 +77,10 @@ class CaseResult(_Record):
 class Evaluation(_Record):
     """How a policy did in a suite."""
 
-    policy: str
-    suite: str
+    policy: Name
+    suite: Name
     seed: int
-    cases: tuple[CaseResult, ...]
+    cases: Annotated[tuple[CaseResult, ...], Field(min_length=1)]
     acceptance: AcceptanceSpec
     deadline: DeadlineSpec
     policy_sha256: str
@@ -124,10 +136,11 @@ def read_evaluation(path: Path) -> Evaluation:
         InputError: the file cannot be read or is not an evaluation.
     """
     mend = "write it again with `waypointctl eval POLICY --save`"
+    content = read_input(path, RECORD_FILE, within=path.parent, mend=mend)
     try:
-        return Evaluation.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path), mend=mend) from error
+        return Evaluation.model_validate_json(content)
     except ValidationError as error:
-        problem = f"not an evaluation: {error.errors(include_url=False)[0]['msg']}"
+        fault = error.errors(include_url=False)[0]
+        place = ".".join(str(part) for part in fault["loc"])
+        problem = f"not an evaluation: {place}{': ' if place else ''}{fault['msg']}"
         raise InputError(problem, where=str(path), mend=mend) from error

@@ -12,6 +12,7 @@ from waypointctl.errors import InputError, OutputError, SuiteError
 from waypointctl.evaluation.conditions import AcceptanceSpec
 from waypointctl.evaluation.result import EVALUATION, Evaluation, evaluations_json, read_evaluation
 from waypointctl.evaluation.suite import BUILT_IN, Suite, load_suite
+from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.mission.checks import file_name
 from waypointctl.paths import write_whole
 
@@ -99,12 +100,8 @@ def refuse_other_files(path: Path) -> None:
     Raises:
         OutputError: it is something else.
     """
-    try:
-        if not path.is_file() or is_evaluations(path.read_bytes()):
-            return
-    except OSError as error:
-        problem = f"cannot be read, to see whether it is an evaluation: {error.strerror}"
-        raise OutputError(problem, where=str(path), mend="name another file") from error
+    if not path.is_file() or is_evaluations(read_input(path, RECORD_FILE, OutputError, mend="name another file")):
+        return
     raise OutputError(
         "is there already and is not an evaluation", where=str(path), mend="--force replaces it; or name another file"
     )

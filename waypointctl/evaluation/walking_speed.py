@@ -7,6 +7,8 @@ from typing import Final
 
 from pydantic import BaseModel, Field
 
+from waypointctl.errors import InputError
+from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.ops.forecast.forecast import WalkingSpeed
 
 _FILES: Final = ("evaluation-region.json", "evaluation.json")  # the first that tells goes first
@@ -35,8 +37,8 @@ def walking_speed(policy: Path) -> WalkingSpeed:
     """
     for name in _FILES:
         try:
-            evaluation = _Evaluation.model_validate_json((policy / name).read_bytes())
-        except (OSError, ValueError):  # not there, or none; a path can be one that cannot be
+            evaluation = _Evaluation.model_validate_json(read_input(policy / name, RECORD_FILE, within=policy))
+        except (InputError, ValueError):  # not there, or none
             continue
         if (mps := _mean_mps(evaluation.cases)) is not None:
             return WalkingSpeed(mps, f"the mean of {evaluation.policy} in the suite {evaluation.suite}")

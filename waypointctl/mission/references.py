@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from waypointctl.errors import MissionError
+from waypointctl.input_file import NOT_THERE
 from waypointctl.mission.contact_plan import ANY_MOMENT, Passage, is_moment, read_contact_plan
 from waypointctl.mission.jitter_file import read_jitter
 from waypointctl.mission.link import Way
@@ -26,7 +27,7 @@ _PLAN: Final = ("contact_plan", "file")
 
 def beside(path: Path) -> ReadFile:
     """Return what reads the files that the mission at `path` refers to."""
-    return lambda name: read_source(path.parent / name, MissionError)
+    return lambda name: read_source(path.parent / name, MissionError, within=path.parent)
 
 
 def among(files: Mapping[str, bytes]) -> ReadFile:
@@ -34,7 +35,7 @@ def among(files: Mapping[str, bytes]) -> ReadFile:
 
     def read(name: str) -> bytes:
         if name not in files:
-            raise MissionError("there is no such file", where=name)
+            raise MissionError(NOT_THERE, where=name)
         return files[name]
 
     return read
@@ -75,7 +76,7 @@ def examine_mission(source: bytes, where: str, read: ReadFile) -> Reading[Missio
 
 
 def _as_predicate(problem: str) -> str:
-    return "is not there" if problem == "there is no such file" else problem
+    return "is not there" if problem == NOT_THERE else problem
 
 
 def _references(tree: Tree) -> Iterator[tuple[DataPath, str]]:

@@ -14,6 +14,7 @@ from typing import Generic, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from waypointctl.errors import InputError
+from waypointctl.input_file import open_input, read_input
 from waypointctl.mission.problems import Problem, duplicate_problems, problems_of
 from waypointctl.mission.yaml_tree import MAX_BYTES, Tree, YamlFault, read_tree
 from waypointctl.paths import MCAP, command_for_log
@@ -29,26 +30,21 @@ class Reading(Generic[M]):
     problems: tuple[Problem, ...]
 
 
-def read_source(path: Path, error: type[InputError]) -> bytes:
+def read_source(path: Path, error: type[InputError], *, within: Path | None = None) -> bytes:
     """Return the bytes of the file at `path`.
 
+    Args:
+        path: of the file.
+        error: the type of what is raised.
+        within: the folder that a link must not lead out of; None where the user named the file.
+
     Raises:
-        InputError: of the type `error`: there is no such file, or it is a folder, unreadable, too large or a log.
+        InputError: of the type `error`: it is not there, is no regular file, lies elsewhere, is too large or a log.
     """
-    try:
-        with path.open("rb") as file:
-            source = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise error("there is no such file", where=str(path)) from None
-    except IsADirectoryError:
-        raise error("is a folder, not a file", where=str(path)) from None
-    except (OSError, ValueError) as reason:
-        raise error(f"cannot be read: {getattr(reason, 'strerror', None) or reason}", where=str(path)) from reason
-    if source.startswith(MCAP):
-        raise error(command_for_log(str(path)), where=str(path))
-    if len(source) > MAX_BYTES:
-        raise error(f"has more than {MAX_BYTES} bytes", where=str(path))
-    return source
+    with open_input(path, error, within=within) as file:
+        if file.read(len(MCAP)) == MCAP:
+            raise error(command_for_log(str(path)), where=str(path))
+    return read_input(path, MAX_BYTES, error, within=within)
 
 
 def read_model(source: bytes, where: str, model: type[M], error: type[InputError]) -> M:

@@ -17,12 +17,16 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from waypointctl.errors import PolicyError
+from waypointctl.input_file import NOT_THERE, read_input
+from waypointctl.limits import limit, limit_hint
 from waypointctl.paths import folder_fault
 from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
 from waypointctl.policy.nearby import POLICIES_MEND, policies_near
 from waypointctl.policy.network import Network
 
 FILES: Final = (MANIFEST, NETWORK, WEIGHTS)
+LARGEST_MANIFEST: Final = 2**20  # [bytes]
+_FILE_LIMIT: Final = "policy-file"
 _COPY_AGAIN: Final = "copy the whole folder again, or train the policy again"
 
 
@@ -73,11 +77,10 @@ def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
     files = {}
     for name in FILES:
         try:
-            files[name] = (folder / name).read_bytes()
-        except FileNotFoundError:
-            continue  # load_policy_bytes says which file is missing
-        except OSError as error:
-            raise PolicyError(f"cannot be read: {error.strerror}", where=str(folder / name)) from error
+            files[name] = _read(folder, name)
+        except PolicyError as error:
+            if error.problem != NOT_THERE:  # load_policy_bytes says which file is missing
+                raise
     if not files:
         raise PolicyError(_missing(FILES), where=str(folder), mend=policies_near(folder))
     return load_policy_bytes(files, str(folder), threads=threads)
@@ -102,6 +105,13 @@ def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 
     network = Network(own[NETWORK], f"{where}/{NETWORK}", threads)
     _refuse_other_sizes(manifest, network, where)
     return LoadedPolicy(manifest, own, hashlib.sha256(own[MANIFEST]).hexdigest(), network)
+
+
+def _read(folder: Path, name: str) -> bytes:
+    if name == MANIFEST:
+        return read_input(folder / name, LARGEST_MANIFEST, PolicyError, within=folder)
+    most = limit(_FILE_LIMIT)
+    return read_input(folder / name, most, PolicyError, within=folder, mend=limit_hint(_FILE_LIMIT))
 
 
 def _manifest(text: bytes, where: str) -> Manifest:

@@ -9,6 +9,7 @@ from typing import Final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import InputError
+from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.mission.files import MissionFile
 from waypointctl.study.autonomy import JOINT, MISSION
 from waypointctl.study.case import FINE_RTTS_S, Case, grid
@@ -124,10 +125,9 @@ def read_study(path: Path) -> DelayStudy:
         InputError: the file cannot be read or is no such thing.
     """
     mend = "make it again with `waypointctl study delay`"
+    content = read_input(path, RECORD_FILE, mend=mend)
     try:
-        return DelayStudy.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path), mend=mend) from error
+        return DelayStudy.model_validate_json(content)
     except ValidationError as error:
         problem = f"not a delay study: {error.errors(include_url=False)[0]['msg']}"
         raise InputError(problem, where=str(path), mend=mend) from error

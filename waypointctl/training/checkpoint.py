@@ -15,6 +15,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from waypointctl.errors import OutputError, RecipeError
+from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.policy.manifest import StartRecord
 from waypointctl.training.export import export_policy
 from waypointctl.training.learner import Learner
@@ -26,6 +27,7 @@ from waypointctl.training.snapshot import LearnerFacts, Snapshot, restore, take
 ARRAYS: Final = "training.safetensors"
 FACTS: Final = "training.json"
 
+_LARGEST: Final = 2**30  # [bytes] of the networks and the state of the optimiser and the robots
 _REMOVE: Final = "Remove the folder to go on from the checkpoint before it."
 
 
@@ -144,12 +146,12 @@ def _sha256(facts: Facts, arrays: bytes) -> str:
 
 def _read(folder: Path) -> tuple[Facts, bytes]:
     try:
-        content = json.loads((folder / FACTS).read_bytes())
-        arrays = (folder / ARRAYS).read_bytes()
+        content = json.loads(read_input(folder / FACTS, RECORD_FILE, RecipeError, within=folder))
+        arrays = read_input(folder / ARRAYS, _LARGEST, RecipeError, within=folder)
         facts = Facts.model_validate(content["facts"])
         expected = content["sha256"]
-    except OSError as error:
-        problem = f"the checkpoint cannot be read: {error.strerror}: {Path(str(error.filename)).name}"
+    except RecipeError as error:
+        problem = f"the checkpoint cannot be read: {Path(str(error.where)).name}: {error.problem}"
         raise RecipeError(problem, where=str(folder), mend=_REMOVE) from error
     except (KeyError, TypeError, ValueError, RecursionError) as error:
         problem = f"the checkpoint is damaged: {FACTS} is not what it was"

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from waypointctl.errors import OutputError, RecipeError
+from waypointctl.input_file import read_input
 from waypointctl.paths import write_whole
 from waypointctl.training.checkpoint import begun_as, load_checkpoint, save_checkpoint
 from waypointctl.training.learner import Learner
@@ -22,6 +23,7 @@ from waypointctl.training.selection import SELECTION
 from waypointctl.training.testing import SUITE
 
 # What two recipes may differ in without training otherwise.
+_LARGEST: Final = 2**26  # [bytes]
 _FREE: Final = ("name", "description", "phases", "checkpoint_steps", "evaluation")
 
 
@@ -47,7 +49,8 @@ def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -
         run.mkdir(parents=True, exist_ok=True)
         for name in (PROGRESS, SELECTION, SUITE):  # resuming leaves out what is later than the last checkpoint
             if (source / name).exists():
-                write_whole(run / name, (source / name).read_bytes(), "what the run has found")
+                found = read_input(source / name, _LARGEST, RecipeError, within=source)
+                write_whole(run / name, found, "what the run has found")
         write_whole(run / RECIPE, recipe_file.source, "the recipe")
     except OSError as error:
         raise OutputError(f"cannot be written: {error.strerror}", where=str(run)) from error

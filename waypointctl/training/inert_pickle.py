@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import pickle
+import pickletools
 import re
 from typing import Any, Final, TypeAlias
 
@@ -11,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray: TypeAlias = NDArray[np.float64]
+
+MOST_OPERATIONS: Final = 200_000  # of a pickle; a policy's tensors and a VecNormalize take some thousand
 
 _PLAIN_NUMBER: Final = re.compile(r"[fiu][1248]")
 _BYTE_ORDERS: Final = ("<", ">", "|", "=")
@@ -56,22 +59,56 @@ class Inert:
         """Drop a value."""
 
 
+class _Items(dict[Any, Any]):
+    """An OrderedDict, without what is set on it beside its items."""
+
+    def __setstate__(self, state: Any) -> None:
+        """Drop the state."""
+
+
 class _Reader(pickle.Unpickler):
-    def find_class(self, module: str, name: str, /) -> type[Inert]:
+    def find_class(self, module: str, name: str, /) -> type[Inert] | type[_Items]:
         # The one gate to code: whatever is asked for, no module is imported.
+        if (module, name) == ("collections", "OrderedDict"):
+            return _Items
         return type(name, (Inert,), {"origin": f"{module}.{name}"})
+
+    def persistent_load(self, pid: Any, /) -> Inert:
+        return Inert(*pid) if isinstance(pid, tuple) else Inert(pid)
 
 
 def read_inert(pickled: bytes) -> Any:
     """Return what a pickle describes: numbers, text, lists and dicts as they are, all else as `Inert`.
 
     Raises:
-        ValueError: it is not a pickle.
+        ValueError: it is not a pickle, or does more than `MOST_OPERATIONS`.
     """
     try:
+        _refuse_excess(pickled)
         return _Reader(io.BytesIO(pickled)).load()
     except Exception as error:  # unpickling garbage raises whatever the garbage happens to say
         raise ValueError(f"it is not a pickle: {str(error) or type(error).__name__}") from error
+
+
+def origin_of(value: object) -> str:
+    """Return "module.name" of what a pickle names, or of what it would make; nothing for plain values."""
+    if isinstance(value, Inert):
+        return value.origin
+    return value.origin if isinstance(value, type) and issubclass(value, Inert) else ""
+
+
+def _refuse_excess(pickled: bytes) -> None:
+    """Refuse a pickle that would take much more memory than it has bytes, before anything is made.
+
+    Raises:
+        ValueError: it does.
+    """
+    for count, (operation, argument, _) in enumerate(pickletools.genops(pickled)):
+        if count > MOST_OPERATIONS:
+            raise ValueError(f"it does more than {MOST_OPERATIONS:,} operations")
+        # The unpickler makes a table as long as the largest number that something is remembered under.
+        if operation.name.endswith("PUT") and not (isinstance(argument, int) and 0 <= argument <= MOST_OPERATIONS):
+            raise ValueError(f"it remembers something as number {argument}")
 
 
 def array_of(value: object) -> FloatArray:

@@ -10,10 +10,12 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from waypointctl.errors import InputError, OutputError
+from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.paths import write_whole
 
 PROGRESS: Final = "progress.csv"
 
+_LARGEST: Final = 2**26  # [bytes]
 _MEND: Final = (
     "Put the file back as it was; or, of a training that is to go on, remove it: it is begun again from there."
 )
@@ -100,10 +102,12 @@ def read_progress(run: Path) -> list[ProgressRow]:
     """
     path = run / PROGRESS
     try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
+        text = read_input(path, _LARGEST, within=run).decode()
+    except InputError as error:
+        if error.problem != NOT_THERE:
+            raise
         return []
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise InputError(f"cannot be read: {error}", where=str(path)) from error
     whole = text[: text.rfind("\n") + 1]
     try:

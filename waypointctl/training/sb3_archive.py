@@ -1,6 +1,6 @@
 """Reading a model that stable-baselines3 saved, without executing any of it.
 
-Its .zip holds the networks (policy.pth, tensors that torch reads with weights_only) and the settings (data, JSON).
+Its .zip holds the networks (policy.pth, what torch.save() wrote of the tensors) and the settings (data, JSON).
 What JSON cannot hold is pickled in there, base64 under ":serialized:", with a readable description beside it
 (stable_baselines3/common/save_util.py). Here the descriptions are read and the pickles are left alone.
 """
@@ -8,21 +8,22 @@ What JSON cannot hold is pickled in there, base64 under ":serialized:", with a r
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import re
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, cast
-
-import torch
+from typing import Any, Final
 
 from waypointctl.errors import PolicyError
+from waypointctl.input_file import read_input
+from waypointctl.limits import limit, limit_hint
+from waypointctl.training.bounded_zip import opened_zip, read_part
+from waypointctl.training.sb3_tensors import Array, read_tensors
 
-LARGEST: Final = 512 * 2**20  # [bytes] of a file, and of what a part of it unpacks to
+LIMIT: Final = "sb3-archive"  # its name: of a file, and of what it unpacks to
 
+_MOST_SETTINGS: Final = 2**24  # [bytes] of the JSON
 _DATA: Final = "data"
 _TENSORS: Final = "policy.pth"
 _VERSION: Final = "_stable_baselines3_version"
@@ -38,14 +39,14 @@ class Sb3Archive:
         sha256: of its bytes.
         version: of the stable-baselines3 that wrote it.
         settings: of the algorithm, by name; what was pickled is its readable description.
-        tensors: of the networks, by name, on the CPU.
+        tensors: of the networks, by name.
     """
 
     path: Path
     sha256: str
     version: str
     settings: Mapping[str, Any]
-    tensors: Mapping[str, torch.Tensor]
+    tensors: Mapping[str, Array]
 
     @property
     def policy_class(self) -> str:
@@ -75,17 +76,9 @@ def read_limited(path: Path) -> bytes:
     """Return a file's bytes.
 
     Raises:
-        PolicyError: it cannot be read, or is larger than `LARGEST`.
+        PolicyError: it cannot be read, or is larger than the limit.
     """
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
-    except (OSError, ValueError) as error:
-        problem = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise PolicyError(problem, where=str(path)) from error
-    if len(content) > LARGEST:
-        raise PolicyError(f"larger than the {LARGEST >> 20} MiB that are read", where=str(path))
-    return content
+    return read_input(path, limit(LIMIT), PolicyError, mend=limit_hint(LIMIT))
 
 
 def read_archive(path: Path) -> Sb3Archive:
@@ -96,30 +89,20 @@ def read_archive(path: Path) -> Sb3Archive:
     """
     content = read_limited(path)
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            parts = {name: _part(archive, name, str(path)) for name in (_DATA, _TENSORS)}
-            version = _part(archive, _VERSION, str(path)) if _VERSION in archive.namelist() else b"unknown"
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, OSError, EOFError, ValueError) as error:
-        raise PolicyError(f"not a .zip that can be read: {error}", where=str(path), mend=_MEND) from error
+        with opened_zip(content) as archive:
+            settings = read_part(archive, _DATA, _MOST_SETTINGS)
+            tensors = read_part(archive, _TENSORS, limit(LIMIT))
+            version = read_part(archive, _VERSION, 1000) if _VERSION in archive.namelist() else b"unknown"
+    except ValueError as error:
+        mend = f"{_MEND} Its parts {_DATA} and {_TENSORS} are read, up to a limit (docs/limits.md)."
+        raise PolicyError(str(error), where=str(path), mend=mend) from error
     return Sb3Archive(
         path,
         hashlib.sha256(content).hexdigest(),
         version.decode(errors="replace").strip()[:40] or "unknown",
-        _settings(parts[_DATA], f"{path}/{_DATA}"),
-        _tensors(parts[_TENSORS], f"{path}/{_TENSORS}"),
+        _settings(settings, f"{path}/{_DATA}"),
+        _tensors(tensors, f"{path}/{_TENSORS}"),
     )
-
-
-def _part(archive: zipfile.ZipFile, name: str, where: str) -> bytes:
-    if name not in archive.namelist():
-        problem = f"no {name} in it; a model of stable-baselines3 has {_DATA} and {_TENSORS}"
-        raise PolicyError(problem, where=where, mend=_MEND)
-    # The size that the .zip declares is only a claim: read no more than the limit, whatever it says.
-    with archive.open(name) as part:
-        content = part.read(LARGEST + 1)
-    if len(content) > LARGEST:
-        raise PolicyError(f"{name} unpacks to more than the {LARGEST >> 20} MiB that are read", where=where)
-    return content
 
 
 def _settings(content: bytes, where: str) -> dict[str, Any]:
@@ -132,21 +115,8 @@ def _settings(content: bytes, where: str) -> dict[str, Any]:
     return settings
 
 
-def _tensors(content: bytes, where: str) -> dict[str, torch.Tensor]:
+def _tensors(content: bytes, where: str) -> dict[str, Array]:
     try:
-        loaded = torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
-    except Exception as error:  # torch and its pickle reader raise many kinds
-        reason = next((line.strip() for line in str(error).splitlines() if "Unsupported" in line), "")
-        problem = f"it is not tensors alone, and nothing of it was executed. {reason}".rstrip(". ")
-        raise PolicyError(problem, where=where, mend=_MEND) from error
-    if not isinstance(loaded, dict) or not all(
-        isinstance(name, str) and isinstance(value, torch.Tensor) for name, value in loaded.items()
-    ):
-        raise PolicyError("not tensors by name", where=where, mend=_MEND)
-    if fault := next((name for name, value in loaded.items() if not _finite(value)), None):
-        raise PolicyError(f"{fault} is not an array of finite numbers", where=where, mend="The training diverged.")
-    return cast("dict[str, torch.Tensor]", loaded)
-
-
-def _finite(tensor: torch.Tensor) -> bool:
-    return tensor.layout is torch.strided and tensor.is_floating_point() and bool(torch.isfinite(tensor).all())
+        return read_tensors(content, limit(LIMIT))
+    except ValueError as error:
+        raise PolicyError(f"{error}; nothing of it was executed", where=where, mend=_MEND) from error

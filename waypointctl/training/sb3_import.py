@@ -92,7 +92,7 @@ def import_sb3(
     description = _description(archive, network, normaliser, seen, body, out)
     files = bundle_files(description, onnx, save(_weights(archive, normaliser)))
     policy = load_policy_bytes(files, str(out))
-    difference = _difference(policy, network, normaliser)
+    difference = _difference(policy, network, normaliser, str(model))
     if not difference <= TOLERANCE:
         problem = f"the exported network's actions differ from stable-baselines3's by {difference:.2g}"
         raise PolicyError(problem, where=str(model), mend="Nothing was written; please report it with the model.")
@@ -100,19 +100,24 @@ def import_sb3(
     return Imported(policy, archive, network, normaliser, difference)
 
 
-def _difference(policy: LoadedPolicy, network: Sb3Network, normaliser: Normaliser) -> float:
+def _difference(policy: LoadedPolicy, network: Sb3Network, normaliser: Normaliser, where: str) -> float:
     """Return the largest difference between the bundle's clipped actions and stable-baselines3's predict()."""
     rng = stream(0, "sb3-import")
     spread = 3.0 * np.sqrt(normaliser.variance + normaliser.epsilon)
     drawn = normaliser.mean + spread * rng.standard_normal((CHECKED, normaliser.mean.size))
     observation = drawn.astype(np.float32).astype(np.float64)
-    expected, _ = network.policy.predict(normaliser.apply(observation).astype(np.float32), deterministic=True)
-    return float(np.abs(np.clip(policy.act(observation), -1.0, 1.0) - expected).max())
+    found = np.clip(policy.act(observation), -1.0, 1.0)
+    try:
+        expected, _ = network.policy.predict(normaliser.apply(observation).astype(np.float32), deterministic=True)
+    except ValueError as error:  # a spread of actions, log_std, that none can be drawn with
+        reason = next(iter(str(error).splitlines()), "")
+        raise PolicyError(f"stable-baselines3 itself cannot act with it: {reason}", where=where) from error
+    return float(np.abs(found - expected).max())
 
 
 def _weights(archive: Sb3Archive, normaliser: Normaliser) -> dict[str, NDArray[np.generic]]:
     """Return the arrays of weights.safetensors, named as those of a policy trained here."""
-    tensors = {name: np.ascontiguousarray(tensor.numpy()) for name, tensor in archive.tensors.items()}
+    tensors = dict(archive.tensors)
     return tensors | {
         "normaliser.mean": normaliser.mean,
         "normaliser.var": normaliser.variance,
@@ -126,7 +131,7 @@ def _description(
     names, units, scales = zip(*seen.components, strict=True)
     normalised = f", with a VecNormalize file of SHA-256 {normaliser.sha256}" if normaliser.sha256 else ""
     return PolicyDescription(
-        name=out.resolve().name,
+        name=_text(out.resolve().name),
         robot=body.name,
         control_period_ns=body.control_period_ns,
         observation=ObservationSpec(layout=seen.name, size=seen.size, names=names, units=units, scales=scales),
@@ -135,7 +140,7 @@ def _description(
         reward={},  # a .zip does not say what was paid; a flight pays the defaults
         training=TrainingRecord(
             algorithm=f"{network.algorithm} (stable-baselines3, imported)",
-            recipe=f"imported from {archive.path.name}{normalised}",
+            recipe=f"imported from {_text(archive.path.name)}{normalised}",
             recipe_sha256=archive.sha256,
             seed=archive.count("seed"),
             steps=archive.count("num_timesteps"),
@@ -143,6 +148,11 @@ def _description(
             versions={"waypointctl": version("waypointctl"), "stable-baselines3": archive.version},
         ),
     )
+
+
+def _text(name: str) -> str:
+    """Return a file's name as text that JSON can hold: a name can have bytes that are no text."""
+    return name.encode(errors="replace").decode()
 
 
 def _refuse_replacing(out: Path, force: bool) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Final, cast
 
 import numpy as np
@@ -19,6 +20,7 @@ from waypointctl.errors import PolicyError
 from waypointctl.training.learner import ACTIVATIONS
 from waypointctl.training.onnx_export import Activation, Layer
 from waypointctl.training.sb3_archive import Sb3Archive
+from waypointctl.training.sb3_tensors import Array
 
 ACTOR_CRITIC: Final = "stable_baselines3.common.policies.ActorCriticPolicy"
 SAC: Final = "stable_baselines3.sac.policies.SACPolicy"
@@ -26,6 +28,11 @@ TD3: Final = "stable_baselines3.td3.policies.TD3Policy"
 
 # A setting that only this algorithm has. The .zip does not name the algorithm.
 _SIGNS: Final = (("clip_range", "PPO"), ("cg_max_steps", "TRPO"), ("target_entropy", "SAC"), ("policy_delay", "TD3"))
+_ACTORS: Final = {  # the parts of the network that an observation passes on its way to an action
+    ACTOR_CRITIC: ("mlp_extractor.policy_net", "action_net"),
+    SAC: ("actor.latent_pi", "actor.mu"),
+    TD3: ("actor.mu",),
+}
 _KINDS: Final = {ACTOR_CRITIC: "the MlpPolicy of PPO and A2C", SAC: "of SAC", TD3: "of TD3"}
 
 
@@ -65,14 +72,12 @@ def build_network(archive: Sb3Archive, inputs: int, outputs: int) -> Sb3Network:
     _refuse_other_kind(archive, where)
     _refuse_other_actions(archive, where)
     activation = _activation(archive, where)
-    policy, heads = _policy(archive, activation, inputs, outputs, where)
+    _refuse_unconnected(archive, inputs, outputs, where)
     try:
-        policy.load_state_dict(dict(archive.tensors))
-    except RuntimeError as error:
-        problem = f"its network is no plain multilayer perceptron: {_first_fault(error)}"
-        raise PolicyError(
-            problem, where=where, mend="Only stable-baselines3's own MlpPolicy can be imported."
-        ) from error
+        policy, heads = _policy(archive, activation, inputs, outputs)
+        policy.load_state_dict({name: torch.from_numpy(array) for name, array in archive.tensors.items()})
+    except Exception as error:  # stable-baselines3 and torch raise many kinds for settings that do not fit together
+        raise _no_perceptron(_first_fault(error), where) from error
     policy.set_training_mode(False)
     linear = [module for head in heads for module in head.modules() if isinstance(module, nn.Linear)]
     layers = tuple((layer.weight.detach().numpy(), layer.bias.detach().numpy()) for layer in linear)
@@ -80,21 +85,15 @@ def build_network(archive: Sb3Archive, inputs: int, outputs: int) -> Sb3Network:
 
 
 def _policy(
-    archive: Sb3Archive, activation: Activation, inputs: int, outputs: int, where: str
+    archive: Sb3Archive, activation: Activation, inputs: int, outputs: int
 ) -> tuple[BasePolicy, list[nn.Module]]:
     """Return a fresh policy and what observations pass on their way to an action."""
     tensors, given = archive.tensors, archive.policy_kwargs
     kind = archive.policy_class
-    actor, last = {
-        ACTOR_CRITIC: ("mlp_extractor.policy_net", "action_net"),
-        SAC: ("actor.latent_pi", "actor.mu"),
-        TD3: ("actor.mu", ""),
-    }[kind]
-    sizes = _sizes(tensors, actor) + (_sizes(tensors, last) if last else [])
-    _refuse_other_sizes(tensors, actor if _sizes(tensors, actor) else last, sizes, (inputs, outputs), where)
     observations = spaces.Box(-np.inf, np.inf, (inputs,), np.float32)
     actions = spaces.Box(-1.0, 1.0, (outputs,), np.float32)
-    hidden, function = sizes[:-1], ACTIVATIONS[activation]
+    hidden = [size for part in _ACTORS[kind] for size in _sizes(tensors, part)][:-1]
+    function = ACTIVATIONS[activation]
     if kind == ACTOR_CRITIC:
         flags = {name: given[name] for name in ("full_std", "use_expln", "squash_output") if name in given}
         on_policy = ActorCriticPolicy(
@@ -107,7 +106,7 @@ def _policy(
             **flags,
         )
         return on_policy, [on_policy.mlp_extractor.policy_net, on_policy.action_net]
-    critics = {name.split(".")[1] for name in tensors if name.startswith("critic.qf")}
+    critics = _critics(tensors)
     off_policy = (SACPolicy if kind == SAC else TD3Policy)(
         observations,
         actions,
@@ -120,11 +119,20 @@ def _policy(
     return off_policy, [off_policy.actor.get_submodule(part) for part in parts]
 
 
-def _sizes(tensors: Mapping[str, torch.Tensor], name: str) -> list[int]:
-    """Return the outputs of each linear layer of a part of the network: "name.0.weight", ..., or "name.weight"."""
-    pattern = re.compile(rf"{re.escape(name)}(?:\.(\d+))?\.weight")
+def _sizes(tensors: Mapping[str, Array], name: str) -> list[int]:
+    """Return the outputs of each linear layer of a part of the network."""
+    return [weight.shape[0] for weight in _weights(tensors, name)]
+
+
+def _weights(tensors: Mapping[str, Array], name: str) -> list[Array]:
+    """Return the weights of each linear layer of a part of the network: "name.0.weight", ..., or "name.weight"."""
+    pattern = re.compile(rf"{re.escape(name)}(?:\.([0-9]{{1,9}}))?\.weight")
     found = [(int(match[1] or 0), tensor) for key, tensor in tensors.items() if (match := pattern.fullmatch(key))]
-    return [tensor.shape[0] for _, tensor in sorted(found, key=lambda each: each[0]) if tensor.ndim == 2]
+    return [tensor for _, tensor in sorted(found, key=lambda each: each[0]) if tensor.ndim == 2]
+
+
+def _critics(tensors: Mapping[str, Array]) -> set[str]:
+    return {name.split(".")[1] for name in tensors if name.startswith("critic.qf")}
 
 
 def _squashes(archive: Sb3Archive) -> bool:
@@ -173,21 +181,36 @@ def _refuse_other_actions(archive: Sb3Archive, where: str) -> None:
             raise PolicyError(problem, where=where, mend="Train it again with actions in [-1, 1].")
 
 
-def _refuse_other_sizes(
-    tensors: Mapping[str, torch.Tensor], first: str, sizes: list[int], expected: tuple[int, int], where: str
-) -> None:
-    weight = next((tensors[f"{first}{i}.weight"] for i in (".0", "") if f"{first}{i}.weight" in tensors), None)
-    if weight is None or weight.ndim != 2 or not sizes:
-        raise PolicyError("its network is no plain multilayer perceptron: it has no layers to act with", where=where)
-    found = (weight.shape[1], sizes[-1])
-    if found != expected:
+def _refuse_unconnected(archive: Sb3Archive, inputs: int, outputs: int, where: str) -> None:
+    """Refuse layers that do not fit each other, before a policy is made with room for all that they could be."""
+    tensors, kind = archive.tensors, archive.policy_class
+    actor = [weight for part in _ACTORS[kind] for weight in _weights(tensors, part)]
+    if not actor:
+        raise _no_perceptron("it has no layers to act with", where)
+    found = (actor[0].shape[1], actor[-1].shape[0])
+    if found != (inputs, outputs):
         problem = (
-            f"its network maps {found[0]} observations to {found[1]} actions, not {expected[0]} to {expected[1]} as "
-            "the robot and the observation layout that were named have them"
+            f"its network maps {found[0]} observations to {found[1]} actions, not {inputs} to {outputs} as the robot "
+            "and the observation layout that were named have them"
         )
         raise PolicyError(problem, where=where, mend="Name what it was trained on: --observation, --robot.")
+    critics = [_weights(tensors, f"critic.{name}") for name in _critics(tensors)]
+    if len({tuple(weight.shape for weight in critic) for critic in critics}) > 1:
+        raise _no_perceptron("its critics are not of one size", where)
+    for weights in (actor, _weights(tensors, "mlp_extractor.value_net"), *critics):
+        for before, after in pairwise(weights):
+            if after.shape[1] != before.shape[0] or not after.size:
+                problem = (
+                    f"size mismatch: a layer of {before.shape[0]} outputs goes before one of {after.shape[1]} inputs"
+                )
+                raise _no_perceptron(problem, where)
 
 
-def _first_fault(error: RuntimeError) -> str:
-    lines = [line.strip() for line in str(error).splitlines()]
+def _no_perceptron(reason: str, where: str) -> PolicyError:
+    problem = f"its network is no plain multilayer perceptron: {reason}"
+    return PolicyError(problem, where=where, mend="Only stable-baselines3's own MlpPolicy can be imported.")
+
+
+def _first_fault(error: Exception) -> str:
+    lines = [line.strip() for line in str(error).splitlines()] or [type(error).__name__]
     return next((line.rstrip(". ") for line in lines[1:] if line), lines[0])

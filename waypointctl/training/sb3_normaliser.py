@@ -17,6 +17,7 @@ from waypointctl.training.sb3_archive import read_limited
 FloatArray = NDArray[np.float64]
 
 _STATISTICS: Final = "RunningMeanStd"
+_LARGEST: Final = 1e38  # what the exported network computes in goes little beyond
 _MEND: Final = "Give the file that VecNormalize.save() wrote beside the model."
 
 
@@ -60,7 +61,7 @@ def read_normaliser(path: Path, size: int) -> Normaliser:
     content = read_limited(path)
     try:
         normaliser = _normaliser(read_inert(content), hashlib.sha256(content).hexdigest(), size)
-    except ValueError as error:
+    except (ValueError, TypeError, OverflowError) as error:  # the latter: an array or an endless number for a number
         raise PolicyError(f"not a file of VecNormalize: {error}", where=str(path), mend=_MEND) from error
     if normaliser.mean.shape != (size,):
         problem = f"it normalises observations of shape {normaliser.mean.shape}; the model takes {size} numbers"
@@ -84,7 +85,14 @@ def _normaliser(saved: object, sha256: str, size: int) -> Normaliser:
     count, clip, epsilon = (
         float(array_of(value)) for value in (held.get("count"), state.get("clip_obs"), state.get("epsilon"))
     )
-    finite = np.isfinite(mean).all() and np.isfinite(variance).all() and np.isfinite([count, epsilon]).all()
-    if not (finite and variance.shape == mean.shape and (variance >= 0).all() and clip > 0 and epsilon > 0):
+    held_by_float32 = all(np.all(np.abs(each) < _LARGEST) for each in (mean, variance, epsilon))
+    if not (
+        held_by_float32
+        and np.isfinite(count)
+        and variance.shape == mean.shape
+        and (variance >= 0).all()
+        and clip > 0
+        and epsilon > 0
+    ):
         raise ValueError("its mean, variance, clip_obs or epsilon is not what it can be")
     return Normaliser(mean, variance, count, clip, epsilon, sha256)

@@ -19,6 +19,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.evaluation.result import EVALUATION
+from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.paths import refuse_unwritable_folder, write_whole
 from waypointctl.policy.manifest import MANIFEST
 from waypointctl.training.recipe_file import RecipeFile
@@ -115,8 +116,8 @@ def group_begun_as(recipe_file: RecipeFile, group: Path) -> RecipeFile:
         RecipeError: the folder is no group, or one of another recipe.
     """
     try:
-        plan = GroupFile.model_validate_json((group / GROUP).read_bytes())
-    except (OSError, ValidationError) as error:
+        plan = GroupFile.model_validate_json(read_input(group / GROUP, RECORD_FILE, RecipeError, within=group))
+    except (RecipeError, ValidationError) as error:
         problem = f"no group of trainings to go on with: there is no {GROUP} that can be read"
         raise RecipeError(problem, where=str(group), mend="Train without --resume.") from error
     if plan.recipe_sha256 != recipe_file.sha256:

@@ -12,6 +12,7 @@ from typing import Final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import RecipeError
+from waypointctl.input_file import NOT_THERE, RECORD_FILE, read_input
 from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import NETWORK, WEIGHTS, SelectionRecord
@@ -146,10 +147,12 @@ def with_record(policy: LoadedPolicy, record: SelectionRecord) -> LoadedPolicy:
 
 def _read(path: Path) -> list[Candidate]:
     try:
-        return SelectionFile.model_validate_json(path.read_bytes()).candidates
-    except FileNotFoundError:
-        return []  # killed before the first test
-    except (OSError, ValidationError) as error:
+        return SelectionFile.model_validate_json(
+            read_input(path, RECORD_FILE, RecipeError, within=path.parent)
+        ).candidates
+    except (RecipeError, ValidationError) as error:
+        if getattr(error, "problem", "") == NOT_THERE:
+            return []  # killed before the first test
         problem = "the record of the checkpoints that were tested cannot be read"
         mend = "Remove the file: the checkpoints from now on are tested."
         raise RecipeError(problem, where=str(path), mend=mend) from error

@@ -7,9 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from waypointctl.errors import SuiteError
 from waypointctl.evaluation.evaluate import Progress, evaluate
 from waypointctl.evaluation.result import Evaluation
 from waypointctl.evaluation.suite import Suite, load_suite
+from waypointctl.mission.yaml_source import read_source
 from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.training.recipe_file import RecipeFile
@@ -63,7 +65,7 @@ def selection_suite(recipe_file: RecipeFile, run: Path, *, resume: bool) -> Suit
     own = own_suite(name, recipe_file.path)
     suite = load_suite(name if own is None else str(own))
     if own is not None:
-        write_whole(run / SUITE, own.read_bytes(), "the suite")
+        write_whole(run / SUITE, read_source(own, SuiteError), "the suite")
     return suite
 
 

@@ -1,0 +1,97 @@
+"""How much is read of files that others wrote, and how `waypointctl --limit NAME=VALUE` changes it.
+
+A limit holds for this process and those that it starts: it is kept in the environment.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+VARIABLE: Final = "WAYPOINTCTL_LIMITS"
+
+_KIB, _MIB, _GIB = 2**10, 2**20, 2**30
+_UNITS: Final = {"B": 1, "KiB": _KIB, "MiB": _MIB, "GiB": _GIB}
+_VALUE: Final = re.compile(r"([0-9]{1,18})\s*([A-Za-z]*)")
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """The most that is read of something.
+
+    Attributes:
+        default: in bytes, or a count.
+        of: what it limits, for people.
+        is_size: whether it is in bytes.
+    """
+
+    default: int
+    of: str
+    is_size: bool = True
+
+    def text(self, value: int) -> str:
+        """Return a value with its unit."""
+        return size_text(value) if self.is_size else f"{value:,}"
+
+
+LIMITS: Final = {
+    "policy-file": Limit(64 * _MIB, "a policy's policy.onnx, and its weights.safetensors"),
+    "sb3-archive": Limit(64 * _MIB, "a file of stable-baselines3, what its parts unpack to, and its tensors"),
+}
+
+
+def limit(name: str) -> int:
+    """Return the limit in force: the default, or what `--limit` has set.
+
+    Raises:
+        ValueError: the environment's value of `VARIABLE` is not what `set_limits` writes.
+    """
+    return _given(os.environ.get(VARIABLE, "")).get(name, LIMITS[name].default)
+
+
+def set_limits(texts: Sequence[str]) -> None:
+    """Set limits from texts such as "policy-file=256MiB", for this process and those that it starts.
+
+    Raises:
+        ValueError: there is no such limit, or its value is none.
+    """
+    given = _given(os.environ.get(VARIABLE, "")) | dict(_limit(text) for text in texts)
+    if given:
+        os.environ[VARIABLE] = ",".join(f"{name}={value}" for name, value in given.items())
+
+
+def limit_hint(name: str, needed: int | None = None) -> str:
+    """Return what to do about an input that is over a limit.
+
+    Args:
+        name: of the limit.
+        needed: the value that would be enough, where it is known.
+    """
+    value = LIMITS[name].text(2 * limit(name) if needed is None else needed).replace(" ", "").replace(",", "")
+    return f"if you trust its source, raise the limit: `waypointctl --limit {name}={value} COMMAND ...`"
+
+
+def size_text(size: int) -> str:
+    """Return a size in the largest unit that it is a whole number of, such as "64 MiB"."""
+    unit = next(unit for unit in reversed(_UNITS) if size % _UNITS[unit] == 0)
+    return f"{size // _UNITS[unit]} {unit}"
+
+
+def _given(text: str) -> dict[str, int]:
+    return dict(_limit(part) for part in text.split(",") if part)
+
+
+def _limit(text: str) -> tuple[str, int]:
+    name, _, value = text.partition("=")
+    if name not in LIMITS:
+        raise ValueError(f"there is no limit {name[:40]!r}; there are: {', '.join(LIMITS)}")
+    units = _UNITS if LIMITS[name].is_size else {"": 1}
+    match = _VALUE.fullmatch(value)
+    number, unit = (int(match[1]), match[2] or next(iter(units))) if match else (0, "")  # a bare size is in bytes
+    if unit not in units or not number:
+        allowed = "a size such as 256MiB or 1GiB" if LIMITS[name].is_size else "a whole number above 0"
+        raise ValueError(f"{text[:60]!r}: expected {allowed}")
+    return name, number * units[unit]
