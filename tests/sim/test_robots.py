@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from pathlib import Path
+import re
 
 import mujoco
 import numpy as np
@@ -8,7 +8,7 @@ import pytest
 
 from tests.sim.bare import BareWorld, random_start
 from waypointctl.errors import InputError
-from waypointctl.sim.robots import compile_mjb, load_robot, robot_from_mjb
+from waypointctl.sim.robots import compile_mjb, load_robot, robot_from_source
 
 LEGS = ("front_left", "back_left", "back_right", "front_right")
 
@@ -59,7 +59,7 @@ def test_a_positive_ankle_angle_puts_the_foot_down() -> None:
 def test_the_mjb_loads_back_as_the_very_model() -> None:
     robot = load_robot("ant")
     mjb = robot.to_mjb()
-    back = robot_from_mjb("ant", robot.mjcf, mjb)
+    back = robot_from_source("ant", robot.mjcf.encode(), mjb, "model.xml")
     assert back.to_mjb() == mjb
     assert back.joint_names == robot.joint_names
     assert back.control_period_ns == robot.control_period_ns
@@ -76,20 +76,59 @@ def test_the_mjb_loads_back_as_the_very_model() -> None:
 
 def test_the_source_compiles_to_the_same_bytes_every_time() -> None:
     robot = load_robot("ant")
-    assert compile_mjb(robot.mjcf) == compile_mjb(robot.mjcf) == robot.to_mjb()
+    source = robot.mjcf.encode()
+    assert compile_mjb(source, "model.xml") == compile_mjb(source, "model.xml") == robot.to_mjb()
 
 
 def test_an_unknown_robot_is_refused_with_those_there_are() -> None:
     with pytest.raises(InputError, match="there is no robot called 'rover'; there are: ant"):
         load_robot("rover")
     with pytest.raises(InputError, match="there is no robot called 'rover'; there are: ant"):
-        robot_from_mjb("rover", "", b"")
+        robot_from_source("rover", b"", b"", "model.xml")
 
 
-def test_a_model_that_does_not_load_or_compile_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)  # where MuJoCo leaves its MUJOCO_LOG.TXT
-    mjcf = load_robot("ant").mjcf
-    with pytest.raises(InputError, match=f"does not load in MuJoCo {mujoco.__version__}"):
-        robot_from_mjb("ant", mjcf, load_robot("ant").to_mjb()[:1000])
-    with pytest.raises(InputError, match=f"does not compile in MuJoCo {mujoco.__version__}"):
-        compile_mjb(mjcf.replace("</mujoco>", ""))
+def changed(before: str, after: str) -> bytes:
+    source = load_robot("ant").mjcf
+    assert before in source
+    return source.replace(before, after).encode()
+
+
+def carried(source: bytes) -> None:
+    robot_from_source("ant", source, compile_mjb(source, "model.xml"), "model.xml")
+
+
+def test_a_compiled_model_that_is_not_its_sources_is_refused() -> None:
+    robot = load_robot("ant")
+    for mjb in (b"", robot.to_mjb()[:1000], robot.to_mjb()[:-1] + b"\xff"):
+        with pytest.raises(
+            InputError, match=r"model\.xml: does not compile to the compiled model beside it in MuJoCo 3"
+        ):
+            robot_from_source("ant", robot.mjcf.encode(), mjb, "model.xml")
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (changed("</mujoco>", ""), "is not XML: no element found"),
+        (
+            changed('type="sphere"', 'type="cube"'),
+            f"does not compile in MuJoCo {mujoco.__version__}: XML Error: invalid",
+        ),
+        (changed('timestep="0.01"', 'timestep="0"'), "is not a model of the ant: its time step is 0 s, not from 1e-05"),
+        (changed('timestep="0.01"', 'timestep="-0.01"'), "its time step is -0.01 s"),
+        (changed('timestep="0.01"', 'timestep="1e9"'), r"its time step is 1e\+09 s"),
+        (re.sub(r"<motor n.*/>", "", load_robot("ant").mjcf).encode(), "it has 0 motors, not 8"),
+        (changed("<actuator>", '<actuator><motor joint="root"/>'), "it has 9 motors, not 8"),
+        (changed('<freejoint name="root"/>', ""), "it is not a floating base with 8 hinge joints"),
+        (changed('axis="0 0 1" range', 'type="slide" axis="0 0 1" range'), "it is not a floating base with 8 hinge"),
+        (
+            changed('name="front_left_hip" joint="front_left_hip"', 'joint="front_left_ankle"'),
+            "each motor turns one joint",
+        ),
+        (b'<mujoco model="ant"/>', "it has 0 motors, not 8"),
+    ],
+)
+def test_a_model_that_is_not_the_robots_is_refused(source: bytes, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        carried(source)
+    assert str(caught.value.where).startswith("model.xml")

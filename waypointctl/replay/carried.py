@@ -30,7 +30,7 @@ from waypointctl.ops.header import (
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import MANIFEST, Manifest
 from waypointctl.replay.verdict import Divergence
-from waypointctl.sim.robots import Robot, compile_mjb, robot_from_mjb
+from waypointctl.sim.robots import Robot, compile_mjb, robot_from_source
 
 KERNELS: Final = {
     "version_numpy": "numpy",
@@ -79,7 +79,7 @@ def carried_by(log: Log) -> Carried:
     if not seed.isdecimal() or len(seed) > _SEED_DIGITS:
         raise LogError(f"the seed is {seed[:40]!r}, which is none", where=str(log.path))
     mission = mission.model_copy(update={"seed": int(seed)})
-    robot = robot_from_mjb(mission.robot, attachments[MJCF].decode(), attachments[MJB])
+    robot = robot_from_source(mission.robot, attachments[MJCF], attachments[MJB], f"{log.path}/{MJCF}")
     policy = load_policy_bytes(_policy_files(attachments), f"{log.path}/{POLICY_FOLDER}")
     return Carried(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
@@ -108,7 +108,7 @@ def altered(log: Log) -> Divergence | None:
         if found != recorded:
             return Divergence(-1, 0, "attachment", name, recorded, found)
     recorded = log.metadata["sha256_mjb"]  # as the attachment's has just been found to be
-    compiled = hashlib.sha256(compile_mjb(log.attachments[MJCF].decode())).hexdigest()
+    compiled = hashlib.sha256(compile_mjb(log.attachments[MJCF], f"{log.path}/{MJCF}")).hexdigest()
     return None if compiled == recorded else Divergence(-1, 0, "attachment", MJB, recorded, compiled)
 
 

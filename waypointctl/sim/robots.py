@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
+from waypointctl.sim.mjcf_audit import audited_mjcf
 
 FloatArray = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ class Robot:
     """A robot: a floating base with hinge joints, one motor a joint, in the model's order."""
 
     name: str
-    mjcf: str  # the source; MjSpec's and MjModel's own XML drift, this does not
+    mjcf: str  # the source as it was written; MjSpec's and MjModel's own XML drift, this does not
     model: mujoco.MjModel
     substeps: int  # physics steps in a control period
     control_period_ns: int
@@ -78,6 +79,8 @@ _SPECS: Final = {
 }
 
 ROBOT_NAMES: Final = tuple(_SPECS)
+_SHORTEST_STEP_S: Final = 1e-5
+_LONGEST_STEP_S: Final = 0.1
 
 
 @cache
@@ -93,31 +96,64 @@ def load_robot(name: str) -> Robot:
     return _robot(name, mjcf, mujoco.MjModel.from_xml_string(mjcf))
 
 
-def robot_from_mjb(name: str, mjcf: str, mjb: bytes) -> Robot:
-    """Return the robot called `name` with the compiled model that a log carries.
+def robot_from_source(name: str, mjcf: bytes, mjb: bytes, where: str) -> Robot:
+    """Return the robot called `name` with the model that a log carries.
+
+    The model is compiled from its source, once that has been looked at; MuJoCo never reads the compiled one, whose
+    bytes are compared.
+
+    Args:
+        name: of the robot.
+        mjcf: the model's source.
+        mjb: the compiled model, in MuJoCo's binary format.
+        where: the source's name, for messages.
 
     Raises:
-        InputError: there is no such robot, or the model does not load in this version of MuJoCo.
+        InputError: there is no such robot, the source cannot be used or compiles to another model, or it is not a model
+            of this robot.
     """
     if name not in _SPECS:
         raise InputError(f"there is no robot called {name!r}; there are: {', '.join(ROBOT_NAMES)}")
-    try:
-        model = mujoco.MjModel.from_binary_path("model.mjb", {"model.mjb": mjb})
-    except (ValueError, mujoco.FatalError) as error:
-        raise InputError(f"the compiled model does not load in MuJoCo {mujoco.__version__}: {error}") from error
-    return _robot(name, mjcf, model)
+    model = _compile(mjcf, where)
+    if _mjb(model) != mjb:
+        problem = f"does not compile to the compiled model beside it in MuJoCo {mujoco.__version__}"
+        raise InputError(problem, where=where)
+    if fault := _model_fault(_SPECS[name], model):
+        raise InputError(f"is not a model of the {name}: {fault}", where=where)
+    return _robot(name, mjcf.decode(), model)
 
 
-def compile_mjb(mjcf: str) -> bytes:
+def compile_mjb(mjcf: bytes, where: str) -> bytes:
     """Return what a model's source compiles to, as MuJoCo's binary format.
 
     Raises:
-        InputError: it does not compile.
+        InputError: it cannot be used, or does not compile.
     """
+    return _mjb(_compile(mjcf, where))
+
+
+def _compile(mjcf: bytes, where: str) -> mujoco.MjModel:
     try:
-        return _mjb(mujoco.MjModel.from_xml_string(mjcf))
-    except ValueError as error:
-        raise InputError(f"the model's source does not compile in MuJoCo {mujoco.__version__}: {error}") from error
+        return mujoco.MjModel.from_xml_string(audited_mjcf(mjcf, where))
+    except (ValueError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"does not compile in MuJoCo {mujoco.__version__}: {reason}", where=where) from error
+
+
+def _model_fault(spec: _Spec, model: mujoco.MjModel) -> str:
+    """Return why a model is not one of a robot, nothing if it is."""
+    count, joints = len(spec.stance_deg), model.actuator_trnid[:, 0]
+    if model.nu != count:
+        return f"it has {model.nu} motors, not {count}"
+    hinges = [joint for joint in range(model.njnt) if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE]
+    is_floating = model.njnt == count + 1 and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+    if not is_floating or len(hinges) != count or model.na:
+        return f"it is not a floating base with {count} hinge joints"
+    if any(model.actuator_trntype != mujoco.mjtTrn.mjTRN_JOINT) or sorted(joints) != hinges:
+        return "each motor turns one joint, and each joint has one"
+    if not _SHORTEST_STEP_S <= model.opt.timestep <= _LONGEST_STEP_S:
+        return f"its time step is {model.opt.timestep:g} s, not from {_SHORTEST_STEP_S:g} to {_LONGEST_STEP_S:g} s"
+    return ""
 
 
 def _mjb(model: mujoco.MjModel) -> bytes:

@@ -6,6 +6,7 @@ from typing import Final
 
 import mujoco
 
+from waypointctl.sim.mjcf_audit import audited_mjcf
 from waypointctl.sim.robots import Robot
 
 WIDTH: Final = 640  # of a picture [pixels]
@@ -23,7 +24,7 @@ def scenery(robot: Robot) -> mujoco.MjModel:
 
     It is compiled from the source anew: the model that flies, and its hash, know nothing of a sky.
     """
-    spec = mujoco.MjSpec.from_string(robot.mjcf)
+    spec = mujoco.MjSpec.from_string(audited_mjcf(robot.mjcf.encode(), f"the {robot.name}"))
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
