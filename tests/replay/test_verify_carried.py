@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,7 @@ from waypointctl.log.reader import open_log
 from waypointctl.ops import header
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
+from waypointctl.sim.robots import compile_mjb, load_robot
 
 
 def content(flown: Flown, name: str) -> bytes:
@@ -88,7 +91,12 @@ def test_a_log_that_lacks_what_replay_needs_is_unverifiable(flown: Flown, tmp_pa
     ("name", "key", "data", "reason"),
     [
         ("mission.yaml", "sha256_mission", b"name: [", "mission.yaml"),
-        ("model.xml", "sha256_mjcf", b"<mujoco>", "does not compile"),
+        ("model.xml", "sha256_mjcf", b"<mujoco>", "model.xml: is not XML"),
+        ("model.xml", "sha256_mjcf", b"<mujoco><body/></mujoco>", "model.xml: does not compile in MuJoCo"),
+        ("model.xml", "sha256_mjcf", b"<mujoco>\xff</mujoco>", "model.xml: is not UTF-8 text"),
+        ("model.xml", "sha256_mjcf", b'<robot name="r"/>', "model.xml:1: is a URDF"),
+        ("model.xml", "sha256_mjcf", b'<mujoco><include file="/etc/passwd"/></mujoco>', "<include> is not read"),
+        ("model.xml", "sha256_mjcf", b'<mujoco><option timestep="nan"/></mujoco>', "is not a finite number"),
         ("policy/manifest.json", "sha256_policy", b"{}", "manifest.json"),
     ],
 )
@@ -105,3 +113,22 @@ def test_a_seed_that_is_no_number_is_said_to_be_so(flown: Flown, tmp_path: Path)
     found = verify(flown.rewritten(tmp_path / "forged.mcap", metadata={"seed": "many"}))
     assert found.verdict is Verdict.UNVERIFIABLE
     assert "the seed is 'many', which is none" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda text: re.sub(r"<motor n.*/>", "", text), "is not a model of the ant: it has 0 motors, not 8"),
+        (lambda text: text.replace('timestep="0.01"', 'timestep="1e-9"'), "its time step is 1e-09 s"),
+    ],
+)
+def test_a_model_of_another_robot_is_refused_hash_and_all(
+    flown: Flown, tmp_path: Path, change: Callable[[str], str], reason: str
+) -> None:
+    source = change(load_robot("ant").mjcf).encode()
+    mjb = compile_mjb(source, "model.xml")
+    metadata = {"sha256_mjcf": hashlib.sha256(source).hexdigest(), "sha256_mjb": hashlib.sha256(mjb).hexdigest()}
+    attachments = {"model.xml": source, "model.mjb": mjb}
+    found = verify(flown.rewritten(tmp_path / "forged.mcap", metadata=metadata, attachments=attachments))
+    assert found.verdict is Verdict.UNVERIFIABLE
+    assert reason in found.reason
