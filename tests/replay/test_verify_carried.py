@@ -92,7 +92,7 @@ def test_a_log_that_lacks_what_replay_needs_is_unverifiable(flown: Flown, tmp_pa
     [
         ("mission.yaml", "sha256_mission", b"name: [", "mission.yaml"),
         ("model.xml", "sha256_mjcf", b"<mujoco>", "model.xml: is not XML"),
-        ("model.xml", "sha256_mjcf", b"<mujoco><body/></mujoco>", "model.xml: does not compile in MuJoCo"),
+        ("model.xml", "sha256_mjcf", b"<mujoco><geom/></mujoco>", "model.xml: does not compile in MuJoCo"),
         ("model.xml", "sha256_mjcf", b"<mujoco>\xff</mujoco>", "model.xml: is not UTF-8 text"),
         ("model.xml", "sha256_mjcf", b'<robot name="r"/>', "model.xml:1: is a URDF"),
         ("model.xml", "sha256_mjcf", b'<mujoco><include file="/etc/passwd"/></mujoco>', "<include> is not read"),
