@@ -12,14 +12,16 @@ from rich.text import Text
 
 from tests.replay.hand_made import FAR, NEAR, flight, stage
 from waypointctl.cli.view.canvas import Canvas
-from waypointctl.cli.view.chart import Scene, draw_map
+from waypointctl.cli.view.chart import draw_map
 from waypointctl.cli.view.live import PERIOD_S, LiveView, sizes
+from waypointctl.cli.view.map_scene import Scene
 from waypointctl.cli.view.pace import Pace
 from waypointctl.cli.view.tables import command_table, waypoint_table
 from waypointctl.cli.view.words import happening, size
 from waypointctl.log.messages import Clock, CommandStage, FloatArray, Message, Severity, Stage, State
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.story import Fate, WaypointStory
+from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S
 
 
@@ -50,7 +52,13 @@ def test_a_line_has_no_gap() -> None:
 
 def scene(fate: Fate = Fate.OPEN) -> Scene:
     waypoint = WaypointStory(NEAR, fate, None, None, None, None)
-    return Scene(np.array([0.0, 1.0]), np.array([0.0, 0.0]), (waypoint,), belief=(0.0, 0.0))
+    return Scene(track([0.0, 1.0], [0.0, 0.0]), (waypoint,), belief=(0.0, 0.0))
+
+
+def track(x_m: list[float], y_m: list[float]) -> Track:
+    """Return a way, a row a second."""
+    time_ns = np.arange(len(x_m)) * NS_PER_S
+    return Track(time_ns, time_ns, np.array(x_m), np.array(y_m), np.ones(len(x_m)))
 
 
 def test_the_map_has_everything_and_fits() -> None:
@@ -66,7 +74,7 @@ def test_the_map_has_everything_and_fits() -> None:
 
 
 def test_east_is_right_and_north_is_up() -> None:
-    way = Scene(np.array([0.0, 4.0]), np.array([0.0, 4.0]), (), belief=(0.0, 4.0))
+    way = Scene(track([0.0, 4.0], [0.0, 4.0]), (), belief=(0.0, 4.0))
     rows = plain(draw_map(way, 40, 20))
     (robot,) = [(line, row.index("●")) for line, row in enumerate(rows[:-1]) if "●" in row]
     (belief,) = [(line, row.index("◇")) for line, row in enumerate(rows[:-1]) if "◇" in row]
@@ -89,7 +97,7 @@ def test_a_waypoint_shows_its_fate(fate: Fate) -> None:
 
 
 def test_an_empty_map() -> None:
-    assert len(draw_map(Scene(np.zeros(0), np.zeros(0), ()), 20, 5)) == 5
+    assert len(draw_map(Scene(track([], []), ()), 20, 5)) == 5
 
 
 @pytest.mark.parametrize("place", [(np.nan, 0.0), (0.0, -np.inf), (1e300, 1e300)])

@@ -14,7 +14,7 @@ from waypointctl.log.messages import Clock, EventKind, Message
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.picture.page import HEIGHT, WIDTH, draw
 from waypointctl.replay.picture.speed import _moving_mean
-from waypointctl.replay.story import Track
+from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S
 
 SENT = event(0, EventKind.COMMAND_SENT, "command 1 sent: go_to near", Clock.OPERATOR, command_id=1)

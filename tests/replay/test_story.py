@@ -18,7 +18,8 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.replay.chronicle import Chronicle, tell
-from waypointctl.replay.story import Fate, Track
+from waypointctl.replay.story import Fate
+from waypointctl.replay.track import Track
 from waypointctl.units import ns
 
 
@@ -194,10 +195,10 @@ def test_the_way_so_far_is_bounded_and_ends_where_the_robot_is() -> None:
     chronicle = Chronicle()
     for step in range(997):
         chronicle(state(step, step * 0.1, -step * 0.1, 0.0))
-    x_m, y_m = chronicle.way(100)
-    assert 100 <= len(x_m) <= 120
-    assert (x_m[0], x_m[-1]) == (0.0, pytest.approx(99.6))
-    np.testing.assert_array_equal(y_m, -x_m)
+    truth = chronicle.truth(100)
+    assert 100 <= len(truth) <= 120
+    assert (truth.x_m[0], truth.x_m[-1]) == (0.0, pytest.approx(99.6))
+    np.testing.assert_array_equal(truth.y_m, -truth.x_m)
 
 
 def test_a_place_that_no_map_has_is_left_out_and_its_time_is_kept() -> None:

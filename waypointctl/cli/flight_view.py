@@ -46,6 +46,7 @@ def flight_view(
     """
     from waypointctl.cli.view.watch import watch
     from waypointctl.ops.ground.operator import planned_waypoints
+    from waypointctl.replay.setting import setting_of
 
     plan = planned_waypoints(mission)
     if console:
@@ -58,7 +59,7 @@ def flight_view(
         with Prompt(mission, plan, typed, rate, interrupted) as prompt:
             yield FlightView(prompt, prompt, prompt.learn, prompt)
         return
-    with watch(mission.name, plan) as view:
+    with watch(mission.name, plan, setting_of(mission)) as view:
         if rate is not None:
             view.say(f"at {rate:g} times real time")
         sink = view if rate is None else _from_first_state(view, rate, interrupted)

@@ -121,9 +121,10 @@ def _fly(
     from waypointctl.ops.record import record
     from waypointctl.policy.bundle import load_policy
     from waypointctl.replay.chronicle import Chronicle
+    from waypointctl.replay.setting import setting_of
 
     file = load(path)
-    name, chronicle = file.mission.name, Chronicle(planned_waypoints(file.mission))
+    name, chronicle = file.mission.name, Chronicle(planned_waypoints(file.mission), setting_of(file.mission))
     folder = many.policy or file.policy_path.resolve()
     if folder not in policies:
         policies[folder] = load_policy(many.policy or file.policy_path)

@@ -25,10 +25,13 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
+from waypointctl.replay.effort import EffortTally
 from waypointctl.replay.growing_records import GrowingCommand, GrowingWaypoint
-from waypointctl.replay.growing_track import GrowingTrack
-from waypointctl.replay.link_story import LinkStory, WayTally
-from waypointctl.replay.story import CommandStory, Effort, Fate, FloatArray, Story, WaypointStory, is_on_map
+from waypointctl.replay.link_story import LinkTally
+from waypointctl.replay.return_home import ReturnHome, ReturnsFold
+from waypointctl.replay.setting import MissionSetting
+from waypointctl.replay.story import CommandStory, Fate, Story, WaypointStory
+from waypointctl.replay.track import GrowingTrack, Track, is_on_map
 
 _FATES: Final = {
     EventKind.WAYPOINT_REACHED: Fate.REACHED,
@@ -37,14 +40,20 @@ _FATES: Final = {
 }
 
 
-def tell(messages: Iterable[Message], waypoints: Iterable[PlannedWaypoint] = ()) -> Story:
+_NO_SETTING: Final = MissionSetting()
+
+
+def tell(
+    messages: Iterable[Message], waypoints: Iterable[PlannedWaypoint] = (), setting: MissionSetting = _NO_SETTING
+) -> Story:
     """Return the story of a flight.
 
     Args:
         messages: all of them, in order.
         waypoints: the mission's; without them, those that were commanded.
+        setting: what else the mission has fixed beforehand.
     """
-    chronicle = Chronicle(waypoints)
+    chronicle = Chronicle(waypoints, setting)
     for message in messages:
         chronicle(message)
     return chronicle.story()
@@ -56,12 +65,15 @@ class Chronicle:
     Attributes:
         now_ns: the latest time that a message has shown, on either clock.
         state: the newest true state of the robot that is on the map.
-        telemetry: the newest frame that has arrived at the operator.
+        telemetry: of the frames that have arrived at the operator, the one that was sampled last.
         events: all so far.
+        setting: what the mission has fixed beforehand.
+        link: what the link has done so far.
     """
 
-    def __init__(self, waypoints: Iterable[PlannedWaypoint] = ()) -> None:
-        """Begin with the waypoints of the mission, where they are known beforehand."""
+    def __init__(self, waypoints: Iterable[PlannedWaypoint] = (), setting: MissionSetting = _NO_SETTING) -> None:
+        """Begin with the waypoints of the mission, where they are known beforehand, and what else it has fixed."""
+        self.setting, self.link = setting, LinkTally()
         self.now_ns = 0
         self.state: State | None = None
         self.telemetry: Telemetry | None = None
@@ -69,16 +81,13 @@ class Chronicle:
         self._waypoints = {waypoint.index: GrowingWaypoint(waypoint) for waypoint in waypoints}
         self._commands: dict[int, GrowingCommand] = {}
         self._truth, self._belief = GrowingTrack(), GrowingTrack()
+        self._effort, self._returns = EffortTally(), ReturnsFold()
         self._learned = 0  # how many of the waypoints in telemetry's `reached`, which only grows, have been taken
         self._acknowledged = -1  # the newest command of which anything has been heard
-        self._link = {"up": WayTally(), "down": WayTally()}
         self._states_off_map = self._frames_off_map = 0
         self._reward: dict[str, float] = {}
         self._reward_total = 0.0
-        self._source = ""
         self._steps = 0
-        self._time_ns = {"policy": 0, "ground": 0, "stance": 0, "off": 0}
-        self._way_m = {"policy": 0.0, "ground": 0.0, "stance": 0.0, "off": 0.0}
 
     def __call__(self, message: Message) -> None:
         """Take one message."""
@@ -86,7 +95,7 @@ class Chronicle:
             case State():
                 self._move(message)
             case Action():
-                self._source = message.source
+                self._effort.source = message.source
                 self._steps += 1
             case Reward():
                 self._pay(message)
@@ -96,12 +105,13 @@ class Chronicle:
                 self.now_ns = max(self.now_ns, message.received_ns)
                 self._command(message.command_id).acks.append(message)
                 self._acknowledged = max(self._acknowledged, message.command_id)
+                self._returns.hear(message)
             case Command():
                 self._receive(message)
             case CommandStage():
                 self._advance(message)
-            case LinkRecord() if message.way in self._link:
-                self._link[message.way].add(message)
+            case LinkRecord():
+                self.link.add(message)
             case Event():
                 self._note(message)
 
@@ -126,9 +136,14 @@ class Chronicle:
         """The waypoints of the mission, and what has become of them so far."""
         return tuple(waypoint.story() for _, waypoint in sorted(self._waypoints.items()))
 
-    def way(self, most: int) -> tuple[FloatArray, FloatArray]:
-        """Return where the robot has been so far, x (n,) and y (n,) [m], in about `most` points."""
-        return self._truth.way(most)
+    @property
+    def returns(self) -> tuple[ReturnHome, ...]:
+        """The ways home so far."""
+        return self._returns.returns
+
+    def truth(self, most: int) -> Track:
+        """Return where the robot has been so far, in about `most` rows."""
+        return self._truth.track(most)
 
     def story(self) -> Story:
         """Return the story so far."""
@@ -143,12 +158,16 @@ class Chronicle:
             events=tuple(self.events),
             reward=tuple(self._reward.items()),
             reward_total=self._reward_total,
-            effort=self._effort(),
+            effort=self._effort.effort(),
+            moving=self._effort.moving,
+            resting=self._effort.resting(self.now_ns),
+            returns=self.returns,
             truth=self._truth.track(),
             belief=self._belief.track(),
             states_off_map=self._states_off_map,
             frames_off_map=self._frames_off_map,
-            link=LinkStory(self._link["up"].story(), self._link["down"].story()),
+            link=self.link.story(self.now_ns),
+            setting=self.setting,
         )
 
     def _ending(self) -> tuple[str, str, int]:
@@ -158,11 +177,6 @@ class Chronicle:
                 return outcome, reason, event.time_ns
         return "unfinished", "the log has no end", self.now_ns
 
-    def _effort(self) -> Effort:
-        time, way = self._time_ns, self._way_m
-        walked_m, walked_ns = way["policy"] + way["ground"], time["policy"] + time["ground"]
-        return Effort(sum(way.values()), walked_m, walked_ns, time["stance"], time["off"])
-
     def _move(self, state: State) -> None:
         self.now_ns = max(self.now_ns, state.time_ns)
         place = (*state.qpos[:2].tolist(), *state.qvel[:2].tolist())
@@ -170,10 +184,8 @@ class Chronicle:
             self._states_off_map += 1
             return
         x_m, y_m, *velocity_mps = place
-        if self.state is not None and self._source:
-            before = self.state
-            self._time_ns[self._source] += state.time_ns - before.time_ns
-            self._way_m[self._source] += math.hypot(x_m - float(before.qpos[0]), y_m - float(before.qpos[1]))
+        if self.state is not None:
+            self._effort.step(self.state, state)
         self.state = state
         self._truth.add(state.time_ns, state.time_ns, x_m, y_m, math.hypot(*velocity_mps))
 
@@ -184,7 +196,9 @@ class Chronicle:
 
     def _hear(self, frame: Telemetry) -> None:
         self.now_ns = max(self.now_ns, frame.received_ns)
-        self.telemetry = frame
+        if self.telemetry is None or frame.issued_ns >= self.telemetry.issued_ns:
+            self.telemetry = frame
+        self._returns.hear(frame)
         if is_on_map(frame.x_m, frame.y_m, frame.speed_mps):
             self._belief.add(frame.issued_ns, frame.received_ns, frame.x_m, frame.y_m, frame.speed_mps)
         else:
@@ -201,6 +215,7 @@ class Chronicle:
             entry.received_ns, entry.carried_ns = command.received_ns, command.received_ns - command.issued_ns
             if not entry.attempts:
                 entry.issued_ns = command.issued_ns
+            entry.kind = command.kind
             entry.what = f"{command.kind} {', '.join(waypoint.name for waypoint in command.waypoints)}".rstrip()
         for waypoint in command.waypoints:
             if waypoint.index >= 0:  # else it is a place, none of the mission's waypoints
@@ -214,13 +229,16 @@ class Chronicle:
             entry.issued_ns = it.time_ns
         elif it.stage is Stage.LOST:
             entry.losses += 1
-        elif it.clock is Clock.ROBOT and entry.onboard not in FINAL_STAGES:
+        self._returns.advance(it, entry.kind)
+        if it.clock is Clock.ROBOT and entry.onboard not in FINAL_STAGES:
             entry.onboard = it.stage
             entry.ended_ns = it.time_ns if it.stage in FINAL_STAGES else None
 
     def _note(self, event: Event) -> None:
         self.now_ns = max(self.now_ns, event.time_ns)
         self.events.append(event)
+        for fold in (self._returns, self.link, self._effort):
+            fold.note(event)
         if event.kind is EventKind.COMMAND_SENT and event.severity is Severity.INFO:
             self._command(event.command_id).what = event.text.partition(": ")[2]
         if event.kind is EventKind.FALL:

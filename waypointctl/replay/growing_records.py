@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from waypointctl.log.messages import Ack, PlannedWaypoint, Stage
+from waypointctl.log.messages import Ack, CommandKind, PlannedWaypoint, Stage
 from waypointctl.replay.story import CommandStory, Fate, WaypointStory
 
 
 @dataclass(slots=True)
 class GrowingCommand:
-    """A command; what the attributes mean is CommandStory's to say."""
+    """A command; what the attributes mean is CommandStory's to say, but for its kind, known from its arrival on."""
 
     what: str = ""
+    kind: CommandKind | None = None
     issued_ns: int = 0
     received_ns: int | None = None
     carried_ns: int | None = None

@@ -6,10 +6,15 @@ heartbeats, states and actions. What was only delayed has no record, so nothing 
 
 from __future__ import annotations
 
+from array import array
 from collections import Counter
 from dataclasses import dataclass, field
 
-from waypointctl.log.messages import LinkFate, LinkRecord
+import numpy as np
+
+from waypointctl.log.messages import Event, EventKind, LinkFate, LinkRecord
+from waypointctl.replay.effort import Span
+from waypointctl.replay.track import IntArray
 
 _NOT_ARRIVED = (LinkFate.LOST, LinkFate.QUEUE_FULL, LinkFate.NO_CONTACT)
 
@@ -26,6 +31,7 @@ class WayStory:
         doubled: how many arrived twice.
         waited: how many were not sent at once, whatever became of them then.
         longest_wait_ns: of these.
+        missing_ns: when each of those that did not arrive was handed to the link, (n,).
     """
 
     lost: int = 0
@@ -35,6 +41,12 @@ class WayStory:
     doubled: int = 0
     waited: int = 0
     longest_wait_ns: int = 0
+    missing_ns: IntArray = field(default_factory=lambda: np.zeros(0, np.int64), compare=False)
+
+    @property
+    def missing(self) -> int:
+        """How many messages have not arrived, and will not."""
+        return len(self.missing_ns)
 
     def __bool__(self) -> bool:
         """Tell whether there is anything to tell."""
@@ -43,10 +55,22 @@ class WayStory:
 
 @dataclass(frozen=True, slots=True)
 class LinkStory:
-    """Both ways of the link."""
+    """Both ways of the link.
 
-    up: WayStory = WayStory()
-    down: WayStory = WayStory()
+    Attributes:
+        up: from the operator to the robot.
+        down: from the robot to the operator.
+        unheard: when the robot took the link for lost, by its rule, as nothing had arrived for too long.
+    """
+
+    up: WayStory = field(default_factory=WayStory)
+    down: WayStory = field(default_factory=WayStory)
+    unheard: tuple[Span, ...] = ()
+
+    @property
+    def missing_ns(self) -> IntArray:
+        """When each message that did not arrive was handed to the link, either way, in order, (n,)."""
+        return np.sort(np.concatenate([self.up.missing_ns, self.down.missing_ns]))
 
 
 @dataclass(slots=True)
@@ -57,12 +81,14 @@ class WayTally:
     not_arrived: Counter[str] = field(default_factory=Counter)
     waited: int = 0
     longest_wait_ns: int = 0
+    missing_ns: array[int] = field(default_factory=lambda: array("q"))
 
     def add(self, record: LinkRecord) -> None:
         """Take a record."""
         self.fates[record.fate] += 1
         if record.fate in _NOT_ARRIVED:
             self.not_arrived[record.what] += 1
+            self.missing_ns.append(record.time_ns)
         if record.departs_ns > record.time_ns:
             self.waited += 1
             self.longest_wait_ns = max(self.longest_wait_ns, record.departs_ns - record.time_ns)
@@ -77,4 +103,37 @@ class WayTally:
             doubled=self.fates[LinkFate.DOUBLED],
             waited=self.waited,
             longest_wait_ns=self.longest_wait_ns,
+            missing_ns=np.array(self.missing_ns, np.int64),
         )
+
+
+@dataclass(slots=True)
+class LinkTally:
+    """Gathers what the link did.
+
+    Attributes:
+        lost_since_ns: since when the robot has taken the link for lost; None while it hears the ground.
+    """
+
+    up: WayTally = field(default_factory=WayTally)
+    down: WayTally = field(default_factory=WayTally)
+    lost_since_ns: int | None = None
+    _unheard: list[Span] = field(default_factory=list)
+
+    def add(self, record: LinkRecord) -> None:
+        """Take a record; one of a way that there is not, in an altered log, is left out."""
+        if record.way in ("up", "down"):
+            (self.up if record.way == "up" else self.down).add(record)
+
+    def note(self, event: Event) -> None:
+        """Take an event: the robot has lost or found the link."""
+        if event.kind is EventKind.LINK_LOST and self.lost_since_ns is None:
+            self.lost_since_ns = event.time_ns
+        elif event.kind is EventKind.LINK_RESTORED and self.lost_since_ns is not None:
+            self._unheard.append((self.lost_since_ns, event.time_ns))
+            self.lost_since_ns = None
+
+    def story(self, now_ns: int) -> LinkStory:
+        """Return what the link did so far; what has not ended lasts until now."""
+        now = () if self.lost_since_ns is None else ((self.lost_since_ns, now_ns),)
+        return LinkStory(self.up.story(), self.down.story(), (*self._unheard, *now))

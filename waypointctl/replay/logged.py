@@ -6,9 +6,11 @@ from waypointctl.errors import MissionError
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.log.reader import Log
 from waypointctl.mission.files import parse_mission
+from waypointctl.mission.mission import Mission
 from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.ops.header import MISSION, files_of_mission
 from waypointctl.replay.chronicle import tell
+from waypointctl.replay.setting import MissionSetting, setting_of
 from waypointctl.replay.story import Story
 
 
@@ -19,13 +21,17 @@ def mission_name(log: Log) -> str:
 
 def waypoints_in(log: Log) -> tuple[PlannedWaypoint, ...]:
     """Return the mission's waypoints; none where the log carries no mission that can be read."""
-    source = log.attachments.get(MISSION)
-    if source is None:
-        return ()
+    mission = _mission_in(log)
+    return () if mission is None else planned_waypoints(mission)
+
+
+def setting_in(log: Log) -> MissionSetting:
+    """Return what the mission had fixed; nothing where the log carries no mission that can be read."""
+    mission = _mission_in(log)
     try:
-        return planned_waypoints(parse_mission(source, f"{log.path}/{MISSION}", files_of_mission(log.attachments)))
+        return MissionSetting() if mission is None else setting_of(mission)
     except MissionError:
-        return ()  # the story is then told of the waypoints that were commanded; the proof names what is wrong
+        return MissionSetting()
 
 
 def story_of(log: Log) -> Story:
@@ -34,4 +40,14 @@ def story_of(log: Log) -> Story:
     Raises:
         LogError: a message cannot be read.
     """
-    return tell(log.messages(), waypoints_in(log))
+    return tell(log.messages(), waypoints_in(log), setting_in(log))
+
+
+def _mission_in(log: Log) -> Mission | None:
+    source = log.attachments.get(MISSION)
+    if source is None:
+        return None
+    try:
+        return parse_mission(source, f"{log.path}/{MISSION}", files_of_mission(log.attachments))
+    except MissionError:
+        return None  # the story is then told of the waypoints that were commanded; the proof names what is wrong

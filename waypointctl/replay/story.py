@@ -5,27 +5,16 @@ All times are simulation time in [ns]. A `chronicle` gathers it from the flight'
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final
-
-import numpy as np
-from numpy.typing import NDArray
 
 from waypointctl.log.messages import FINAL_STAGES, Ack, Event, EventKind, PlannedWaypoint, Stage
+from waypointctl.replay.effort import Effort, Span
 from waypointctl.replay.link_story import LinkStory
-from waypointctl.units import NS_PER_S
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-# A hundred times as far as a mission can ask for. An altered log can say anything, even what no map has room for.
-FARTHEST_M: Final = 1e6
-
-
-def is_on_map(*values: float) -> bool:
-    """Return whether places [m] and speeds [m/s] can be drawn and summed: finite, and at most FARTHEST_M."""
-    return all(abs(value) <= FARTHEST_M for value in values)  # not so of a NaN
+from waypointctl.replay.return_home import ReturnHome
+from waypointctl.replay.setting import MissionSetting
+from waypointctl.replay.track import Track, is_on_map
 
 
 class Fate(StrEnum):
@@ -118,59 +107,6 @@ class WaypointStory:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
-    """Where the robot was: one row a control step of the truth, or a frame of telemetry, that is on the map."""
-
-    time_ns: IntArray  # (n,) when it was there
-    known_ns: IntArray  # (n,) when it was known: the same again for the truth, the arrival for telemetry
-    x_m: FloatArray  # (n,)
-    y_m: FloatArray  # (n,)
-    speed_mps: FloatArray  # (n,) over ground
-
-    def __len__(self) -> int:
-        """Return n."""
-        return len(self.time_ns)
-
-    def thinned(self, most: int) -> Track:
-        """Return every k-th row and the last one, so that there are no more than `most` + 1."""
-        stride = max(1, -(-len(self) // most))
-        rows = np.arange(0, len(self), stride)
-        if len(rows) and rows[-1] != len(self) - 1:
-            rows = np.append(rows, len(self) - 1)
-        return Track(self.time_ns[rows], self.known_ns[rows], self.x_m[rows], self.y_m[rows], self.speed_mps[rows])
-
-
-@dataclass(frozen=True, slots=True)
-class Effort:
-    """How the robot spent its time.
-
-    Attributes:
-        distance_m: the way of the torso over ground, standing sway included.
-        walked_m: of that, while the policy had the motors.
-        walking_ns: the policy had the motors.
-        standing_ns: the standing controller had them.
-        fallen_ns: they were off.
-    """
-
-    distance_m: float
-    walked_m: float
-    walking_ns: int
-    standing_ns: int
-    fallen_ns: int
-
-    @property
-    def mean_speed_mps(self) -> float | None:
-        """The mean speed while walking, None if the robot never walked."""
-        return self.walked_m * NS_PER_S / self.walking_ns if self.walking_ns else None
-
-    @property
-    def standing_share(self) -> float | None:
-        """The share of the time that the robot stood, None if no time went by."""
-        total = self.walking_ns + self.standing_ns + self.fallen_ns
-        return self.standing_ns / total if total else None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Story:
     """A flight, told.
 
@@ -185,11 +121,15 @@ class Story:
         reward: each term's sum over the flight.
         reward_total: the sum of what each step was paid.
         effort: distance and time.
+        moving: when the robot moved by a policy's actions, on board or from the ground.
+        resting: when it stood so still that physics slept.
+        returns: each way home that began.
         truth: where the robot was.
         belief: where the operator was told it was.
         states_off_map: how many states `truth` and `effort` leave out, as no robot can be there.
         frames_off_map: how many telemetry frames `belief` leaves out.
         link: what it did besides delaying.
+        setting: what the mission has fixed beforehand: home, zones, contact windows.
     """
 
     outcome: str
@@ -202,11 +142,15 @@ class Story:
     reward: tuple[tuple[str, float], ...]
     reward_total: float
     effort: Effort
+    moving: tuple[Span, ...]
+    resting: tuple[Span, ...]
+    returns: tuple[ReturnHome, ...]
     truth: Track
     belief: Track
     states_off_map: int
     frames_off_map: int
     link: LinkStory
+    setting: MissionSetting
 
     @property
     def reached(self) -> int:
@@ -217,6 +161,28 @@ class Story:
     def learned(self) -> int:
         """How many of them the operator has heard of."""
         return sum(waypoint.learned_ns is not None for waypoint in self.waypoints)
+
+    @property
+    def ended_at(self) -> Track:
+        """Where the robot was in the end: one row, or none of a flight without a state."""
+        return self.truth.last()
+
+    @property
+    def believed_at(self) -> Track:
+        """What the operator knew of that in the end: the frame that was sampled last, or none."""
+        return self.belief.newest().last()
+
+    @property
+    def home(self) -> PlannedWaypoint | None:
+        """Home, where it matters."""
+        return self.setting.home_to_show(has_returned=bool(self.returns))
+
+    @property
+    def home_distance_m(self) -> float | None:
+        """How far from home the robot ended; None where there is no home that matters, or no state."""
+        if self.home is None or not len(self.ended_at):
+            return None
+        return math.dist((self.home.x_m, self.home.y_m), (self.ended_at.x_m[0], self.ended_at.y_m[0]))
 
     @property
     def falls(self) -> int:

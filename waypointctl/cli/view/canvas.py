@@ -41,27 +41,30 @@ class Canvas:
         self._style[line, cell] = self._number(style)
 
     def polyline(self, x: FloatArray, y: FloatArray, style: str) -> None:
-        """Join the points x (n,), y (n,), in dots, with straight lines."""
+        """Join the points x (n,), y (n,), in dots, with straight lines; what lies outside is left out."""
         if len(x) < 2:
             return self.dots(x, y, style)
-        lengths = np.maximum(np.abs(np.diff(x)), np.abs(np.diff(y)))
-        # Enough points that no dot between two of them is missed, each placed along the way there.
-        at = np.concatenate([[0.0], np.cumsum(lengths)])
-        along = np.linspace(0.0, at[-1], int(min(2 * at[-1], 50_000)) + 2)
-        self.dots(np.interp(along, at, x), np.interp(along, at, y), style)
-        return None
+        start, way = np.stack([x[:-1], y[:-1]]), np.stack([np.diff(x), np.diff(y)])
+        first, last = _inside(start, way, np.array([[self.width], [self.height]]))
+        # Enough points that no dot of a line is missed, and none of what lies outside.
+        points = np.where(last >= first, np.ceil(2 * np.abs(way).max(axis=0) * (last - first)) + 2, 0).astype(np.int64)
+        line = np.repeat(np.arange(len(points)), points)
+        number = np.arange(len(line)) - np.repeat(np.cumsum(points) - points, points)
+        along = first[line] + (last - first)[line] * number / np.maximum(points[line] - 1, 1)
+        x, y = start[:, line] + along * way[:, line]
+        return self.dots(x, y, style)
 
     def sign(self, x: float, y: float, text: str, style: str) -> None:
         """Write `text` beginning in the cell at the dot (x, y), over whatever is drawn there."""
         line, cell = int(y // CELL_HEIGHT), int(x // CELL_WIDTH)
-        for offset, letter in enumerate(text):
+        for offset, letter in enumerate(_cells(text)):
             if 0 <= line < self.lines and 0 <= cell + offset < self.columns:
                 self._signs[line, cell + offset] = letter
                 self._style[line, cell + offset] = self._number(style)
 
-    def is_free(self, x: float, y: float, length: int) -> bool:
-        """Return whether a text of `length` fits at the dot (x, y) without covering another."""
-        line, cell = int(y // CELL_HEIGHT), int(x // CELL_WIDTH)
+    def is_free(self, x: float, y: float, text: str) -> bool:
+        """Return whether a text fits at the dot (x, y) without covering another."""
+        line, cell, length = int(y // CELL_HEIGHT), int(x // CELL_WIDTH), len(_cells(text))
         if not (0 <= line < self.lines and cell >= 0 and cell + length <= self.columns):
             return False
         return all((line, cell + offset) not in self._signs for offset in range(length))
@@ -91,6 +94,35 @@ class Canvas:
         if style not in self._styles:
             self._styles.append(style)
         return self._styles.index(style)
+
+
+def _cells(text: str) -> list[str]:
+    """Return what stands in each cell of a text: a wide letter takes two, and an accent none of its own."""
+    from rich.cells import cell_len
+
+    cells: list[str] = []
+    for letter in text:
+        width = cell_len(letter)
+        if width == 0 and cells:
+            cells[-1] += letter
+        else:
+            cells += (letter, *[""] * (width - 1))
+    return cells
+
+
+def _inside(start: FloatArray, way: FloatArray, size: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return where lines from `start` (2, n) along `way` (2, n) enter and leave a canvas, as shares of each (n,).
+
+    A line that stays outside leaves before it enters.
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        borders = np.stack([-start, size - start]) / way  # (2, 2, n): low and high borders of both axes
+    # A line along an axis never meets the borders across: it is within them all the way, or nowhere.
+    within = (start >= 0) & (start <= size)
+    still = way == 0
+    enters = np.where(still, np.where(within, 0.0, np.inf), borders.min(axis=0))
+    leaves = np.where(still, np.where(within, 1.0, -np.inf), borders.max(axis=0))
+    return np.clip(enters.max(axis=0), 0.0, 2.0), np.clip(leaves.min(axis=0), -1.0, 1.0)
 
 
 def _letter(pattern: int, ascii_only: bool) -> str:

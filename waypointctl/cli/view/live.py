@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Final, Self
 
-from waypointctl.cli.view.chart import Scene, draw_map
+from waypointctl.cli.view.chart import draw_map
+from waypointctl.cli.view.map_scene import scene_so_far
 from waypointctl.cli.view.panels import clocks, commands, happenings, heading
 from waypointctl.cli.view.words import Happening, happening
 from waypointctl.replay.chronicle import Chronicle
+from waypointctl.replay.setting import MissionSetting
 
 if TYPE_CHECKING:
     from rich.console import Console, Group, RenderableType
@@ -25,6 +27,7 @@ _CLOCKS_WIDTH: Final = 34
 _CLOCKS_HEIGHT: Final = 7
 _WAY_POINTS: Final = 4000  # drawn of the way walked: more would cost time and show nothing
 _MOST_HAPPENINGS: Final = 8
+_NO_SETTING: Final = MissionSetting()
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,12 +69,18 @@ class LiveView:
         chronicle: the flight so far.
     """
 
-    def __init__(self, people: Console, title: str, waypoints: Iterable[PlannedWaypoint]) -> None:
-        """Draw on `people`, a terminal, under `title`."""
+    def __init__(
+        self,
+        people: Console,
+        title: str,
+        waypoints: Iterable[PlannedWaypoint],
+        setting: MissionSetting = _NO_SETTING,
+    ) -> None:
+        """Draw on `people`, a terminal, under `title`, with what the mission has fixed beforehand."""
         from rich.live import Live
 
         self._status = ""
-        self._waypoints = tuple(waypoints)
+        self._waypoints, self._setting = tuple(waypoints), setting
         self._title = title
         self._console = people
         self._ascii_only = not people.encoding.lower().startswith("utf")
@@ -102,7 +111,7 @@ class LiveView:
 
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
-        self.chronicle = Chronicle(self._waypoints)
+        self.chronicle = Chronicle(self._waypoints, self._setting)
         self._happenings = deque[Happening](maxlen=_MOST_HAPPENINGS)
         self._next_s = 0.0
 
@@ -155,9 +164,5 @@ class LiveView:
         return [table]
 
     def _map(self, plan: Sizes) -> list[RenderableType]:
-        chronicle = self.chronicle
-        x_m, y_m = chronicle.way(_WAY_POINTS)
-        frame = chronicle.telemetry
-        believed = None if frame is None else (frame.x_m, frame.y_m)
-        scene = Scene(x_m, y_m, chronicle.waypoints, believed)
+        scene = scene_so_far(self.chronicle, _WAY_POINTS)
         return list(draw_map(scene, plan.map_columns, plan.map_lines, ascii_only=self._ascii_only))

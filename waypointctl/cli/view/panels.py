@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from waypointctl.cli.view.words import Happening, at
 from waypointctl.display_text import printable
 from waypointctl.log.messages import Clock, Mode, Severity
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 
     from waypointctl.log.messages import Telemetry
     from waypointctl.replay.chronicle import Chronicle
+    from waypointctl.replay.setting import ContactWindows
 
 CLOCK_STYLES: Final = {Clock.ROBOT: "green", Clock.OPERATOR: "magenta"}
 _SEVERITY_STYLES: Final = {Severity.INFO: "", Severity.WARNING: "yellow", Severity.ERROR: "bold red"}
@@ -41,13 +44,13 @@ def heading(title: str, status: str, chronicle: Chronicle, *, ascii_only: bool) 
 
 
 def clocks(chronicle: Chronicle) -> Table:
-    """Return what time it is for the robot, and how old what the operator knows is."""
+    """Return what time it is for the robot, how old what the operator knows is, and how the link is."""
     from rich.table import Table
 
     table = Table.grid(padding=(0, 1))
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True, overflow="ellipsis")
-    for label, style, value in (*_robot(chronicle), *_operator(chronicle)):
+    for label, style, value in (*_robot(chronicle), *_operator(chronicle), *_link(chronicle)):
         table.add_row(_text(label, style), _text(value))
     return table
 
@@ -114,6 +117,27 @@ def _operator(chronicle: Chronicle) -> Rows:
     ]
 
 
+def _link(chronicle: Chronicle) -> Rows:
+    """Return how the link is, which neither end is told: contact, and what was not delivered."""
+    setting, link, now_ns = chronicle.setting, chronicle.link, chronicle.now_ns
+    contacts = {f"link {way}": _contact(windows, now_ns) for way, windows in setting.ways.items() if windows}
+    if len(contacts) == 2 and len(set(contacts.values())) == 1:
+        contacts = {"link": contacts["link up"]}
+    rows = [(label, "bold blue", text) for label, text in contacts.items()]
+    missing = {"up": len(link.up.missing_ns), "down": len(link.down.missing_ns)}
+    if any(missing.values()):
+        text = ", ".join(f"{count} {way}" for way, count in missing.items() if count)
+        rows.append(("undelivered", "red", text))
+    if link.lost_since_ns is not None:
+        rows.append(("link lost", "bold red", f"on board, at {at(link.lost_since_ns)}"))
+    return rows
+
+
+def _contact(windows: ContactWindows, now_ns: int) -> str:
+    is_open, change_ns = bool(windows.is_open(np.array([now_ns]))[0]), windows.change_ns(now_ns)
+    return f"{'open' if is_open else 'closed'} {'from now on' if change_ns is None else f'until {at(change_ns)}'}"
+
+
 def _astray(chronicle: Chronicle, frame: Telemetry) -> str:
     if chronicle.state is None:
         return ""
@@ -123,6 +147,8 @@ def _astray(chronicle: Chronicle, frame: Telemetry) -> str:
 
 def _mode(chronicle: Chronicle, frame: Telemetry) -> str:
     names = {waypoint.planned.index: printable(waypoint.planned.name) for waypoint in chronicle.waypoints}
+    if frame.mode is Mode.RETURNING:
+        return "returning home"
     if frame.target not in names:
         return str(frame.mode)
     return f"{frame.mode} {'to' if frame.mode is Mode.WALKING else 'at'} {names[frame.target]}"

@@ -11,7 +11,7 @@ from waypointctl.cli.view.pace import Pace
 from waypointctl.cli.view.watch import Watch, watch
 from waypointctl.errors import InputError
 from waypointctl.log.messages import State
-from waypointctl.replay.logged import mission_name, waypoints_in
+from waypointctl.replay.logged import mission_name, setting_in, waypoints_in
 from waypointctl.units import NS_PER_S, ns
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def play(log: Log, playback: Playback, interrupted: Callable[[], bool]) -> None:
     if ns(playback.start_offset_s) > last_ns:
         problem = f"the flight is over at {last_ns / NS_PER_S:.2f} s"
         raise InputError(problem, where=str(log.path), mend="Give a smaller --start-offset.")
-    with keyboard, watch(mission_name(log), waypoints_in(log)) as view:
+    with keyboard, watch(mission_name(log), waypoints_in(log), setting_in(log)) as view:
         player = _Player(view, keyboard, playback, interrupted)
         player.show(log)
         while playback.loop and not player.is_over:

@@ -20,6 +20,7 @@ from waypointctl.mission.mission import Mission
 from waypointctl.ops.ground.console import USAGE, impossible, order_from
 from waypointctl.ops.ground.line_source import QUIT
 from waypointctl.replay.chronicle import Chronicle
+from waypointctl.replay.setting import setting_of
 from waypointctl.units import seconds
 
 _SIGN: Final = "> "
@@ -81,7 +82,7 @@ class Prompt:
 
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
-        self.chronicle = Chronicle(self._waypoints)
+        self.chronicle = Chronicle(self._waypoints, setting_of(self._mission))
         self._heard = Heard()
 
     def learn(self, message: Message) -> None:

@@ -7,11 +7,14 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from waypointctl.replay.return_home import ReturnEnding
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
     from waypointctl.replay.link_story import WayStory
+    from waypointctl.replay.return_home import ReturnHome
     from waypointctl.replay.story import CommandStory, Story, WaypointStory
+    from waypointctl.replay.track import Track
     from waypointctl.replay.verdict import Verification
 
 Plain = dict[str, object]
@@ -69,10 +72,39 @@ def story_json(story: Story, mission: str) -> Plain:
         "reward_total": story.reward_total,
         "states_off_map": story.states_off_map,
         "frames_off_map": story.frames_off_map,
+        "home": None if story.home is None else {"x_m": story.home.x_m, "y_m": story.home.y_m},
+        "returns_home": [_return(each) for each in story.returns],
+        "ended_at": _place(story.ended_at),
+        "believed_at": _place(story.believed_at),
+        "home_distance_m": story.home_distance_m,
         "waypoints": [_waypoint(waypoint) for waypoint in story.waypoints],
         "commands": [_command(command) for command in story.commands],
-        "link": {"up": _way(story.link.up), "down": _way(story.link.down)},
+        "link": {
+            "up": _way(story.link.up),
+            "down": _way(story.link.down),
+            "lost_on_board": [{"from_s": seconds(begin), "to_s": seconds(end)} for begin, end in story.link.unheard],
+        },
     }
+
+
+def _return(each: ReturnHome) -> Plain:
+    return {
+        "cause": each.cause,
+        "command": each.command_id,
+        "began_s": seconds(each.began_ns),
+        "began_known_s": _seconds(each.began_known_ns),
+        "ending": str(each.ending),
+        "reached": each.ending is ReturnEnding.REACHED,
+        "ended_s": _seconds(each.ended_ns),
+        "ended_known_s": _seconds(each.ended_known_ns),
+    }
+
+
+def _place(track: Track) -> Plain | None:
+    """Return the place in a track's only row, and when the robot was there; None of one without a row."""
+    if not len(track):
+        return None
+    return {"x_m": float(track.x_m[0]), "y_m": float(track.y_m[0]), "at_s": seconds(int(track.time_ns[0]))}
 
 
 def _way(way: WayStory) -> Plain:

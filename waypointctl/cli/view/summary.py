@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from waypointctl.cli.console import console
 from waypointctl.cli.view.link_losses import link_lines
 from waypointctl.cli.view.tables import command_table, effort_lines, reward_table, waypoint_table
+from waypointctl.cli.view.whereabouts import whereabouts_lines
 from waypointctl.cli.view.words import size
 from waypointctl.display_text import printable, shell_word
 from waypointctl.units import seconds
@@ -30,7 +31,7 @@ def print_flight(story: Story, recording: Recording, wall_s: float, *, stderr: b
     out.print()
     _print_outcome(out, story)
     _print_tables(out, story)
-    for line in (*effort_lines(story), *link_lines(story.link)):
+    for line in (*effort_lines(story), *whereabouts_lines(story), *link_lines(story.link)):
         out.print(line, soft_wrap=True)
     flown_s = seconds(recording.result.sim_time_ns)
     out.print(f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
@@ -60,22 +61,21 @@ def print_verdict(verification: Verification, *, stderr: bool) -> None:
 
 def print_story(story: Story, title: str, *, stderr: bool) -> None:
     """Print the story of a logged flight."""
-    from waypointctl.cli.view.chart import Scene, draw_map
+    from waypointctl.cli.view.chart import draw_map
+    from waypointctl.cli.view.map_scene import scene_of
 
     out = console(stderr=stderr)
     out.print(printable(title), style="bold", soft_wrap=True)
     _print_outcome(out, story)
     out.print()
-    way = story.truth.thinned(_MAP_COLUMNS * 50)
-    believed = (float(story.belief.x_m[-1]), float(story.belief.y_m[-1])) if len(story.belief) else None
-    scene = Scene(way.x_m, way.y_m, story.waypoints, believed)
+    scene = scene_of(story, _MAP_COLUMNS * 50)
     ascii_only = not out.encoding.lower().startswith("utf")
     for row in draw_map(scene, min(out.width, _MAP_COLUMNS), _MAP_LINES, ascii_only=ascii_only):
         out.print(row, crop=True)
     _print_tables(out, story)
     out.print(reward_table(story))
     out.print()
-    for line in (*effort_lines(story), *link_lines(story.link)):
+    for line in (*effort_lines(story), *whereabouts_lines(story), *link_lines(story.link)):
         out.print(line, soft_wrap=True)
 
 

@@ -9,7 +9,8 @@ from waypointctl.cli.view.words import at, number
 from waypointctl.display_text import printable
 from waypointctl.evaluation.grid import Column, Grid
 from waypointctl.log.messages import EventKind
-from waypointctl.replay.story import FARTHEST_M, Fate
+from waypointctl.replay.story import Fate
+from waypointctl.replay.track import FARTHEST_M
 
 if TYPE_CHECKING:
     from waypointctl.replay.story import CommandStory, Story, WaypointStory

@@ -12,6 +12,7 @@ from waypointctl.cli.console import console, is_live
 from waypointctl.cli.view.words import happening
 from waypointctl.log.messages import Message, PlannedWaypoint
 from waypointctl.replay.chronicle import Chronicle
+from waypointctl.replay.setting import MissionSetting
 
 
 class Watch(AbstractContextManager["Watch"], Protocol):
@@ -29,14 +30,14 @@ class Watch(AbstractContextManager["Watch"], Protocol):
         """Put a word about the view itself beside what it shows, where there is room for one."""
 
 
-def watch(title: str, waypoints: Iterable[PlannedWaypoint]) -> Watch:
-    """Return what shows a flight on stderr."""
+def watch(title: str, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> Watch:
+    """Return what shows a flight on stderr, under its title and with what its mission has fixed beforehand."""
     people = console(stderr=True)
     if not is_live(people):
-        return PlainLines(waypoints)
+        return PlainLines(waypoints, setting)
     from waypointctl.cli.view.live import LiveView
 
-    return LiveView(people, title, waypoints)
+    return LiveView(people, title, waypoints, setting)
 
 
 class PlainLines:
@@ -46,9 +47,9 @@ class PlainLines:
         chronicle: the flight so far.
     """
 
-    def __init__(self, waypoints: Iterable[PlannedWaypoint]) -> None:
-        """Begin with the waypoints of the mission."""
-        self._waypoints = tuple(waypoints)
+    def __init__(self, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> None:
+        """Begin with the waypoints of the mission, and what else it has fixed beforehand."""
+        self._waypoints, self._setting = tuple(waypoints), setting
         self._readers = True
         self.restart()
 
@@ -74,7 +75,7 @@ class PlainLines:
 
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
-        self.chronicle = Chronicle(self._waypoints)
+        self.chronicle = Chronicle(self._waypoints, self._setting)
 
     def say(self, status: str) -> None:
         """Say nothing: among the lines of a flight it would be out of place."""

@@ -26,7 +26,7 @@ from waypointctl.ops.executive.commands import KINDS, by, names_of, take_back
 from waypointctl.ops.executive.judgement import OBSERVATION_NS, judge
 from waypointctl.ops.executive.life import Life
 from waypointctl.ops.executive.machine import ON_FOOT, TRANSITIONS, Signal
-from waypointctl.ops.executive.rules import FALL, Rules
+from waypointctl.ops.executive.rules import FALL, FLIGHT_ENDED, Rules
 from waypointctl.ops.executive.start import is_overtaken, start
 from waypointctl.ops.executive.walk import Walk
 from waypointctl.ops.executive.watch import FenceWatch, LinkWatch
@@ -191,7 +191,7 @@ class Executive:
     def close(self, now_ns: int) -> None:
         """End every command that is still open, for the flight is over."""
         for command_id in self._life.open_ids:
-            self._life.advance(now_ns, command_id, Stage.CANCELLED, "flight ended")
+            self._life.advance(now_ns, command_id, Stage.CANCELLED, FLIGHT_ENDED)
 
     def next_ns(self, now_ns: int) -> int | None:
         """Return when something is due by itself while the robot stands; None if nothing is.

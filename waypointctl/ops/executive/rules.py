@@ -18,6 +18,7 @@ STUCK: Final = "stuck"
 FALL: Final = "fall"
 GEOFENCE: Final = "geofence"
 LINK_LOST: Final = "link lost"
+FLIGHT_ENDED: Final = "flight ended"
 
 HOME_INDEX: Final = -1  # of the way home, which is no waypoint of the mission
 _HOME: Final = Home()

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 
 from waypointctl.log.messages import EventKind
 from waypointctl.replay.picture import palette
-from waypointctl.replay.story import FloatArray, Story, Track
+from waypointctl.replay.story import Story
+from waypointctl.replay.track import FloatArray, Track
 from waypointctl.units import NS_PER_S, seconds
 
 _WINDOW_NS: Final = NS_PER_S // 2  # of the moving mean: a stride or two

@@ -1,0 +1,146 @@
+"""Each way home in a flight: when and why it began, how it ended, and when the operator knew of that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+from waypointctl.log.messages import (
+    FINAL_STAGES,
+    Ack,
+    Clock,
+    CommandKind,
+    CommandStage,
+    Event,
+    EventKind,
+    Mode,
+    Stage,
+    Telemetry,
+)
+from waypointctl.ops.executive.rules import FLIGHT_ENDED
+
+
+class ReturnEnding(StrEnum):
+    """How a way home ended."""
+
+    REACHED = "home reached"
+    FAILED = "home not reached"
+    FALLEN = "fell on the way home"
+    CALLED_OFF = "called off by another command"
+    OPEN = "under way when the flight ended"
+
+
+_ENDINGS: Final = {
+    EventKind.HOME_REACHED: ReturnEnding.REACHED,
+    EventKind.PLAN_FAILED: ReturnEnding.FAILED,
+    EventKind.FALL: ReturnEnding.FALLEN,
+    EventKind.LEG_STARTED: ReturnEnding.CALLED_OFF,
+    EventKind.RELEASE_AWAITED: ReturnEnding.CALLED_OFF,
+    EventKind.STEERING_STARTED: ReturnEnding.CALLED_OFF,
+    EventKind.RETURN_STARTED: ReturnEnding.CALLED_OFF,
+}
+_BY_RULE: Final = -1  # in place of a command's id
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnHome:
+    """A way home. Times are in [ns]: what happened on the robot's clock, what was learned on the operator's.
+
+    Attributes:
+        began_ns: when it began.
+        cause: the rule that began it, such as "timeout"; or the command.
+        command_id: the command that began it; None for a rule.
+        ended_ns: when it ended; None for one that was under way to the end.
+        ending: how it ended.
+        began_known_ns: when the operator learned that it had begun; None for never.
+        ended_known_ns: when the operator learned that it had ended; None for never.
+    """
+
+    began_ns: int
+    cause: str
+    command_id: int | None
+    ended_ns: int | None = None
+    ending: ReturnEnding = ReturnEnding.OPEN
+    began_known_ns: int | None = None
+    ended_known_ns: int | None = None
+
+
+@dataclass(slots=True)
+class GrowingReturn:
+    """A way home so far; what the attributes mean is ReturnHome's to say."""
+
+    began_ns: int
+    cause: str
+    command_id: int
+    ended_ns: int | None = None
+    ending: ReturnEnding = ReturnEnding.OPEN
+    began_known_ns: int | None = None
+    ended_known_ns: int | None = None
+
+    def story(self) -> ReturnHome:
+        """Return what is known of it."""
+        command_id = None if self.command_id == _BY_RULE else self.command_id
+        times = (self.ended_ns, self.ending, self.began_known_ns, self.ended_known_ns)
+        return ReturnHome(self.began_ns, self.cause, command_id, *times)
+
+    def hear(self, message: Telemetry | Ack) -> None:
+        """Take what has arrived at the operator: what had happened when it was issued is known from then on."""
+        if isinstance(message, Ack):
+            is_its_own = message.command_id == self.command_id
+            tells_begin = is_its_own and message.stage is Stage.STARTED
+            tells_end = is_its_own and message.stage in FINAL_STAGES
+        else:
+            tells_begin = message.mode is Mode.RETURNING
+            tells_end = not tells_begin
+        if tells_begin and self.began_known_ns is None and message.issued_ns >= self.began_ns:
+            self.began_known_ns = message.received_ns
+        if tells_end and self.ended_known_ns is None and self.ended_ns is not None:
+            self.ended_known_ns = message.received_ns if message.issued_ns >= self.ended_ns else None
+
+
+class ReturnsFold:
+    """Gathers the ways home from a flight's messages."""
+
+    def __init__(self) -> None:
+        """Know of none."""
+        self._returns: list[GrowingReturn] = []
+
+    @property
+    def returns(self) -> tuple[ReturnHome, ...]:
+        """Those so far, in order."""
+        return tuple(each.story() for each in self._returns)
+
+    def note(self, event: Event) -> None:
+        """Take an event."""
+        ending = _ENDINGS.get(event.kind)
+        if ending is not None:
+            self._end(event.time_ns, ending)
+        if event.kind is EventKind.RETURN_STARTED:
+            cause = event.text.partition(": ")[2]
+            command_id = _BY_RULE if cause else event.command_id
+            self._returns.append(GrowingReturn(event.time_ns, cause or f"command {command_id}", command_id))
+
+    def advance(self, it: CommandStage, kind: CommandKind | None) -> None:
+        """Take a stage of a command of some kind."""
+        current = self._current
+        if current is None or it.clock is not Clock.ROBOT or it.stage not in FINAL_STAGES or it.reason == FLIGHT_ENDED:
+            return
+        is_taken_back = it.command_id == current.command_id and it.stage is not Stage.COMPLETED
+        is_aborted = current.command_id == _BY_RULE and kind is CommandKind.ABORT and it.stage is Stage.COMPLETED
+        if is_taken_back or is_aborted:
+            self._end(it.time_ns, ReturnEnding.CALLED_OFF)
+
+    def hear(self, message: Telemetry | Ack) -> None:
+        """Take what has arrived at the operator."""
+        for each in self._returns[-2:]:  # of the one before, its end may still be news
+            each.hear(message)
+
+    @property
+    def _current(self) -> GrowingReturn | None:
+        return self._returns[-1] if self._returns and self._returns[-1].ended_ns is None else None
+
+    def _end(self, time_ns: int, ending: ReturnEnding) -> None:
+        current = self._current
+        if current is not None:
+            current.ended_ns, current.ending = time_ns, ending
