@@ -15,9 +15,9 @@ from tests.replay.hand_made import NEAR
 from waypointctl.cli.view.canvas import Canvas
 from waypointctl.cli.view.chart import KEEP_IN, KEEP_OUT, UNHEARD, WAY, WAY_HOME, draw_map
 from waypointctl.cli.view.map_scene import Scene
+from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.zones import Zone
 from waypointctl.replay.return_home import ReturnHome
-from waypointctl.replay.setting import ContactWindows, MissionSetting
 from waypointctl.replay.story import Fate, WaypointStory
 from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S

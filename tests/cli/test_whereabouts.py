@@ -14,8 +14,8 @@ from waypointctl.cli.view.live import LiveView
 from waypointctl.cli.view.story_json import story_json
 from waypointctl.cli.view.whereabouts import whereabouts_lines
 from waypointctl.log.messages import EventKind, LinkFate, LinkRecord, Message, Mode
+from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.replay.chronicle import tell
-from waypointctl.replay.setting import ContactWindows, MissionSetting
 from waypointctl.units import NS_PER_S
 
 SETTING = MissionSetting(home=replace(NEAR, x_m=0.0, y_m=0.0))

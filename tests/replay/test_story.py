@@ -191,6 +191,31 @@ def test_a_thinned_track_keeps_both_ends() -> None:
     assert len(track.thinned(5000)) == 1001
 
 
+def test_of_frames_that_overtake_each_other_only_those_are_news_that_were_sampled_later() -> None:
+    frames = [frame(n, issued_s, issued_s, ()) for n, issued_s in enumerate((0.0, 2.0, 1.0, 2.0, 3.0))]
+    belief = tell(frames).belief
+    assert belief.newest().x_m.tolist() == [0.0, 2.0, 3.0]
+    assert belief.newest().last().x_m.tolist() == [3.0]
+    assert len(tell([]).belief.newest().last()) == 0
+
+
+def test_rows_are_found_by_their_times() -> None:
+    rows = np.arange(5)
+    meters = rows.astype(np.float64)
+    track = Track(rows, rows, meters, meters, meters)
+    assert track.between(1, 3).time_ns.tolist() == [1, 2, 3]
+    assert track.nearest(np.array([-7, 0, 3, 99])).time_ns.tolist() == [0, 0, 3, 4]
+    assert len(track.at(np.array([], np.int64)).nearest(np.array([1]))) == 0
+
+
+def test_when_the_robot_moved_and_when_physics_slept() -> None:
+    rest = (event(4.5, EventKind.REST_STARTED, "rests"), event(9, EventKind.REST_ENDED, "wakes"))
+    story = tell([*flight(), *rest])
+    assert story.moving == ((ns(1.0), ns(4.0)),)
+    assert story.resting == ((ns(4.5), ns(9.0)),)
+    assert tell([*flight(), rest[0]]).resting == ((ns(4.5), ns(5.0)),)  # until the end
+
+
 def test_the_way_so_far_is_bounded_and_ends_where_the_robot_is() -> None:
     chronicle = Chronicle()
     for step in range(997):

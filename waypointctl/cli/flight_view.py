@@ -46,7 +46,7 @@ def flight_view(
     """
     from waypointctl.cli.view.watch import watch
     from waypointctl.ops.ground.operator import planned_waypoints
-    from waypointctl.replay.setting import setting_of
+    from waypointctl.ops.setting import setting_of
 
     plan = planned_waypoints(mission)
     if console:

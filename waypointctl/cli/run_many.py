@@ -119,9 +119,9 @@ def _fly(
     from waypointctl.cli.pictures import say_missing
     from waypointctl.ops.ground.operator import planned_waypoints
     from waypointctl.ops.record import record
+    from waypointctl.ops.setting import setting_of
     from waypointctl.policy.bundle import load_policy
     from waypointctl.replay.chronicle import Chronicle
-    from waypointctl.replay.setting import setting_of
 
     file = load(path)
     name, chronicle = file.mission.name, Chronicle(planned_waypoints(file.mission), setting_of(file.mission))

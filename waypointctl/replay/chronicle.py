@@ -25,11 +25,11 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
+from waypointctl.log.setting import MissionSetting
 from waypointctl.replay.effort import EffortTally
 from waypointctl.replay.growing_records import GrowingCommand, GrowingWaypoint
 from waypointctl.replay.link_story import LinkTally
 from waypointctl.replay.return_home import ReturnHome, ReturnsFold
-from waypointctl.replay.setting import MissionSetting
 from waypointctl.replay.story import CommandStory, Fate, Story, WaypointStory
 from waypointctl.replay.track import GrowingTrack, Track, is_on_map
 

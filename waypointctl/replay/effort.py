@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
 from waypointctl.log.messages import Event, EventKind, State
+from waypointctl.log.setting import Span
 from waypointctl.units import NS_PER_S
-
-Span: TypeAlias = tuple[int, int]  # from when to when [ns]
 
 _BY_POLICY = ("policy", "ground")  # the policy's actions, computed on board or on the ground
 

@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from waypointctl.log.messages import Event, EventKind, LinkFate, LinkRecord
-from waypointctl.replay.effort import Span
-from waypointctl.replay.track import IntArray
+from waypointctl.log.setting import IntArray, Span
 
 _NOT_ARRIVED = (LinkFate.LOST, LinkFate.QUEUE_FULL, LinkFate.NO_CONTACT)
 

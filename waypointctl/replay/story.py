@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from waypointctl.log.messages import FINAL_STAGES, Ack, Event, EventKind, PlannedWaypoint, Stage
-from waypointctl.replay.effort import Effort, Span
+from waypointctl.log.setting import MissionSetting, Span
+from waypointctl.replay.effort import Effort
 from waypointctl.replay.link_story import LinkStory
 from waypointctl.replay.return_home import ReturnHome
-from waypointctl.replay.setting import MissionSetting
 from waypointctl.replay.track import Track, is_on_map
 
 

@@ -13,8 +13,8 @@ from waypointctl.cli.view.chart import draw_map
 from waypointctl.cli.view.map_scene import scene_so_far
 from waypointctl.cli.view.panels import clocks, commands, happenings, heading
 from waypointctl.cli.view.words import Happening, happening
+from waypointctl.log.setting import MissionSetting
 from waypointctl.replay.chronicle import Chronicle
-from waypointctl.replay.setting import MissionSetting
 
 if TYPE_CHECKING:
     from rich.console import Console, Group, RenderableType

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from waypointctl.log.setting import MissionSetting
 from waypointctl.replay.return_home import ReturnHome
-from waypointctl.replay.setting import MissionSetting
 from waypointctl.replay.story import WaypointStory
 from waypointctl.replay.track import IntArray, Track
 

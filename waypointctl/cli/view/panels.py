@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from waypointctl.log.messages import Telemetry
+    from waypointctl.log.setting import ContactWindows
     from waypointctl.replay.chronicle import Chronicle
-    from waypointctl.replay.setting import ContactWindows
 
 CLOCK_STYLES: Final = {Clock.ROBOT: "green", Clock.OPERATOR: "magenta"}
 _SEVERITY_STYLES: Final = {Severity.INFO: "", Severity.WARNING: "yellow", Severity.ERROR: "bold red"}

@@ -19,8 +19,8 @@ from waypointctl.log.messages import Clock, Message, PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.ground.console import USAGE, impossible, order_from
 from waypointctl.ops.ground.line_source import QUIT
+from waypointctl.ops.setting import setting_of
 from waypointctl.replay.chronicle import Chronicle
-from waypointctl.replay.setting import setting_of
 from waypointctl.units import seconds
 
 _SIGN: Final = "> "

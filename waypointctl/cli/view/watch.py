@@ -11,8 +11,8 @@ from typing import Protocol, Self
 from waypointctl.cli.console import console, is_live
 from waypointctl.cli.view.words import happening
 from waypointctl.log.messages import Message, PlannedWaypoint
+from waypointctl.log.setting import MissionSetting
 from waypointctl.replay.chronicle import Chronicle
-from waypointctl.replay.setting import MissionSetting
 
 
 class Watch(AbstractContextManager["Watch"], Protocol):

@@ -1,21 +1,19 @@
-"""What a mission fixes before its flight, and a picture of the flight shows: home, zones, contact windows."""
+"""What a mission fixes before its flight, and views of the flight show: home, zones, contact windows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.log.messages import PlannedWaypoint
-from waypointctl.mission.mission import Mission
-from waypointctl.mission.zones import Zone, zones_of
-from waypointctl.ops.executive.rules import rules_of
-from waypointctl.ops.link.build import contacts_of
-from waypointctl.ops.link.contacts import FOREVER_NS, Contacts
-from waypointctl.replay.effort import Span
-from waypointctl.replay.track import IntArray
+from waypointctl.mission.zones import Zone
+
+IntArray: TypeAlias = NDArray[np.int64]
+Span: TypeAlias = tuple[int, int]  # from when to when [ns]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,39 +86,3 @@ class MissionSetting:
     def ways(self) -> Mapping[str, ContactWindows | None]:
         """Contact each way, by its name."""
         return {"up": self.up, "down": self.down}
-
-
-def setting_of(mission: Mission) -> MissionSetting:
-    """Return what a mission fixes.
-
-    Raises:
-        MissionError: a file that its link refers to is missing or broken.
-    """
-    onboard = mission.onboard
-    return MissionSetting(
-        home=rules_of(mission).home,
-        may_return=onboard.home.position_m is not None or "return_home" in _reactions(mission),
-        zones=zones_of(onboard.geofence),
-        up=_windows(contacts_of(mission.link.up, mission.files)),
-        down=_windows(contacts_of(mission.link.down, mission.files)),
-    )
-
-
-def _reactions(mission: Mission) -> Iterator[str]:
-    """Yield what the rules on board and the schedule make the robot do."""
-    onboard = mission.onboard
-    yield mission.failure_rule.then
-    if onboard.link_loss is not None:
-        yield onboard.link_loss.do
-    if onboard.geofence.keep_in or onboard.geofence.keep_out:
-        yield onboard.geofence.do
-    yield from (command.do for command in mission.schedule)
-
-
-def _windows(contacts: Contacts) -> ContactWindows | None:
-    """Return when there is contact; None for a link that is always there."""
-    begin_ns = np.array([window.begin_ns for window in contacts.windows], np.int64)
-    end_ns = np.array([window.end_ns for window in contacts.windows], np.int64)
-    if len(begin_ns) == 1 and (begin_ns[0], end_ns[0]) == (0, FOREVER_NS):
-        return None
-    return ContactWindows(begin_ns, end_ns, contacts.period_ns)

@@ -1,4 +1,4 @@
-"""What a mission fixes: contact windows, zones, home; and how much of them a map shows."""
+"""What a mission fixes: contact windows, zones, home."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from waypointctl.log.setting import ContactWindows
 from waypointctl.mission.files import parse_mission
-from waypointctl.mission.zones import CIRCLE_CORNERS, Zone
+from waypointctl.mission.zones import CIRCLE_CORNERS
 from waypointctl.ops.link.contacts import Contacts, Window
-from waypointctl.replay.map_extent import Extent, extent
-from waypointctl.replay.setting import ContactWindows, setting_of
+from waypointctl.ops.setting import setting_of
 
 HEAD = "name: n\npolicy: ./p\nwaypoints: [[6 m, 0 m]]\n"
 FAR = 400
@@ -107,25 +107,3 @@ def test_zones_have_their_names_and_outlines() -> None:
     assert (site.label, site.outline_m) == ("keep-in 1", ((-4.0, -4.0), (9.0, -4.0), (9.0, 9.0)))
     assert (pit.label, len(pit.outline_m)) == ("keep-out pit", CIRCLE_CORNERS)
     assert np.hypot(*(np.array(pit.outline_m) - (3, 4)).T) == pytest.approx(2.0)
-
-
-def square(half_m: float) -> Zone:
-    return Zone("z", True, ((-half_m, -half_m), (half_m, -half_m), (half_m, half_m), (-half_m, half_m)))
-
-
-@pytest.mark.parametrize(
-    ("half_m", "expected"),
-    [
-        (1, Extent(-1, 10, -1, 4)),
-        (5, Extent(-5, 10, -5, 5)),
-        (9000, Extent(-5, 15, -5, 9)),  # half the larger side of the way beyond it, and no more
-    ],
-)
-def test_a_map_holds_the_way_and_zones_that_are_near(half_m: float, expected: Extent) -> None:
-    x_m, y_m = np.array([0.0, 10.0, 5.0]), np.array([0.0, 0.0, 4.0])
-    zone = square(half_m)
-    assert extent(x_m, y_m, [zone]) == expected
-
-
-def test_a_map_of_nothing_is_a_map() -> None:
-    assert extent(np.zeros(0), np.zeros(0)) == Extent(-1, 1, -1, 1)
