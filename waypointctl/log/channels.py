@@ -3,26 +3,36 @@
 from __future__ import annotations
 
 import zlib
-from typing import IO, Final
+from collections.abc import Mapping
+from typing import Final, Protocol
 
 from google.protobuf.message import Message as ProtobufMessage
 from mcap import records as mcap
 from mcap_protobuf.schema import build_file_descriptor_set
 
-from waypointctl import __version__
 from waypointctl.log.chunk import MESSAGE_BYTES, Channel, OpenChunk, encoded
-from waypointctl.log.header import Attachment
+from waypointctl.log.header import LIBRARY, Attachment
 from waypointctl.log.records import MAGIC
 from waypointctl.log.summary import Summary
 
 CHUNK_BYTES: Final = 256 * 1024  # before compression; only a single message larger than this makes a larger chunk
 
 
+class ByteSink(Protocol):
+    """What a file is written to."""
+
+    def write(self, data: bytes, /) -> int:
+        """Take whole records."""
+
+    def flush(self) -> None:
+        """Hand on what was taken."""
+
+
 class ChannelWriter:
     """Writes protobuf messages to channels. A chunk ends when it is full, or when it is flushed."""
 
-    def __init__(self, stream: IO[bytes]) -> None:
-        """Begin an MCAP file in `stream`, which stands at its start."""
+    def __init__(self, stream: ByteSink, library: str = LIBRARY) -> None:
+        """Begin an MCAP file in `stream`, which stands at its start; `library` is named as what wrote it."""
         self._stream = stream
         self._offset = 0
         self._crc = 0  # of all that has been put
@@ -31,7 +41,7 @@ class ChannelWriter:
         self._schemas: dict[type[ProtobufMessage], int] = {}
         self._chunk = OpenChunk(self._channels)
         self._put(MAGIC)
-        self._put(encoded(mcap.Header(profile="", library=f"waypointctl {__version__}")))
+        self._put(encoded(mcap.Header(profile="", library=library)))
 
     def attach(self, attachment: Attachment) -> None:
         """Write an attachment; it has no times, because nothing but the simulation has a clock."""
@@ -49,9 +59,9 @@ class ChannelWriter:
         self._summary.attachments.append(index)
         self._put(record)
 
-    def describe(self, name: str, metadata: dict[str, str]) -> None:
+    def describe(self, name: str, metadata: Mapping[str, str]) -> None:
         """Write a metadata record."""
-        record = encoded(mcap.Metadata(name=name, metadata=metadata))
+        record = encoded(mcap.Metadata(name=name, metadata=dict(metadata)))
         self._summary.metadata.append(mcap.MetadataIndex(offset=self._offset, length=len(record), name=name))
         self._put(record)
 

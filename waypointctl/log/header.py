@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from waypointctl import __version__
 from waypointctl.log.kinematics import Kinematics
 from waypointctl.log.messages import PlannedWaypoint
 
 SCHEMA_VERSION: Final = 1  # of topics, schemas and metadata; a reader refuses logs of a newer one
 METADATA_NAME: Final = "waypointctl"  # of the MCAP metadata record; a log without it is not ours
+LIBRARY: Final = f"waypointctl {__version__}"  # of the MCAP header
 LAYOUT_NAME: Final = "foxglove-layout.json"
 
 
@@ -35,3 +37,4 @@ class LogHeader:
     waypoints: tuple[PlannedWaypoint, ...]  # the mission's, drawn from the start
     attachments: tuple[Attachment, ...]
     metadata: Mapping[str, str]
+    library: str = LIBRARY

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections import deque
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -11,13 +10,10 @@ from typing import IO, Self
 
 from waypointctl.errors import OutputError
 from waypointctl.log.channels import ChannelWriter
-from waypointctl.log.foxglove.layout import layout
-from waypointctl.log.foxglove.view import VIEW_TOPICS, FoxgloveView, Frame
-from waypointctl.log.header import LAYOUT_NAME, METADATA_NAME, SCHEMA_VERSION, Attachment, LogHeader
+from waypointctl.log.encoder import LogEncoder
+from waypointctl.log.header import LogHeader
 from waypointctl.log.lock import lock
 from waypointctl.log.messages import Message
-from waypointctl.log.topics import BY_KIND, ON_DEMAND, TOPICS
-from waypointctl.units import NS_PER_S
 
 
 class LogWriter:
@@ -34,7 +30,6 @@ class LogWriter:
     Attributes:
         path: of the log.
         part: where it stands until it is closed.
-        flushes: how often all messages before the newest have been handed to the operating system.
 
     Raises:
         OutputError: `path` cannot be written, at the beginning or, when the disk is full, on the way.
@@ -51,15 +46,10 @@ class LogWriter:
         self.path = path
         self._place = path.with_name(f"{path.name}.part")
         self.part = part or self._place
-        self.flushes = 0
-        self._view = FoxgloveView(header.kinematics, header.waypoints)
-        self._waiting: deque[Message] = deque()
-        self._second_ends_ns = NS_PER_S
         self._stream = _create(path, self.part)
         lock(self._stream)  # so that nobody takes it for the log of a flight that was killed
         try:
-            self._file = ChannelWriter(self._stream)
-            self._begin(header)
+            self._encoder = LogEncoder(ChannelWriter(self._stream, header.library), header)
         except BaseException as error:
             with suppress(OSError):  # closing tries to write again
                 self._stream.close()
@@ -67,13 +57,17 @@ class LogWriter:
                 raise self._refusal(error) from error
             raise
 
+    @property
+    def flushes(self) -> int:
+        """How often all messages before the newest have been handed to the operating system."""
+        return self._encoder.flushes
+
     def __call__(self, message: Message) -> None:
-        """Write one message, and what viewers are to be told of it."""
-        log_time_ns, _ = BY_KIND[type(message)].times_ns(message)
-        if log_time_ns >= self._second_ends_ns:
-            self._second_ends_ns = (log_time_ns // NS_PER_S + 1) * NS_PER_S
-            self._flush()
-        self._waiting.append(message)
+        """Write one message, and what viewers are shown of it."""
+        try:
+            self._encoder(message)
+        except OSError as error:
+            raise self._refusal(error) from error
 
     def close(self) -> None:
         """Write the end of the file and give it its name; closing twice is closing once."""
@@ -101,47 +95,10 @@ class LogWriter:
         elif not self._stream.closed:
             self._finish()
 
-    def _begin(self, header: LogHeader) -> None:
-        observes = any(waypoint.task for waypoint in header.waypoints)
-        view = layout(header.kinematics.body_names[0], camera=observes)
-        for attachment in (*header.attachments, Attachment(LAYOUT_NAME, "application/json", view)):
-            self._file.attach(attachment)
-        own = {"schema_version": str(SCHEMA_VERSION), "robot": header.robot}
-        self._file.describe(METADATA_NAME, own | dict(header.metadata) | own)
-        schemas = {topic.name: topic.schema for topic in TOPICS if topic.kind not in ON_DEMAND} | VIEW_TOPICS
-        self._channels = {name: self._file.open(name, schema) for name, schema in schemas.items()}
-        for frame in self._view.start():
-            self._show(frame)
-        self._file.flush()
-
-    def _flush(self) -> None:
-        try:
-            self._write_waiting()
-            self._file.flush()
-            self.flushes += 1
-        except OSError as error:
-            raise self._refusal(error) from error
-
-    def _write_waiting(self) -> None:
-        # One by one out of the queue: what interrupts this leaves nothing to be written twice.
-        while self._waiting:
-            message = self._waiting.popleft()
-            topic = BY_KIND[type(message)]
-            log_time_ns, publish_time_ns = topic.times_ns(message)
-            if topic.name not in self._channels:
-                self._channels[topic.name] = self._file.open(topic.name, topic.schema)
-            self._file.write(self._channels[topic.name], log_time_ns, publish_time_ns, topic.encode(message))
-            for frame in self._view(message):
-                self._show(frame)
-
-    def _show(self, frame: Frame) -> None:
-        self._file.write(self._channels[frame.topic], frame.time_ns, frame.time_ns, frame.data)
-
     def _finish(self) -> None:
         try:
             with self._stream:
-                self._write_waiting()
-                self._file.finish()
+                self._encoder.finish()
         except OSError as error:
             raise self._refusal(error) from error
 
