@@ -17,6 +17,8 @@ import pytest
 from tests.cli.flying import Program, start
 from waypointctl.log.messages import Action, Message
 from waypointctl.log.writer import LogWriter
+from waypointctl.ops.header import platform_facts
+from waypointctl.replay import carried
 
 
 @pytest.fixture
@@ -62,6 +64,20 @@ def test_verify_as_json(alone: Path, program: Program) -> None:
     assert found["reason"].startswith("102 control steps")
     assert "story" not in found
     assert err.startswith("EXACT: ")
+
+
+def test_strict_accepts_only_the_first_verdict(alone: Path, program: Program, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert program("replay", "log.mcap", "--verify", "--strict")[0] == 0
+    elsewhere = dict(platform_facts()) | {"source": "another"}
+    monkeypatch.setattr(carried, "platform_facts", lambda: elsewhere)
+    code, out, _ = program("replay", "log.mcap", "--verify", "--json")
+    found = json.loads(out)
+    assert (code, found["verdict"]) == (0, "equivalent")
+    assert len(found["not_compared"]) == 1
+    code, out, _ = program("replay", "log.mcap", "--verify", "--strict")
+    assert code == 1
+    assert out.startswith("EQUIVALENT: 102 control steps replayed, physics and messages the same, bit for bit\n")
+    assert "\n  not compared: what the log says of its program and processor: waypointctl's source was " in out
 
 
 def test_the_story_as_json(alone: Path, program: Program) -> None:
@@ -169,7 +185,7 @@ def test_shown_again_it_takes_its_time(alone: Path, program: Program) -> None:
         (("--start-offset", "99"), "the flight is over at 2.04 s"),
         (("--start-paused",), "no terminal"),
         (("--loop", "--verify"), "leave out --verify"),
-        (("--rate", "1", "--json"), "leave out --verify, --json, --png and --pictures"),
+        (("--rate", "1", "--json"), "leave out --verify, --strict, --json, --png, --pictures"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(

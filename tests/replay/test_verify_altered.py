@@ -210,26 +210,54 @@ class TestOnAnotherProcessor:
         here = dict(header.platform_facts()) | {"processor": "another one"}
         monkeypatch.setattr(carried, "platform_facts", lambda: here)
 
-    def test_the_flight_is_still_exact(self, flown: Flown) -> None:
+    def test_physics_and_messages_are_still_the_same_and_the_file_but_for_what_names_the_processor(
+        self, flown: Flown
+    ) -> None:
         found = verify(flown.path)
-        assert found.verdict is Verdict.EXACT
-        assert "the processor differs" in found.checks[1]
-        assert "not compared" in found.checks[-1]
+        assert found.verdict is Verdict.EQUIVALENT
+        assert "byte for byte" in found.checks[-1]
+        (line,) = found.not_compared
+        assert line.startswith("what the log says of its program and processor: the processor was ")
+        assert line.endswith(" and is another one")
 
-    def test_an_action_changed_by_rounding_makes_the_state_that_follows_unverifiable(
-        self, flown: Flown, tmp_path: Path
+    @pytest.mark.parametrize(("bit", "verdict"), [(3, Verdict.UNVERIFIABLE), (25, Verdict.DIVERGED)])
+    def test_an_action_changed_by_rounding_is_not_what_led_to_the_state_that_follows(
+        self, flown: Flown, tmp_path: Path, bit: int, verdict: Verdict
     ) -> None:
         messages = flown.messages
         at = nth(messages, 20, Action, source="policy")
         action: Any = messages[at]
         joint = next(i for i in range(8) if 1e-3 < abs(action.commanded[i]) < 1)
-        messages[at] = altered(altered(action, "commanded", joint, 25), "applied", joint, 25)
+        messages[at] = altered(altered(action, "commanded", joint, bit), "applied", joint, bit)
         found = verify(flown.rewritten(tmp_path / "altered.mcap", messages))
-        assert found.verdict is Verdict.UNVERIFIABLE
-        assert "the processor differs" in found.reason
+        assert found.verdict is verdict
+        assert verdict is Verdict.DIVERGED or "the processor was" in found.reason
         assert found.first_divergence is not None
         assert found.first_divergence.topic in ("/reward", "/state")
         assert found.first_divergence.step in (action.step, action.step + 1)
+
+    @pytest.mark.parametrize(
+        ("kind", "field", "bit"), [(Observation, "values", 40), (Telemetry, "x_m", 40), (Action, "commanded", 48)]
+    )
+    def test_more_than_rounding_diverges(
+        self, flown: Flown, tmp_path: Path, kind: type[Any], field: str, bit: int
+    ) -> None:
+        messages = flown.messages
+        at = nth(messages, 20 if kind is not Telemetry else 2, kind)
+        messages[at] = altered(messages[at], field, 0, bit)
+        assert divergence(flown, tmp_path, messages).component.startswith(field)
+
+    @pytest.mark.parametrize(("kind", "field"), [(Observation, "values"), (Telemetry, "x_m")])
+    def test_rounding_makes_it_approximate_and_is_counted(
+        self, flown: Flown, tmp_path: Path, kind: type[Any], field: str
+    ) -> None:
+        messages = flown.messages
+        at = nth(messages, 20 if kind is Observation else 2, kind)
+        messages[at] = altered(messages[at], field, 0, 3)
+        found = verify(flown.rewritten(tmp_path / "altered.mcap", messages))
+        assert found.verdict is Verdict.APPROXIMATE
+        what = "observation" if kind is Observation else "telemetry frame"
+        assert found.not_compared[0] == f"1 {what}: equal within 1e-12, not bit for bit"
 
     def test_another_action_than_the_networks_diverges_at_once(self, flown: Flown, tmp_path: Path) -> None:
         messages = flown.messages

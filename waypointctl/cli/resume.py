@@ -62,14 +62,15 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.pictures import say_missing
     from waypointctl.cli.view.summary import print_flight
-    from waypointctl.replay.resume import Interrupted, go_on, made_elsewhere
+    from waypointctl.replay.carried import made_elsewhere
+    from waypointctl.replay.resume import Interrupted, go_on
 
     mission, log = flight.carried.mission, printable(flight.log.path)
     if asked.console and not flight.milestones.had_console:
         raise typer.BadParameter("--console: the flight had none, and with one it would be another flight.")
     if others := made_elsewhere(flight.log):
         note = "it is gone on with only if it is the same flight here, and the finished log will name this program"
-        typer.echo(f"note: {log} was made elsewhere ({printable(others)}): {note}", err=True)
+        typer.echo(f"note: {log} was made elsewhere ({printable(', '.join(others))}): {note}", err=True)
     typer.echo(f"{mission.name}: flown again up to {_end_s(flight):.2f} s, then on", err=True)
     began_s = time.monotonic()
     try:

@@ -43,6 +43,11 @@ class ChannelWriter:
         self._put(MAGIC)
         self._put(encoded(mcap.Header(profile="", library=library)))
 
+    @property
+    def topics(self) -> dict[int, str]:
+        """The topic of each channel that has been opened."""
+        return {channel.id: channel.topic for channel in self._summary.channels}
+
     def attach(self, attachment: Attachment) -> None:
         """Write an attachment; it has no times, because nothing but the simulation has a clock."""
         name, media_type, data = attachment.name, attachment.media_type, attachment.data

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mcap.records import Channel, Schema
+
 from waypointctl.units import NS_PER_S
 
 
@@ -42,6 +44,9 @@ class Contents:
     library: str  # that wrote it
     metadata: Mapping[str, str]
     attachments: Mapping[str, bytes]
+    media_types: Mapping[str, str]  # of the attachments
+    schemas: Mapping[int, Schema]
+    channels: Mapping[int, Channel]
     topics: Mapping[int, TopicSummary]  # by channel
     chunks: tuple[ChunkPlace, ...]
     size_bytes: int

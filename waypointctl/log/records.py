@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import IO, Final, NamedTuple
 from mcap.data_stream import ReadDataStream
 
 MAGIC: Final = b"\x89MCAP0\r\n"
+_SHOWN: Final = 80  # characters of a text
 _HEAD: Final = struct.Struct("<BQ")  # opcode, length
 _MESSAGE: Final = struct.Struct("<HIQQ")  # channel, sequence, log_time, publish_time
 
@@ -90,6 +92,16 @@ def inner_records(chunk: bytes) -> Iterator[tuple[int, bytes]]:
 def body_stream(body: bytes) -> ReadDataStream:
     """Return a record's body as mcap's record classes read it."""
     return ReadDataStream(BytesIO(body))
+
+
+def excerpt(text: str) -> str:
+    """Return as much of a text of a file as is to be shown: it may have millions of characters."""
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+
+
+def shown(data: bytes) -> str:
+    """Return bytes as people can tell them from others."""
+    return f"{len(data)} bytes, {hashlib.sha256(data).hexdigest()[:12]}"
 
 
 def raw_message(body: bytes) -> RawMessage:

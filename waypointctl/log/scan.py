@@ -153,7 +153,9 @@ class _Survey:
         self._library = ""
         self._metadata: dict[str, str] | None = None
         self._attachments: dict[str, bytes] = {}
-        self._schemas: dict[int, str] = {}
+        self._media_types: dict[str, str] = {}
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, Channel] = {}
         self._tallies: dict[int, _Tally] = {}
         self._crc = zlib.crc32(MAGIC)  # of the data section, then of the summary section
         self._ended = False
@@ -185,6 +187,9 @@ class _Survey:
             library=self._library,
             metadata=MappingProxyType(self._metadata),
             attachments=MappingProxyType(self._attachments),
+            media_types=MappingProxyType(self._media_types),
+            schemas=MappingProxyType(self._schemas),
+            channels=MappingProxyType(self._channels),
             topics=MappingProxyType({channel: tally.summary() for channel, tally in self._tallies.items()}),
             chunks=tuple(self.chunks),
             size_bytes=size,
@@ -214,6 +219,7 @@ class _Survey:
         (crc,) = struct.unpack("<I", record.body[-4:])
         _check_crc(crc, zlib.crc32(record.body[:-4]))
         self._attachments[attachment.name] = attachment.data
+        self._media_types[attachment.name] = attachment.media_type
 
     def _count(self, record: Record) -> None:
         chunk = Chunk.read(body_stream(record.body))
@@ -223,10 +229,13 @@ class _Survey:
                 self._tallies[message.channel].add(message.log_time_ns)
             elif opcode == Opcode.SCHEMA:
                 schema = Schema.read(body_stream(body))
-                self._schemas[schema.id] = schema.name
+                self._schemas[schema.id] = schema
             elif opcode == Opcode.CHANNEL:
                 channel = Channel.read(body_stream(body))
-                self._tallies[channel.id] = _Tally(channel.topic, self._schemas.get(channel.schema_id, ""))
+                self._channels[channel.id] = channel
+                if channel.id not in self._tallies:
+                    schema_of = self._schemas.get(channel.schema_id)
+                    self._tallies[channel.id] = _Tally(channel.topic, "" if schema_of is None else schema_of.name)
         self.chunks.append(ChunkPlace(record.offset, chunk.message_start_time, chunk.message_end_time))
 
 

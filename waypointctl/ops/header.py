@@ -29,7 +29,7 @@ MISSION_FILE_HASH: Final = "sha256_mission/"
 MJCF: Final = "model.xml"
 MJB: Final = "model.mjb"
 POLICY_FOLDER: Final = "policy/"
-_DECISIVE_PARTS: Final = ("mission", "sim", "task", "policy", "ops", "seeding.py", "units.py")
+_DECISIVE_PARTS: Final = ("mission", "sim", "task", "policy", "ops", "log", "seeding.py", "units.py")
 CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
 
 
@@ -81,13 +81,17 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
 
 @cache
 def platform_facts() -> Mapping[str, str]:
-    """Return what decides whether a replay here can be exact: versions and the processor."""
+    """Return what decides a log's bytes besides mission, policy and seed: versions and the processor."""
     return {
         "version_waypointctl": __version__,
         "source": source_revision(),
         "version_mujoco": version("mujoco"),
         "version_numpy": version("numpy"),
         "version_onnxruntime": version("onnxruntime"),
+        "version_mcap": version("mcap"),
+        "version_protobuf": version("protobuf"),
+        "version_foxglove_schemas": version("foxglove-schemas-protobuf"),
+        "version_zstandard": version("zstandard"),
         "architecture": platform.machine(),
         "processor": _processor(),
     }
@@ -95,7 +99,7 @@ def platform_facts() -> Mapping[str, str]:
 
 @cache
 def source_revision() -> str:
-    """Return a short hash of the code that decides a flight: a version's number stays while its code is changed."""
+    """Return a short hash of the code that decides a flight and its log: code changes within a version."""
     package = Path(waypointctl.__file__).parent
     digest = hashlib.sha256()
     for part in _DECISIVE_PARTS:

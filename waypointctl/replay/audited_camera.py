@@ -1,19 +1,19 @@
-"""The camera of a flight that is flown again: each picture is drawn again where the same would come of it."""
+"""The camera of a flight that is flown again: each picture is drawn again where the same renderer is."""
 
 from __future__ import annotations
 
 from waypointctl.log.messages import Event, Picture, State
 from waypointctl.log.png import SOFTWARE, texts_of
+from waypointctl.log.records import shown
 from waypointctl.ops.camera import FORMAT, FRAME, OnboardCamera
-from waypointctl.replay.difference import shown
 from waypointctl.replay.witness import Witness
 
 
 class AuditedCamera:
-    """Takes the pictures that the log has: the same bytes are asked of the renderer that drew them alone.
+    """Takes the pictures that the log has: only of the renderer that drew them the same bytes are expected.
 
-    A picture that another renderer drew is found whole by its checksums, and handed on as it is. Where the log has
-    none, nothing could draw when it was flown, and none is drawn now.
+    A picture that another renderer drew is checked by its checksums, and handed on as it is. Where the log has none,
+    nothing could draw when it was flown, and none is drawn now.
 
     Attributes:
         drawn_again: how many pictures were.
@@ -21,12 +21,11 @@ class AuditedCamera:
         missing: how many observations the log has no picture of.
     """
 
-    def __init__(self, camera: OnboardCamera, witness: Witness, *, same_program: bool) -> None:
-        """Hold `camera` against `witness`; another program may draw another scene, whatever draws for it."""
+    def __init__(self, camera: OnboardCamera, witness: Witness) -> None:
+        """Hold `camera` against `witness`."""
         self.drawn_again = self.handed_on = self.missing = 0
         self._camera = camera
         self._witness = witness
-        self._same_program = same_program
 
     def __call__(self, event: Event, state: State) -> Picture | None:
         """Return what the log should have as the picture of an observation; None where it has none."""
@@ -38,7 +37,7 @@ class AuditedCamera:
             renderer = texts_of(logged.data).get(SOFTWARE, "")
         except ValueError as error:
             raise self._witness.diverged("/camera", "data", shown(logged.data), str(error)) from error
-        if self._same_program and renderer and renderer == self._camera.renderer:
+        if renderer and renderer == self._camera.renderer:
             self.drawn_again += 1
             return self._camera(event, state)
         self.handed_on += 1
@@ -50,20 +49,29 @@ class AuditedCamera:
         lines = []
         if self.drawn_again:
             lines.append(f"{_pictures(self.drawn_again)}, drawn again, byte for byte")
-        if self.handed_on:  # why not is asked of what draws, which a log without pictures never sets up
-            lines.append(f"{_pictures(self.handed_on)} not compared: {self._why_not}")
-        if self.missing:
-            lines.append(f"{self.missing} observation{'s' * (self.missing != 1)} without a picture in the log")
+        if self.missing and not (self.drawn_again or self.handed_on):
+            lines.append(self._without)
         return tuple(lines)
 
     @property
+    def not_compared(self) -> tuple[str, ...]:
+        """What could not be compared of the pictures, a line each."""
+        lines = []
+        if self.handed_on:
+            lines.append(f"{_pictures(self.handed_on)}: {self._why_not}")
+        if self.missing and (self.drawn_again or self.handed_on):
+            lines.append(self._without)
+        return tuple(lines)
+
+    @property
+    def _without(self) -> str:
+        return f"{self.missing} observation{'s' * (self.missing != 1)} without a picture in the log"
+
+    @property
     def _why_not(self) -> str:
-        them = "it" if self.handed_on == 1 else "them"
-        if not self._same_program:
-            return f"another program or processor drew {them}"
         if not self._camera.renderer:
             return f"nothing can draw here: {self._camera.trouble.splitlines()[0]}"
-        return f"another renderer drew {them}"
+        return f"another renderer drew {'it' if self.handed_on == 1 else 'them'}"
 
 
 def _pictures(count: int) -> str:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from pydantic import ValidationError
 
 from waypointctl.errors import LogError
-from waypointctl.log.header import LogHeader
+from waypointctl.log.header import LIBRARY, LogHeader
 from waypointctl.log.reader import Log
+from waypointctl.log.records import excerpt
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.camera import OnboardCamera
@@ -37,7 +38,15 @@ KERNELS: Final = {
     "version_onnxruntime": "onnxruntime",
     "processor": "the processor",
 }
-PROGRAM: Final = {**KERNELS, "version_waypointctl": "waypointctl", "source": "waypointctl's source"}
+PROGRAM: Final = {
+    **KERNELS,
+    "version_waypointctl": "waypointctl",
+    "source": "waypointctl's source",
+    "version_mcap": "mcap",
+    "version_protobuf": "protobuf",
+    "version_foxglove_schemas": "foxglove-schemas-protobuf",
+    "version_zstandard": "zstandard",
+}
 _DECISIVE: Final = {"version_mujoco": "MuJoCo", "architecture": "the architecture"}
 _SEED_DIGITS: Final = 19  # of 2**63
 _MANIFEST: Final = f"{POLICY_FOLDER}{MANIFEST}"
@@ -66,6 +75,13 @@ class Carried:
         """Return the header of a log of this flight that is made here."""
         return flight_header(self.mission_file, self.policy, self.robot)
 
+    def header_as_in(self, log: Log) -> LogHeader:
+        """Return the header of a log of this flight that names the program and processor that `log` names."""
+        header, named = self.header(), log.metadata
+        kept = {key: text for key, text in header.metadata.items() if key not in PROGRAM or key in named}
+        metadata = {key: named[key] if key in PROGRAM else text for key, text in kept.items()}
+        return replace(header, metadata=metadata, library=log.contents.library)
+
 
 def carried_by(log: Log) -> Carried:
     """Return what a log carries.
@@ -84,10 +100,13 @@ def carried_by(log: Log) -> Carried:
     return Carried(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
 
-def differing(log: Log, facts: Mapping[str, str]) -> list[str]:
-    """Return which of the facts, key to name, are not here as they were where the log was made."""
+def made_elsewhere(log: Log, facts: Mapping[str, str] = PROGRAM) -> list[str]:
+    """Return in what the program or processor that a log names differs from this one, in words with both values."""
     here = platform_facts()
-    return [f"{name} differs" for key, name in facts.items() if log.metadata.get(key) != here[key]]
+    compared = [(name, log.metadata.get(key, "unknown"), here[key]) for key, name in facts.items()]
+    if facts is PROGRAM:
+        compared.append(("the library", log.contents.library, LIBRARY))
+    return [f"{name} was {excerpt(was)} and is {now}" for name, was, now in compared if was != now]
 
 
 def unverifiable(log: Log) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
@@ -11,9 +10,10 @@ from typing import Any, Final
 import numpy as np
 
 from waypointctl.log.messages import FloatArray, Message, PlannedWaypoint
+from waypointctl.log.records import shown
 
 EXCERPT: Final = 60  # characters shown on either side of where long texts part
-ROUNDING: Final = 1e-9  # relative; some hundred thousand units in the last place would be more than rounding
+ROUNDING: Final = 1e-12  # absolute, and relative above 1; numpy's trigonometry differs by 1e-15 between processors
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,11 +95,6 @@ def _texts(logged: Any, replayed: Any) -> tuple[str, str]:
     same = next((at for at, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))
     begin = max(0, same - EXCERPT)
     return f"...{a[begin : same + EXCERPT]}...", f"...{b[begin : same + EXCERPT]}..."
-
-
-def shown(data: bytes) -> str:
-    """Return bytes as people can tell them from others."""
-    return f"{len(data)} bytes, {hashlib.sha256(data).hexdigest()[:12]}"
 
 
 def _text(value: Any) -> str:

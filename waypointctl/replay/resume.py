@@ -24,12 +24,11 @@ from waypointctl.log.writer import LogWriter
 from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
 from waypointctl.ops.ground.line_source import QUIT, LineSource
-from waypointctl.ops.header import platform_facts
 from waypointctl.ops.record import Recording, recording_of
 from waypointctl.ops.shutter import Camera, with_pictures
 from waypointctl.ops.sink import Sink
 from waypointctl.replay.audited_camera import AuditedCamera
-from waypointctl.replay.carried import PROGRAM, Carried, altered, carried_by, differing, unverifiable
+from waypointctl.replay.carried import Carried, altered, carried_by, made_elsewhere, unverifiable
 from waypointctl.replay.logged_lines import LoggedLines
 from waypointctl.replay.milestones import Milestones, milestones_of
 from waypointctl.replay.verdict import Divergence
@@ -123,7 +122,7 @@ def go_on(
 
     try:
         with carried.camera as camera, LogWriter(flight.path, carried.header(), part=beside) as writer:
-            audited = AuditedCamera(camera, witness, same_program=not differing(flight.log, PROGRAM))
+            audited = AuditedCamera(camera, witness)
             sink = with_pictures(_passage(witness, writer, again, watch), _camera(witness, audited, camera))
             policy = AuditedPolicy(carried.policy, witness, bitwise=True)
             result = fly(carried.mission, policy, sink, robot=carried.robot, interrupted=asked, console=lines)
@@ -159,13 +158,6 @@ def _passage(witness: Witness, writer: LogWriter, again: Sink, watch: Sink) -> S
             writer.take_place()  # all that came before this message is in the file
 
     return take
-
-
-def made_elsewhere(log: Log) -> str:
-    """Return in what the program or processor that made a log differs from this one, in words; empty if in nothing."""
-    here = platform_facts()
-    facts = ((name, log.metadata.get(key, "unknown"), here[key]) for key, name in PROGRAM.items())
-    return ", ".join(f"{name} was {there} and is {now}" for name, there, now in facts if there != now)
 
 
 class _Lines:
@@ -223,5 +215,9 @@ def _not_the_same(log: Log, where: Divergence) -> LogError:
         f"{where.component}: logged {where.logged}, now {where.replayed}"
     )
     others = made_elsewhere(log)
-    why = f"It was made elsewhere ({others}), where it can be gone on with. " if others else "It has been altered. "
+    why = (
+        f"It was made elsewhere ({', '.join(others)}), where it can be gone on with. "
+        if others
+        else "It has been altered. "
+    )
     return LogError(problem, where=str(log.path), mend=f"{why}{_KEPT}")

@@ -46,6 +46,7 @@ def verification_json(verification: Verification) -> Plain:
         "first_divergence": None if first is None else asdict(first),
         "reason": verification.reason,
         "checks": list(verification.checks),
+        "not_compared": list(verification.not_compared),
     }
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from waypointctl.replay.verdict import Verification
 
 _GOOD: Final = "bold green"
+_PART: Final = "bold yellow"
 _BAD: Final = "bold red"
 _MAP_LINES: Final = 22
 _MAP_COLUMNS: Final = 78
@@ -47,10 +48,12 @@ def print_verdict(verification: Verification, *, stderr: bool) -> None:
     """Print whether the flight happened again, what was compared, and where it parted if it did."""
     out = console(stderr=stderr)
     verdict = verification.verdict
-    style = _GOOD if verdict == "exact" else _BAD
+    style = _GOOD if verdict.is_proof and not verification.not_compared else _PART if verdict.is_proof else _BAD
     out.print(printable(f"{verdict.upper()}: {verification.reason}"), style=style, soft_wrap=True)
     for check in verification.checks:
         out.print(f"  {check}", soft_wrap=True)
+    for line in verification.not_compared:
+        out.print(printable(f"  not compared: {line}"), soft_wrap=True)
     first = verification.first_divergence
     if first is not None:
         where = f"step {first.step}, {seconds(first.time_ns):.3f} s, {first.topic}, {first.component}"

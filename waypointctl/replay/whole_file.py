@@ -1,0 +1,103 @@
+"""The file of a log as a whole: what a comparison of the flight's messages cannot see."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import IO
+
+from waypointctl.log.audit import audit
+from waypointctl.log.channels import ChannelWriter
+from waypointctl.log.comparison import FileComparison, FileDifference, FileDiffers
+from waypointctl.log.encoder import LogEncoder
+from waypointctl.log.messages import Message
+from waypointctl.log.reader import Log
+from waypointctl.log.same_readers import compare_readers
+from waypointctl.log.same_records import compare_records
+from waypointctl.log.scan import open_file
+from waypointctl.replay.carried import Carried, made_elsewhere
+from waypointctl.replay.verdict import Divergence
+from waypointctl.replay.witness import Diverged
+
+
+@contextmanager
+def whole_file(log: Log, carried: Carried) -> Iterator[WholeFile]:
+    """Open the file of a log for the time of its comparison.
+
+    Raises:
+        Diverged: what stands before the first message differs.
+    """
+    with open_file(log.path) as stream:
+        yield WholeFile(log, carried, stream)
+
+
+class WholeFile:
+    """Writes a log anew, and compares it with the file.
+
+    What the log names as the program and processor that wrote it is written as it stands there, so that all else is
+    compared on every program.
+
+    Attributes:
+        checks: what was compared, a line each.
+        not_compared: what was not, and why, a line each.
+    """
+
+    def __init__(self, log: Log, carried: Carried, stream: IO[bytes]) -> None:
+        """Compare `log`, whose file is open at its start, with what is written of a flight of what it carries."""
+        self.checks: tuple[str, ...] = ()
+        others = ", ".join(made_elsewhere(log))
+        self.not_compared: tuple[str, ...] = (
+            (f"what the log says of its program and processor: {others}",) if others else ()
+        )
+        self._comparison = FileComparison(stream, os.fstat(stream.fileno()).st_size)
+        self._log = log
+        self._header = carried.header_as_in(log)
+        self._writer = ChannelWriter(self._comparison, self._header.library)
+        self._encoder = LogEncoder(self._writer, self._header)
+        self._require_equal()
+
+    def __call__(self, message: Message) -> None:
+        """Write a message of the flight, as it is in the log.
+
+        Raises:
+            Diverged: the file differs before it.
+        """
+        self._encoder(message)
+        self._require_equal()
+
+    def finish(self) -> None:
+        """Write the end; where another program wrote the file, compare its records if its bytes differ.
+
+        Raises:
+            Diverged: the file differs.
+        """
+        self._encoder.finish()
+        if self._comparison.difference(self._writer.topics) is None:
+            size = f"{self._comparison.compared:,} bytes"
+            self.checks = (f"the whole file, written anew and compared byte for byte: {size}",)
+            return
+        if not self.not_compared:
+            self._raise()
+        try:
+            count = compare_records(self._log, self._header)
+            audit(self._log)
+            compare_readers(self._log)
+        except FileDiffers as error:
+            raise Diverged(_where(error.difference)) from error
+        self.checks = (f"{count} records of the file, and what mcap's readers, streaming and seeking, give of it",)
+        self.not_compared += ("the bytes of the file: its records are divided or compressed otherwise",)
+
+    def _require_equal(self) -> None:
+        """Raise Diverged where the program that is here should have written other bytes."""
+        if self._comparison.differs and not self.not_compared:
+            self._raise()
+
+    def _raise(self) -> None:
+        difference = self._comparison.difference(self._writer.topics)
+        if difference is not None:
+            raise Diverged(_where(difference))
+
+
+def _where(it: FileDifference) -> Divergence:
+    return Divergence(-1, it.time_ns, it.topic, it.component, it.found, it.expected)
