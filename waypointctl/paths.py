@@ -16,7 +16,14 @@ _FILE_MEND: Final = "give a file in a folder that you can write to"
 MCAP: Final = b"\x89MCAP0\r\n"  # what a log begins with
 
 _FOLDER_MEND: Final = "Give a folder in a place that you can write to."
-_PLANS: Final = {".plan": "a QGroundControl plan", ".geojson": "a GeoJSON file"}
+_PLANS: Final = {
+    ".plan": "a QGroundControl plan",
+    ".waypoints": "a waypoint file",
+    ".geojson": "a GeoJSON file",
+    ".gpx": "a GPX file",
+    ".kml": "a KML file",
+    ".csv": "a CSV file",
+}
 
 
 def folder_fault(path: Path) -> str | None:

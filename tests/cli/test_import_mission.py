@@ -68,12 +68,40 @@ def test_an_origin_is_taken_from_the_command_line(line: Path, program: Program) 
         (["line.geojson", "--origin", "nan,8"], "--origin: 'nan,8' is not a latitude within -89 and 89"),
         (["line.geojson", "--out", "no/such/m.yaml"], "no/such/m.yaml: the mission cannot be written"),
         (["missing.plan"], "missing.plan: there is no such file"),
-        (["line.kml"], "line.kml: ends in '.kml'; .plan (QGroundControl) and .geojson are read"),
+        (["line.kml"], "line.kml: there is no such file"),
+        (["line.geojson", "--body", "pluto"], "--body: 'pluto' is not a body, and not a radius with its unit"),
+        (["line.geojson", "--body", "1 m"], "--body: '1 m' is not a radius within 10 and 100000 km"),
+        (
+            ["metres.csv", "--origin", "47,8"],
+            "metres.csv: has x and y in metres; --origin and --body are for latitudes",
+        ),
+        (["metres.csv", "--body", "moon"], "metres.csv: has x and y in metres; --origin and --body are for latitudes"),
     ],
 )
 def test_what_is_wrong_is_said_and_exits_with_2(
     line: Path, program: Program, arguments: list[str], problem: str
 ) -> None:
+    (line.parent / "metres.csv").write_text("x,y\n0,0\n1,1\n")
     code, told, said = program("import", *arguments)
     assert (code, told) == (2, "")
     assert said.startswith(f"error: {problem}")
+
+
+@pytest.mark.parametrize(
+    ("body", "metres", "on"),
+    [("earth", "7.549", ""), ("moon", "2.053", " on the Moon"), ("1737.4 km", "2.053", " on a sphere of 1737.4 km")],
+)
+def test_a_body_is_taken_from_the_command_line(line: Path, program: Program, body: str, metres: str, on: str) -> None:
+    code, told, _ = program("import", "line.geojson", "--body", body)
+    assert code == 0
+    assert f"north of 47.3977000, 8.5456000{on}.\n" in told
+    assert f"  - {{position: [{metres} m, 0 m]}}" in told
+
+
+def test_what_is_left_out_and_what_else_is_worth_knowing_is_said(line: Path, program: Program) -> None:
+    both = {"type": "GeometryCollection", "geometries": [LINE, {"type": "Point", "coordinates": [8.5, 47.3]}]}
+    (line.parent / "both.plan").write_text(json.dumps(both))
+    (line.parent / "p").mkdir()
+    code, _, said = program("import", "both.plan", "--policy", "p")
+    assert code == 0
+    assert said == "note: both.plan is GeoJSON by its content, and read as that\nleft out: 1 Point\n"

@@ -13,8 +13,7 @@ from waypointctl.display_text import printable, shell_word
 from waypointctl.errors import InputError
 
 if TYPE_CHECKING:
-    from waypointctl.mission.local_frame import Place
-    from waypointctl.mission.survey import Survey
+    from waypointctl.importers.local_frame import Place
 
 _MAX_LATITUDE: Final = 89.0
 _POLICY: Final = Path("policies/ant-waypoint")
@@ -22,7 +21,7 @@ _POLICY: Final = Path("policies/ant-waypoint")
 
 def import_mission(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE.plan|FILE.geojson", help="A QGroundControl plan, or a GeoJSON line.")
+        Path, typer.Argument(metavar="FILE", help="A QGroundControl plan, QGC WPL, GeoJSON, GPX, KML or CSV file.")
     ],
     out: Annotated[Path | None, typer.Option(help="The mission file; stdout without it.", show_default=False)] = None,
     origin: Annotated[
@@ -30,36 +29,59 @@ def import_mission(
         typer.Option(
             metavar="LAT,LON",
             help="Where x and y are 0, in degrees.",
-            show_default="the planned home, or the line's start",
+            show_default="the planned home, or the path's start",
+        ),
+    ] = None,
+    body: Annotated[
+        str | None,
+        typer.Option(
+            metavar="earth|moon|mars|RADIUS",
+            help="What latitudes and longitudes are on; a radius with its unit.",
+            show_default="what the file says, else earth",
         ),
     ] = None,
     policy: Annotated[Path | None, typer.Option(help="Who walks: its folder.", show_default=str(_POLICY))] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")] = False,
 ) -> None:
     """Make a mission of a plan: latitudes and longitudes become x (east) and y (north) in metres around an origin."""
-    from waypointctl.mission.survey import mission_text
-    from waypointctl.paths import refuse_unwritable_file, write_whole
+    from waypointctl.importers.local_frame import body_of
+    from waypointctl.importers.mission_text import mission_text
+    from waypointctl.importers.read import read_survey
+    from waypointctl.paths import write_whole
 
-    if out is not None:
-        refuse_unwritable_file(out, "the mission")
-        if out.exists() and not force:
-            from waypointctl.errors import OutputError
-
-            raise OutputError("is there already", where=str(out), mend="--force replaces it; or give another --out.")
-    survey = _read(file, None if origin is None else origin_of(origin))
+    _refuse_taken(out, force)
+    ground, center = (None if body is None else body_of(body)), (None if origin is None else origin_of(origin))
+    survey = read_survey(file)
+    if survey.is_metric and (ground or center):
+        problem = "has x and y in metres; --origin and --body are for latitudes and longitudes"
+        raise InputError(problem, where=str(file), mend="Leave them out.")
     folder = Path.cwd() if out is None else out.parent
-    text = mission_text(survey, str(file), os.path.relpath(policy or _POLICY, folder))
-    for note in survey.notes:
+    text, placed = mission_text(survey, str(file), os.path.relpath(policy or _POLICY, folder), center, ground)
+    for remark in survey.remarks:
+        typer.echo(f"note: {printable(f'{file} {remark}')}", err=True)
+    for note in placed.left_out:
         typer.echo(f"left out: {printable(note)}", err=True)
     _warn_of_missing_policy(policy, file if out is None else out)
     if out is None:
         sys.stdout.write(text)
         return
     write_whole(out, text.encode(), "the mission")
-    count = len(survey.stops)
+    count = len(placed.stops)
     waypoints = f"{count} waypoint{'s' if count > 1 else ''}"
     check = f"`waypointctl validate {shell_word(out)}` says what to expect"
     typer.echo(f"{printable(out)}: {waypoints}; {check}")
+
+
+def _refuse_taken(out: Path | None, force: bool) -> None:
+    from waypointctl.paths import refuse_unwritable_file
+
+    if out is None:
+        return
+    refuse_unwritable_file(out, "the mission")
+    if out.exists() and not force:
+        from waypointctl.errors import OutputError
+
+        raise OutputError("is there already", where=str(out), mend="--force replaces it; or give another --out.")
 
 
 def _warn_of_missing_policy(given: Path | None, mission: Path) -> None:
@@ -87,16 +109,3 @@ def origin_of(text: str) -> Place:
         problem = f"--origin: {text!r} is not a latitude within -89 and 89 and a longitude within -180 and 180"
         raise InputError(problem, mend=mend)
     return latitude, longitude
-
-
-def _read(path: Path, origin: Place | None) -> Survey:
-    from waypointctl.mission.geojson import read_geojson
-    from waypointctl.mission.qgroundcontrol import read_plan
-
-    suffix = path.suffix.lower()
-    if suffix == ".plan":
-        return read_plan(path, origin)
-    if suffix in (".geojson", ".json"):
-        return read_geojson(path, origin)
-    problem = f"ends in {suffix!r}; .plan (QGroundControl) and .geojson are read" if suffix else "has no suffix"
-    raise InputError(problem, where=str(path), mend="Name the file for what it is: .plan or .geojson.")

@@ -30,12 +30,13 @@ class Reading(Generic[M]):
     problems: tuple[Problem, ...]
 
 
-def read_source(path: Path, error: type[InputError], *, within: Path | None = None) -> bytes:
+def read_source(path: Path, error: type[InputError], most: int = MAX_BYTES, *, within: Path | None = None) -> bytes:
     """Return the bytes of the file at `path`.
 
     Args:
         path: of the file.
         error: the type of what is raised.
+        most: bytes that it may have.
         within: the folder that a link must not lead out of; None where the user named the file.
 
     Raises:
@@ -44,7 +45,7 @@ def read_source(path: Path, error: type[InputError], *, within: Path | None = No
     with open_input(path, error, within=within) as file:
         if file.read(len(MCAP)) == MCAP:
             raise error(command_for_log(str(path)), where=str(path))
-    return read_input(path, MAX_BYTES, error, within=within)
+    return read_input(path, most, error, within=within)
 
 
 def read_model(source: bytes, where: str, model: type[M], error: type[InputError]) -> M:

@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from waypointctl.mission.local_frame import LocalFrame, span_m
+from waypointctl.errors import InputError
+from waypointctl.importers.local_frame import BODIES, LocalFrame, body_of, span_m
 
 
 def test_a_minute_of_latitude_is_a_nautical_mile_and_one_of_longitude_at_the_equator_too() -> None:
@@ -39,3 +40,36 @@ def test_the_error_is_that_of_meridians_coming_together(latitude: float) -> None
 
 def test_a_span_is_the_longer_side() -> None:
     assert span_m([(0, 0), (3, -4), (1, 6)]) == 10
+
+
+@pytest.mark.parametrize(
+    ("body", "north_m", "east_m"),
+    [
+        ("earth", 11.057, 11.132),  # WGS 84 at the equator
+        ("moon", 3.032, 3.032),  # 2 pi 1737.4 km / 3.6 million
+        ("mars", 5.927, 5.927),
+        (" Moon ", 3.032, 3.032),
+        ("1737.4 km", 3.032, 3.032),
+        ("1737400m", 3.032, 3.032),
+    ],
+)
+def test_a_ten_thousandth_of_a_degree_is_as_long_as_its_body_is_large(body: str, north_m: float, east_m: float) -> None:
+    x, y = LocalFrame((0.0, 20.0), body_of(body)).point((0.0001, 20.0001))
+    assert (x, y) == pytest.approx((east_m, north_m), abs=0.001)
+
+
+def test_on_a_sphere_the_frame_is_that_of_its_radius_everywhere() -> None:
+    frame = LocalFrame((60.0, 350.0), BODIES["moon"])
+    assert frame.point((60.01, 350.02)) == pytest.approx((0.5 * 606.47, 303.23), abs=0.01)
+    assert frame.point((60.0, -10.0)) == pytest.approx((0, 0))
+
+
+def test_a_small_body_has_a_small_frame() -> None:
+    assert LocalFrame((0, 0)).max_span_m == 10_000
+    assert LocalFrame((0, 0), body_of("100 km")).max_span_m == 1000
+
+
+@pytest.mark.parametrize("text", ["pluto", "1737400", "", "nan km", "1 km", "1e9 km", "-5 km", "inf km"])
+def test_what_is_no_body_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match=r"^--body: .* is not a (body|radius)"):
+        body_of(text)

@@ -1,0 +1,1 @@
+"""Other tools' files as missions: QGroundControl, waypoint files, GeoJSON, GPX, KML, CSV."""

@@ -1,0 +1,155 @@
+"""GeoJSON (RFC 7946): its one line is the path; without a line its points are, in their order."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, Final
+
+from waypointctl.importers.json_source import Part, read_json
+from waypointctl.importers.report import Report
+from waypointctl.importers.shapes import Line, Shapes, Spot, too_many
+from waypointctl.importers.survey import MOST_STOPS, Survey
+from waypointctl.mission.wording import counted, shown
+
+# Latitude and longitude by the names that GeoServer, GDAL and others give them; of other bodies those of the IAU.
+_DEGREES: Final = re.compile(
+    r"(?:urn:(?:x-)?ogc:def:crs:|https?://(?:www\.)?opengis\.net/def/crs/)?"
+    r"(?:OGC[:/][\d.]*[:/]?CRS84h?|EPSG[:/][\d.]*[:/]?(?:4326|4979)|CRS84|WGS ?84"
+    r"|IAU(?:_?\d{4})?[:/]+(?:\d{4}[:/]+)?(?P<naif>301|499)\d\d)",
+    re.IGNORECASE,
+)
+_BODIES: Final = {"301": "moon", "499": "mars"}
+_ORDER: Final = "GeoJSON is [longitude, latitude]"
+_WANTED: Final = "[longitude, latitude] are needed, an altitude is left out"
+_MOST_DEPTH: Final = 20  # of collections in collections
+_GEOMETRIES: Final = ("Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
+_COLLECTION: Final = "GeometryCollection"
+
+
+def read_geojson(source: bytes, report: Report, name: str) -> Survey:
+    """Read a geometry, a Feature or a FeatureCollection.
+
+    Args:
+        source: the file's bytes.
+        report: what is wrong with it goes there.
+        name: of the mission, where the file gives none.
+
+    Raises:
+        MissionError: it has not one line, and no points instead, with all that is wrong.
+    """
+    root = read_json(source, report)
+    reader = _Reader(Shapes(report, "LineString", "Point", _ORDER))
+    reader.take_frame(root)
+    reader.take_root(root)
+    own = root.value.get("name") if isinstance(root.value, dict) else None
+    return reader.shapes.survey(own if isinstance(own, str) and own else name)
+
+
+class _Reader:
+    """Takes geometries out of a file."""
+
+    def __init__(self, shapes: Shapes) -> None:
+        self.shapes = shapes
+
+    def take_frame(self, root: Part) -> None:
+        """Take the body of a coordinate reference system; one that is not latitude and longitude is reported."""
+        crs = root.get("crs")
+        properties = None if crs is None else crs.at("properties")
+        if properties is None:
+            return
+        name = properties.get("name") or properties.get("code") or properties
+        text = f"EPSG:{name.value}" if name.path[-1] == "code" else name.value
+        found = _DEGREES.fullmatch(text.strip()) if isinstance(text, str) else None
+        if found is None:
+            hint = "GeoJSON is in degrees (RFC 7946): write it with 'ogr2ogr -t_srs EPSG:4326'"
+            name.complain(f"{shown(name.value)} is not latitude and longitude of WGS 84 (CRS84, EPSG:4326); {hint}")
+        elif found["naif"]:
+            self.shapes.body = _BODIES[found["naif"]]
+
+    def take_root(self, root: Part) -> None:
+        """Take a whole file."""
+        kind = root.at("type")
+        if kind is None:
+            return
+        if kind.value == "FeatureCollection":
+            features = root.at("features")
+            for feature in () if features is None else features.elements():
+                if (type_of := feature.at("type")) is not None and type_of.one_of("Feature"):
+                    self._feature(feature)
+        elif kind.value == "Feature":
+            self._feature(root)
+        else:
+            self._geometry(root, "", ("Feature", "FeatureCollection"))
+
+    def _feature(self, feature: Part) -> None:
+        geometry = feature.get("geometry")
+        if geometry is None:  # RFC 7946, 3.2: it has no place
+            self.shapes.report.left_out["Feature without a geometry"] += 1
+            return
+        properties = feature.value.get("properties")
+        name = properties.get("name") if isinstance(properties, dict) else None
+        self._geometry(geometry, name if isinstance(name, str) else "")
+
+    def _geometry(self, part: Part, name: str, also: tuple[str, ...] = (), depth: int = 0) -> None:
+        kind = part.at("type")
+        if kind is None or not kind.one_of(*_GEOMETRIES, _COLLECTION, *also):
+            return
+        if kind.value == _COLLECTION:
+            if depth == _MOST_DEPTH:
+                part.complain(f"is a {_COLLECTION} more than {_MOST_DEPTH} deep in others")
+                return
+            for inner in part.each("geometries"):
+                self._geometry(inner, name, depth=depth + 1)
+            return
+        coordinates = part.at("coordinates")
+        if coordinates is not None:
+            self._coordinates(kind.value, coordinates, name)
+
+    def _coordinates(self, kind: str, coordinates: Part, name: str) -> None:
+        take = {"LineString": self._line, "Point": self._point}.get(kind.removeprefix("Multi"))
+        if coordinates.value == []:  # RFC 7946, 3.1: as good as none
+            self.shapes.report.left_out[f"{kind} without coordinates"] += 1
+        elif take is None:
+            self.shapes.others[kind] += 1
+        elif kind.startswith("Multi"):
+            for each in coordinates.elements():
+                take(each, name)
+        else:
+            take(coordinates, name)
+
+    def _line(self, line: Part, name: str) -> None:
+        count = len(line.value) if isinstance(line.value, list) else 0
+        if isinstance(line.value, list) and count < 2:
+            line.complain(f"has {counted(count, 'positions')}; a line has 2 and more")
+        elif count > MOST_STOPS + 1:
+            line.complain(too_many(count, "positions"))
+        else:
+            spots = [self._spot(position, "") for position in line.elements()]
+            self.shapes.lines.append(Line(tuple(spot for spot in spots if spot is not None), name, line.at_text))
+
+    def _point(self, position: Part, name: str) -> None:
+        if (spot := self._spot(position, name)) is not None:
+            self.shapes.points.append(spot)
+
+    def _spot(self, position: Part, name: str) -> Spot | None:
+        value = position.value
+        if not isinstance(value, list):
+            position.complain(f"{shown(value)} is not a list", "not a list")
+        elif len(value) < 2:
+            position.complain(f"has {counted(len(value), 'numbers')}; {_WANTED}", "too few numbers")
+        elif isinstance(value[0], str) or isinstance(value[1], str):
+            position.complain(f"{shown(value[0])}, {shown(value[1])} are not numbers", "not numbers")
+        elif _is_swapped(value):
+            problem = f"{value[1]:g} is no latitude: {_ORDER}, and these look swapped"
+            position.complain(problem, "swapped")
+        elif (place := position.report.place(position.at_text, value[1], value[0])) is not None:
+            return Spot(place, name, position.at_text)
+        return None
+
+
+def _is_swapped(position: list[Any]) -> bool:
+    """Tell whether a position's numbers would be a place the other way round alone."""
+    longitude, latitude = position[:2]
+    if not (isinstance(longitude, int | float) and isinstance(latitude, int | float)):
+        return False
+    return abs(longitude) <= 90 < abs(latitude) <= 180

@@ -1,0 +1,232 @@
+"""Where a list of MAVLink mission items leads a robot that walks.
+
+Altitudes are no matter, and where latitude and longitude are both 0 or not a number the item is about where the vehicle
+is. A jump is done as often as it says, from its own place, as ArduPilot and PX4 do it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+from waypointctl.importers.mavlink import (
+    DELAY,
+    ENDS,
+    FOLLOWED,
+    GLOBAL_FRAMES,
+    HERE,
+    HOLDS,
+    INSTEAD,
+    JUMP,
+    JUMPS,
+    LANDINGS,
+    LEFT_OUT,
+    NOT_DONE,
+    PICTURE,
+    RETURN,
+    SHOOT,
+    TAG,
+    TAKEOFFS,
+    WAYPOINT,
+)
+from waypointctl.importers.report import Report
+from waypointctl.importers.survey import MOST_STOPS, Stop
+
+PARAMETERS: Final = 7
+_HOLD: Final = 0
+_RADIUS: Final = 1
+_PASS_RADIUS: Final = 2
+_YAW: Final = 3
+_LATITUDE: Final = 4
+_LONGITUDE: Final = 5
+_TIMES: Final = 1  # of a jump: how often
+_IMAGES: Final = 2  # of a picture: how many
+_SHOT: Final = 4  # of camera control: 1 to take one
+_DAY_S: Final = 86_400.0
+_MOST_RADIUS_M: Final = 100.0
+_MOST_STEPS: Final = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """A mission item.
+
+    Attributes:
+        at: its place in the file, for messages.
+        number: that jumps name it by.
+        command: MAV_CMD.
+        frame: MAV_FRAME; None where the file does not say.
+        params: the seven, None for what is not a number.
+        goes_on: whether the next follows by itself.
+    """
+
+    at: str
+    number: int
+    command: int
+    frame: int | None
+    params: tuple[float | None, ...]
+    goes_on: bool = True
+
+    @property
+    def is_here(self) -> bool:
+        """Whether the item has no place of its own."""
+        return not any(self.params[_LATITUDE : _LONGITUDE + 1])
+
+
+def follow(items: Sequence[Item], report: Report) -> tuple[Stop, ...]:
+    """Return the stops that items lead to; what cannot be followed and what is left out goes into the report."""
+    way = _Way(report)
+    for item in items:
+        way.look_at(item)
+    return way.walked(items) if report.is_clean else ()
+
+
+@dataclass(slots=True)
+class _Way:
+    report: Report
+    stops: list[Stop] = field(default_factory=list)
+
+    def look_at(self, item: Item) -> None:
+        """Report an item that cannot be followed, count one that does not matter."""
+        number = item.command
+        if number in LEFT_OUT:
+            name, why = LEFT_OUT[number]
+            self._leave_out(f"{name} (command {number}): {why}")
+        elif number in INSTEAD:
+            name, why = INSTEAD[number]
+            self.report.complain(f"{item.at}.command", f"{number} is {name}: {why}")
+        elif number not in FOLLOWED:
+            self.report.complain(f"{item.at}.command", f"{number} is not a mission command of MAVLink that is known")
+
+    def walked(self, items: Sequence[Item]) -> tuple[Stop, ...]:
+        """Return the stops of items that can be followed, their jumps unrolled."""
+        backwards = list(enumerate(items))[::-1]  # of two with one number the first counts
+        places = {float(item.number): place for place, item in backwards}
+        tags = {item.params[0]: place for place, item in backwards if item.command == TAG}
+        last = next((place for place, item in backwards if item.command in FOLLOWED and item.command != TAG), 0)
+        jumped: Counter[int] = Counter()
+        place = steps = 0
+        while place < len(items) and len(self.stops) <= MOST_STOPS and steps < _MOST_STEPS:
+            item, steps = items[place], steps + 1
+            if item.command in JUMPS:
+                target = self._target(item, places.get if item.command == JUMP else tags.get)
+                if target is None:
+                    return ()
+                if jumped[place] < (item.params[_TIMES] or 0):
+                    jumped[place] += 1
+                    place = target
+                    continue
+            elif item.command in FOLLOWED and item.command != TAG:
+                self._take(item, is_last=place == last)
+            place += 1
+        if place < len(items) or len(self.stops) > MOST_STOPS:
+            problem = f"leads to more than the {MOST_STOPS:,} waypoints that a mission can have"
+            self.report.complain(items[0].at.rpartition("[")[0], f"{problem}: cut it into several")
+        return tuple(self.stops)
+
+    def _target(self, item: Item, place_of: Callable[[float], int | None]) -> int | None:
+        """Return where a jump leads, None where it cannot be done, which is reported."""
+        number, times = item.params[0], item.params[_TIMES]
+        what = f"is a {FOLLOWED[item.command]} (command {item.command})"
+        if times is not None and times < 0:
+            self.report.complain(item.at, f"{what} without end: the mission's 'repeat' walks the whole of it again")
+            return None
+        target = None if number is None else place_of(number)
+        if target is None:
+            self.report.complain(item.at, f"{what} to {_shown(number)}, and no item has that number")
+        return target
+
+    def _take(self, item: Item, *, is_last: bool) -> None:
+        command = item.command
+        if not item.goes_on and not is_last:
+            self._leave_out("wait for a person (autoContinue is false): the robot goes on")
+        if command in ENDS and not is_last:
+            problem = f"is a {FOLLOWED[command]} (command {command}), which nothing follows, and more does"
+            self.report.complain(item.at, f"{problem}: end the plan there, or take it out")
+        if command in NOT_DONE:
+            self._leave_out(f"{FOLLOWED[command]} (command {command}): {NOT_DONE[command]}")
+        if command == RETURN:
+            self.stops.append(Stop(None, "home", item.at))
+        elif command == DELAY:
+            self._wait(item)
+        elif command in (PICTURE, SHOOT):
+            self._observe(item)
+        elif item.is_here:
+            self._stay(item)
+        else:
+            self._walk(item)
+
+    def _walk(self, item: Item) -> None:
+        """Take an item with a place."""
+        if item.frame not in GLOBAL_FRAMES:
+            allowed = ", ".join(map(str, GLOBAL_FRAMES))
+            found = "is missing" if item.frame is None else f"{item.frame} is not one with latitude and longitude"
+            self.report.complain(f"{item.at}.frame", f"{found}; {allowed} are")
+            return
+        command = item.command
+        place = self.report.place(f"{item.at}.params", item.params[_LATITUDE], item.params[_LONGITUDE])
+        hold_s = self._hold_s(item)
+        radius_m = item.params[_RADIUS] or 0.0 if command == WAYPOINT else 0.0
+        if not 0 <= radius_m <= _MOST_RADIUS_M:
+            problem = f"an acceptance radius of {radius_m:g} m is not within 0 and {_MOST_RADIUS_M:g} m"
+            self.report.complain(f"{item.at}.params[{_RADIUS}]", problem, "radius")
+        self._note_what_is_not_done(item)
+        if place is not None and hold_s is not None:
+            name = "land" if command in LANDINGS else "takeoff" if command in TAKEOFFS else ""
+            stop = Stop(place, name, item.at, hold_s, radius_m or None, needs_way=command in TAKEOFFS)
+            self.stops.append(stop)
+
+    def _stay(self, item: Item) -> None:
+        """Take an item that is about where the robot is."""
+        if item.command not in HERE:
+            problem = "has no place: latitude and longitude (the fifth and the sixth) are 0 or null"
+            self.report.complain(f"{item.at}.params", problem)
+        elif hold_s := self._hold_s(item):
+            self._stop_here(hold_s=hold_s)
+
+    def _wait(self, item: Item) -> None:
+        delay_s = item.params[_HOLD] or 0.0
+        if delay_s < 0:
+            problem = "waits for a time of day, which a mission does not know: give seconds (the first parameter)"
+            self.report.complain(item.at, problem)
+        elif hold_s := self._hold_s(item):
+            self._stop_here(hold_s=hold_s)
+
+    def _observe(self, item: Item) -> None:
+        """Take an order for one picture: where the robot is, it is observed."""
+        one = item.params[_SHOT if item.command == SHOOT else _IMAGES] == 1
+        if one:
+            self._stop_here(observe=True)
+        else:
+            what = f"{FOLLOWED[item.command]} (command {item.command})"
+            self._leave_out(f"{what}: only one picture at a time is taken, at a waypoint")
+
+    def _stop_here(self, hold_s: float = 0.0, observe: bool = False) -> None:
+        """Let the robot stand where it is, before the first waypoint where it starts."""
+        if not self.stops:
+            self.stops.append(Stop(None, "start"))
+        last = self.stops[-1]
+        self.stops[-1] = replace(last, hold_s=last.hold_s + hold_s, observe=last.observe or observe)
+
+    def _hold_s(self, item: Item) -> float | None:
+        """Return how long an item holds [s], None where that is out of bounds, which is reported."""
+        hold_s = item.params[_HOLD] or 0.0 if item.command in HOLDS else 0.0
+        if 0 <= hold_s <= _DAY_S:
+            return hold_s
+        self.report.complain(f"{item.at}.params[{_HOLD}]", f"{hold_s:g} s is not within 0 and {_DAY_S:g} s", "hold")
+        return None
+
+    def _note_what_is_not_done(self, item: Item) -> None:
+        if item.command == WAYPOINT and item.params[_PASS_RADIUS]:
+            self._leave_out("passing radius of a waypoint: the robot walks to the waypoint")
+        if item.command in (WAYPOINT, *LANDINGS, *TAKEOFFS) and item.params[_YAW]:
+            self._leave_out("heading at a waypoint: where the robot faces is the policy's own")
+
+    def _leave_out(self, what: str) -> None:
+        self.report.left_out[what] += 1
+
+
+def _shown(number: float | None) -> str:
+    return "nothing" if number is None else f"{number:g}"

@@ -1,0 +1,196 @@
+"""A survey in metres: where its places are in the local frame, and which of them are too far away."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+from pydantic import ValidationError
+
+from waypointctl.errors import MissionError
+from waypointctl.importers.local_frame import Body, LocalFrame, Place, Point, span_m
+from waypointctl.importers.report import Report
+from waypointctl.importers.survey import Stop, Survey, Zone
+from waypointctl.mission.onboard import Area
+
+_HERE_M: Final = 0.5  # a take-off this near is where the robot stands already: as near as a waypoint is reached
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A survey's places in metres.
+
+    Attributes:
+        frame: that they are in; None where the file has metres itself.
+        start: x and y [m] where the robot starts.
+        stops: with their places.
+        zones: with their corners.
+        return_to: where the robot goes when it breaks the fence.
+        error_m: by how much the frame puts a place wrong, at most.
+        left_out: what is left out, in words.
+    """
+
+    frame: LocalFrame | None
+    start: Point
+    stops: tuple[tuple[Stop, Point], ...]
+    zones: tuple[tuple[Zone, tuple[Point, ...]], ...]
+    return_to: Point | None
+    error_m: float
+    left_out: tuple[str, ...]
+
+
+def placed(survey: Survey, where: str, origin: Place | None, body: Body) -> Placed:
+    """Return a survey in metres.
+
+    Args:
+        survey: what a file says.
+        where: the file, for messages.
+        origin: of the frame; where the robot starts if it is left out.
+        body: that the places are on.
+
+    Raises:
+        MissionError: its places are too far apart, or it says neither where the robot starts nor is there an origin.
+    """
+    if survey.is_metric:
+        return _in_frame(survey, where, None)
+    if survey.start is None and origin is None:
+        hint = _origin_hint(survey)
+        raise MissionError(f"{survey.start_at} is missing", where=where, mend=f"Give the place of the start: {hint}.")
+    center = origin or survey.start
+    assert center is not None
+    frame = LocalFrame(center, body)
+    if origin is not None and survey.is_home and not _is_near(survey.start, frame):
+        survey = _started_at(survey, origin)
+    _refuse_too_wide(survey, where, frame, origin)
+    return _in_frame(survey, where, frame)
+
+
+def _is_near(place: Place | None, frame: LocalFrame) -> bool:
+    return place is not None and span_m([(0.0, 0.0), frame.point(place)]) <= frame.max_span_m
+
+
+def _started_at(survey: Survey, origin: Place) -> Survey:
+    """Return a survey whose robot starts at the origin in place of a home that is missing or far away."""
+    note: tuple[str, ...] = ()
+    if survey.start is not None:
+        note = (f"{survey.start_at} {_text(survey.start)}: far from --origin; the robot starts at --origin",)
+    return replace(survey, start=origin, left_out=(*survey.left_out, *note))
+
+
+def _in_frame(survey: Survey, where: str, frame: LocalFrame | None) -> Placed:
+    def point(place: Place) -> Point:
+        x_m, y_m = place if frame is None else frame.point(place)
+        return round(x_m, 3) + 0.0, round(y_m, 3) + 0.0  # to the millimetre
+
+    start = (0.0, 0.0) if survey.start is None else point(survey.start)
+    stops = [(stop, start if stop.place is None else point(stop.place)) for stop in survey.stops]
+    zones = tuple((zone, tuple(map(point, zone.corners))) for zone in survey.zones)
+    _refuse_wrong_zones(zones, where)
+    return Placed(
+        frame,
+        start,
+        tuple(_on_the_way(stops, start)),
+        zones,
+        None if survey.return_to is None else point(survey.return_to),
+        0.0 if frame is None else frame.error_m(place for _, places in _named(survey) for place in places),
+        survey.left_out,
+    )
+
+
+def _on_the_way(stops: list[tuple[Stop, Point]], start: Point) -> Iterator[tuple[Stop, Point]]:
+    """Yield stops without those that need a way and have none; what is done there is done at the one before."""
+    kept: list[tuple[Stop, Point]] = []
+    for stop, point in stops:
+        before = kept[-1][1] if kept else start
+        if not stop.needs_way or math.dist(before, point) > _HERE_M:
+            kept.append((stop, point))
+        elif kept:
+            last = kept[-1][0]
+            merged = replace(last, hold_s=last.hold_s + stop.hold_s, observe=last.observe or stop.observe)
+            kept[-1] = (merged, kept[-1][1])
+        elif stop.hold_s or stop.observe:
+            kept.append((stop, point))
+    yield from kept
+
+
+def _named(survey: Survey) -> Iterator[tuple[str, tuple[Place, ...]]]:
+    """Yield the places of a survey, with where the file says them."""
+    if survey.start is not None:
+        yield survey.start_at, (survey.start,)
+    for stop in survey.stops:
+        if stop.place is not None:
+            yield stop.at, (stop.place,)
+    for zone in survey.zones:
+        yield zone.at, zone.corners
+    if survey.return_to is not None:
+        yield "geoFence.breachReturn", (survey.return_to,)
+
+
+def _refuse_too_wide(survey: Survey, where: str, frame: LocalFrame, origin: Place | None) -> None:
+    """Refuse places that are further apart than the frame holds, and name those that make it so."""
+    groups = [(name, places, [frame.point(place) for place in places]) for name, places in _named(survey)]
+    whole_m = span_m([(0.0, 0.0), *(point for _, _, points in groups for point in points)])
+    if whole_m <= frame.max_span_m:
+        return
+    limit = f"the local frame is for at most {frame.max_span_m / 1000:g} km"
+    wide = [(name, span_m(points)) for name, _, points in groups if span_m(points) > frame.max_span_m]
+    if wide:
+        problem = "; ".join(f"{name} spans {_km(extent_m)}" for name, extent_m in wide[:3])
+        raise MissionError(f"{problem}; {limit}", where=where, mend="Draw it smaller, or take it out of the file.")
+    path = [points[0] for name, _, points in groups if not (survey.is_home and name == survey.start_at)]
+    points = path or [(0.0, 0.0)]
+    middle = (statistics.median(x for x, _ in points), statistics.median(y for _, y in points))
+    far = [(name, places[0]) for name, places, group in groups if span_m([middle, *group]) > frame.max_span_m]
+    if origin is not None and (away_m := span_m([middle, (0.0, 0.0)])) > frame.max_span_m:
+        problem = f"--origin {_text(origin)}: some {_rough_km(away_m)} away from the places of the file"
+        mend = _order(survey, f"Give an origin near them: {_origin_hint(survey)}.")
+        raise MissionError(f"{problem}; {limit}", where=where, mend=mend)
+    if far and len(far) <= len(groups) / 2:
+        more = f" and {len(far) - 1} more" if len(far) > 1 else ""
+        away_m = span_m([middle, frame.point(far[0][1])])
+        problem = f"{far[0][0]} {_text(far[0][1])}{more}: some {_rough_km(away_m)} away from the other places"
+        is_home = survey.is_home and far[0][0] == survey.start_at
+        mend = f"Give the place of the start: {_origin_hint(survey)}." if is_home else "See whether it is right."
+        raise MissionError(f"{problem}; {limit}", where=where, mend=_order(survey, mend))
+    mend = _order(survey, "Cut it, or give an --origin near it.")
+    raise MissionError(f"spans {_km(whole_m)}; {limit}", where=where, mend=mend)
+
+
+def _order(survey: Survey, mend: str) -> str:
+    return f"{survey.order}: see that they are not swapped. Else: {mend}" if survey.order else mend
+
+
+def _origin_hint(survey: Survey) -> str:
+    place = next((stop.place for stop in survey.stops if stop.place is not None), None) or (47.3977, 8.5456)
+    return f"--origin {place[0]:.7f},{place[1]:.7f}"
+
+
+def _refuse_wrong_zones(zones: tuple[tuple[Zone, tuple[Point, ...]], ...], where: str) -> None:
+    report = Report(where)
+    for zone, points in zones:
+        shape = (
+            {"corners": [{"position_m": point} for point in points]}
+            if zone.radius_m is None
+            else {"center_m": points[0], "radius_m": zone.radius_m}
+        )
+        try:
+            Area.model_validate(shape)
+        except ValidationError as error:
+            report.complain(zone.at, error.errors()[0]["msg"].removeprefix("Value error, "))
+    report.refuse()
+
+
+def _rough_km(length_m: float) -> str:
+    """Return a length with two digits that count: far away a local frame knows no more."""
+    return f"{float(f'{length_m / 1000:.2g}'):,.0f} km"
+
+
+def _km(length_m: float) -> str:
+    return f"{length_m / 1000:,.1f} km"
+
+
+def _text(place: Place) -> str:
+    return f"({place[0]:.7g}, {place[1]:.7g})"

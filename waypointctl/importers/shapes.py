@@ -1,0 +1,105 @@
+"""Lines and points of a map as a mission: the one line is the path, or the points are, in their order."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from waypointctl.importers.local_frame import Place
+from waypointctl.importers.report import Report
+from waypointctl.importers.survey import MOST_STOPS, Stop, Survey, mission_name
+from waypointctl.mission.wording import counted, shown
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """A place [deg] with its name, which may be empty, and where the file says so."""
+
+    place: Place
+    name: str
+    at: str
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line through places, with its name, which may be empty, and where the file says so."""
+
+    spots: tuple[Spot, ...]
+    name: str
+    at: str
+
+
+@dataclass(slots=True)
+class Shapes:
+    """What a map holds.
+
+    Attributes:
+        report: of the file.
+        lines: its lines.
+        points: its single points, in order.
+        others: what it holds beside, by its format's name, and how often.
+        line_word: what the format calls a line.
+        point_word: and a point.
+        order: how the format writes a place, where it is easily written the other way round.
+        body: that the places are on, where the file says so.
+    """
+
+    report: Report
+    line_word: str
+    point_word: str
+    order: str = ""
+    body: str = "earth"
+    lines: list[Line] = field(default_factory=list)
+    points: list[Spot] = field(default_factory=list)
+    others: Counter[str] = field(default_factory=Counter)
+
+    def survey(self, name: str) -> Survey:
+        """Return the mission: the robot starts at the first place and walks to the others.
+
+        Raises:
+            MissionError: there is not one line, and no points instead; or something else was found wrong.
+        """
+        self.report.refuse()
+        spots = self._path()
+        self.report.refuse()
+        left_out = [f"{count} {what}{'s' if count > 1 else ''}" for what, count in self.others.items()]
+        if self.lines and self.points:
+            left_out.insert(0, counted(len(self.points), f"{self.point_word}s"))
+        left_out += [f"{count} x {what}" for what, count in self.report.left_out.items()]
+        own = self.lines[0].name if self.lines else ""
+        return Survey(
+            mission_name(own or name),
+            spots[0].place if spots else None,
+            tuple(Stop(spot.place, spot.name, spot.at) for spot in spots[1:]),
+            start_at=spots[0].at if spots else "",
+            left_out=tuple(left_out),
+            order=self.order,
+            body=self.body,
+        )
+
+    def _path(self) -> Sequence[Spot]:
+        if len(self.lines) == 1:
+            return self.lines[0].spots
+        if self.lines:
+            named = ", ".join(shown(line.name) if line.name else line.at for line in self.lines[:5])
+            more = f" and {len(self.lines) - 5} more" if len(self.lines) > 5 else ""
+            problem = f"has {len(self.lines)} lines ({named}{more}); a mission is one {self.line_word}: keep one"
+            self.report.complain("", problem)
+        elif len(self.points) < 2:
+            found = [counted(len(self.points), f"{self.point_word}s")] if self.points else []
+            found += [counted(count, f"{what}s") for what, count in self.others.items()]
+            beside = f" and {', '.join(found)}" if found else ""
+            problem = (
+                f"has no {self.line_word}{beside}; a mission is one {self.line_word}, or 2 {self.point_word}s and more"
+            )
+            self.report.complain("", problem)
+        elif len(self.points) > MOST_STOPS + 1:
+            self.report.complain("", too_many(len(self.points), f"{self.point_word}s"))
+        return self.points
+
+
+def too_many(count: int, things: str) -> str:
+    """Return the problem with more places than a mission has."""
+    limit = f"at most {MOST_STOPS + 1:,} are allowed, the start and {MOST_STOPS:,} waypoints"
+    return f"has {count:,} {things}; {limit}: simplify it, or cut it into several"

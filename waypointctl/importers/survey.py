@@ -1,0 +1,83 @@
+"""What other tools' files say of a mission, in latitudes and longitudes."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+from waypointctl.importers.local_frame import Place
+
+MOST_STOPS: Final = 1000  # waypoints of a mission
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A place to walk to.
+
+    Attributes:
+        place: latitude and longitude [deg], or x and y [m]; None: where the robot starts.
+        name: empty for none.
+        at: where the file says so, for messages.
+        hold_s: how long to stand there.
+        radius_m: how near is there; None for the mission's default.
+        observe: whether a picture is taken there.
+        needs_way: whether it is a stop only where the robot is elsewhere before it.
+    """
+
+    place: Place | None
+    name: str = ""
+    at: str = ""
+    hold_s: float = 0.0
+    radius_m: float | None = None
+    observe: bool = False
+    needs_way: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Zone:
+    """An area of a fence: a circle with a centre and a radius, or a polygon with corners."""
+
+    keep_in: bool
+    corners: tuple[Place, ...]  # of a circle its centre alone
+    radius_m: float | None = None
+    at: str = ""  # where the file says so, for messages
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """What a file says.
+
+    Attributes:
+        name: of the mission.
+        start: where the robot stands when the mission starts; None where the file does not say.
+        stops: in order.
+        start_at: where the file says where the robot starts, for messages.
+        is_home: whether the start is a home beside the path, and not the path's own beginning.
+        zones: of the fence; the robot is to be in each one that is to be kept in.
+        return_to: where the robot goes when it breaks the fence; None: it holds.
+        left_out: what the file says beside.
+        remarks: what else the user should know.
+        order: how the file's format writes a place, where it is easily written the other way round.
+        body: that the places are on, by its name in local_frame.BODIES.
+        is_metric: whether places are x and y [m] instead of latitude and longitude [deg].
+    """
+
+    name: str
+    start: Place | None
+    stops: tuple[Stop, ...]
+    start_at: str = ""
+    is_home: bool = False
+    zones: tuple[Zone, ...] = ()
+    return_to: Place | None = None
+    left_out: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    order: str = ""
+    body: str = "earth"
+    is_metric: bool = False
+
+
+def mission_name(text: str) -> str:
+    """Return a text as a mission's name, which names files."""
+    name = re.sub(r"[^A-Za-z0-9._-]+", "-", text)[:80].strip("-._")
+    return name or "imported"

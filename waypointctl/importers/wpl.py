@@ -1,0 +1,96 @@
+"""Waypoint files, "QGC WPL 110": a line an item, its twelve values apart by tabs or spaces (.waypoints, .txt).
+
+    QGC WPL 110
+    0  1  0  16  0  0  0  0  60.0    25.0  10  1     number, current, frame, command, seven parameters, autocontinue
+    1  0  3  16  5  0  0  0  60.0002 25.0  10  1
+
+The format: https://mavlink.io/en/file_formats/. Item 0 is the home.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+from waypointctl.errors import MissionError
+from waypointctl.importers.json_source import MOST_ENTRIES
+from waypointctl.importers.local_frame import Place
+from waypointctl.importers.mavlink import WAYPOINT
+from waypointctl.importers.mavlink_way import PARAMETERS, Item, follow
+from waypointctl.importers.report import Report, number_of
+from waypointctl.importers.survey import Survey, mission_name
+from waypointctl.importers.text_source import text_of
+from waypointctl.mission.wording import counted, shown
+
+_HEADER: Final = ["QGC", "WPL", "110"]
+_VALUES: Final = 12
+_NUMBER, _FRAME, _COMMAND, _PARAMS, _GOES_ON = 0, 2, 3, 4, 11
+
+
+def read_wpl(source: bytes, report: Report, name: str) -> Survey:
+    """Read a waypoint file.
+
+    Args:
+        source: the file's bytes.
+        report: what is wrong with it goes there.
+        name: of the mission.
+
+    Raises:
+        MissionError: it is none that a walking robot can follow, with all that is wrong.
+    """
+    header, *lines = text_of(source, report).splitlines()
+    if header.split() != _HEADER:
+        raise MissionError(f"begins with {shown(header)}; 'QGC WPL 110' is read", where=f"{report.where}:1")
+    if len(lines) > MOST_ENTRIES:
+        raise MissionError(f"has {len(lines):,} lines; at most {MOST_ENTRIES:,} are read", where=report.where)
+    items = list(_items(lines, report))
+    home: Place | None = None
+    first = next(iter(items), None)
+    start_at = "the home (item 0)"
+    if first is not None and first.number == 0 and first.command == WAYPOINT:
+        start_at = f"{first.at} (the home)"
+        home = report.place(first.at, *first.params[4:6])
+        items = items[1:]
+    stops = follow(items, report)
+    if not stops and report.is_clean:
+        report.complain("", "has no waypoint to walk to: at least one item of command 16 beside the home is needed")
+    report.refuse()
+    left_out = tuple(f"{count} x {what}" for what, count in report.left_out.items())
+    return Survey(mission_name(name), home, stops, start_at=start_at, is_home=True, left_out=left_out)
+
+
+def _items(lines: list[str], report: Report) -> Iterator[Item]:
+    for number, line in enumerate(lines, 2):
+        values = line.split()
+        at = f"line {number}"
+        if not values:
+            continue
+        if len(values) != _VALUES:
+            report.complain(at, f"has {counted(len(values), 'values')}; an item has {_VALUES}", "number of values")
+            continue
+        wrong = next((value for value in values if _parameter(value) is None and not _is_nan(value)), None)
+        whole = [_whole(values[place]) for place in (_NUMBER, _FRAME, _COMMAND)]
+        if wrong is not None or None in whole:
+            found = shown(wrong) if wrong is not None else "its number, frame or command"
+            report.complain(at, f"{found} is not a {'number' if wrong is not None else 'whole number'}", "not a number")
+            continue
+        index, frame, command = (each for each in whole if each is not None)
+        params = tuple(_parameter(value) for value in values[_PARAMS : _PARAMS + PARAMETERS])
+        yield Item(at, index, command, frame, params, goes_on=_parameter(values[_GOES_ON]) != 0)
+
+
+def _parameter(value: str) -> float | None:
+    return number_of(value)
+
+
+def _is_nan(value: str) -> bool:
+    try:
+        return math.isnan(float(value))
+    except ValueError:
+        return False
+
+
+def _whole(value: str) -> int | None:
+    number = number_of(value)
+    return int(number) if number is not None and number.is_integer() else None
