@@ -39,6 +39,7 @@ class Limit:
 
 LIMITS: Final = {
     "policy-file": Limit(64 * _MIB, "a policy's policy.onnx, and its weights.safetensors"),
+    "policy-work": Limit(2**33, "multiplications of a policy's network for 256 observations", is_size=False),
     "model-elements": Limit(2_000, "elements of the MJCF of a log's robot", is_size=False),
     "sb3-archive": Limit(64 * _MIB, "a file of stable-baselines3, what its parts unpack to, and its tensors"),
 }

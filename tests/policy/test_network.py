@@ -60,22 +60,58 @@ def test_weights_in_another_file_are_refused(sound: onnx.ModelProto) -> None:
 def test_operators_of_a_foreign_domain_are_refused(sound: onnx.ModelProto) -> None:
     sound.graph.node[0].domain = "com.example"
     sound.opset_import.append(onnx.helper.make_opsetid("com.example", 1))
-    assert "the model has operators of the domain 'com.example'; a policy is one file of standard" in refusal(
+    assert "the model has operators of the domain 'com.example'; a policy is one file of standard, det" in refusal(
         sound.SerializeToString()
     )
 
 
 @pytest.mark.parametrize(
     ("model", "message"),
-    [(b"no model", "not an ONNX model"), (b"", "onnxruntime cannot read it"), (b"\x08\x07", "onnxruntime cannot read")],
+    [
+        (b"no model", "not the ONNX model of a policy: "),
+        (b"", "not the ONNX model"),
+        (b"\x08\x07", "not the ONNX model"),
+    ],
 )
 def test_what_is_no_onnx_model_is_refused(model: bytes, message: str) -> None:
     assert refusal(model).startswith(f"policy.onnx: {message}")
 
 
-def test_an_operator_that_does_not_exist_is_refused(sound: onnx.ModelProto, capfd: pytest.CaptureFixture[str]) -> None:
-    sound.graph.node[0].op_type = "Frobnicate"
-    assert "onnxruntime cannot read it: " in refusal(sound.SerializeToString())
+def test_what_onnxruntime_refuses_is_told_once(sound: onnx.ModelProto, capfd: pytest.CaptureFixture[str]) -> None:
+    sound.graph.node[0].attribute.append(onnx.helper.make_attribute("colour", 3))
+    assert "policy.onnx: onnxruntime cannot read it: " in refusal(sound.SerializeToString())
+    assert capfd.readouterr().err == ""
+
+
+def test_what_fails_when_it_runs_is_told_once(sound: onnx.ModelProto, capfd: pytest.CaptureFixture[str]) -> None:
+    """An index that depends on the observation is only looked at then: on zeros, or later."""
+    graph = sound.graph
+    graph.node[-1].output[0] = "computed"
+    graph.initializer.extend(
+        [
+            onnx.numpy_helper.from_array(np.array(7, np.int64), "seven"),
+            onnx.numpy_helper.from_array(np.array([0], np.int64), "first"),
+            onnx.numpy_helper.from_array(np.zeros((8, 1), np.float32), "rows"),
+        ]
+    )
+    for node in (
+        onnx.helper.make_node("Gather", ["observation", "first"], ["column"], axis=1),
+        onnx.helper.make_node("Cast", ["column"], ["index"], to=onnx.TensorProto.INT64),
+        onnx.helper.make_node("Add", ["index", "seven"], ["late"]),
+        onnx.helper.make_node("Gather", ["rows", "late"], ["row"]),
+        onnx.helper.make_node("ReduceSum", ["row", "first"], ["sum"], keepdims=0),
+    ):
+        graph.node.append(node)
+    graph.node[-1].input[1] = ""
+    graph.node.append(onnx.helper.make_node("Add", ["computed", "sum"], ["action"]))
+    network = Network(sound.SerializeToString(), "policy.onnx")
+    observation = np.zeros((1, 31))
+    assert network.run(observation).shape == (1, 8)
+    observation[0, 0] = 1.0
+    with pytest.raises(PolicyError, match=r"^policy\.onnx: onnxruntime cannot run it: .*indices"):
+        network.run(observation)
+    graph.initializer[-3].CopyFrom(onnx.numpy_helper.from_array(np.array(8, np.int64), "seven"))
+    assert refusal(sound.SerializeToString()).startswith("policy.onnx: onnxruntime cannot run it: ")
     assert capfd.readouterr().err == ""
 
 
@@ -85,9 +121,13 @@ def test_an_action_that_is_not_finite_is_refused(sound: onnx.ModelProto, value: 
     numbers = onnx.numpy_helper.to_array(bias).copy()
     numbers[3] = value
     bias.CopyFrom(onnx.numpy_helper.from_array(numbers, bias.name))
+    assert refusal(sound.SerializeToString()).startswith("policy.onnx: the network gave a number that is not finite")
+
+
+def test_an_observation_that_is_not_finite_gives_no_action(sound: onnx.ModelProto) -> None:
     network = Network(sound.SerializeToString(), "policy.onnx")
     with pytest.raises(PolicyError, match=r"policy\.onnx: the network gave a number that is not finite"):
-        network.run(np.zeros((3, 31)))
+        network.run(np.full((3, 31), np.nan))
 
 
 def test_the_largest_action_there_is_is_finite(sound: onnx.ModelProto) -> None:

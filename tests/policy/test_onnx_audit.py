@@ -1,16 +1,25 @@
+"""Models that a policy must not be, refused before onnxruntime sees them."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from onnx import AttributeProto, GraphProto, ModelProto, NodeProto, SparseTensorProto, TensorProto, helper
+from onnx import AttributeProto, GraphProto, ModelProto, NodeProto, SparseTensorProto, TensorProto, helper, numpy_helper
 
-from waypointctl.policy.onnx_audit import unsafe_parts
+from waypointctl.limits import VARIABLE, set_limits
+from waypointctl.policy.onnx_audit import ROWS, TooLarge, audit
+from waypointctl.policy.onnx_graph import read_graph
+from waypointctl.policy.protobuf_fields import Refused
 
 ELSEWHERE = "a tensor kept in another file"
 FOREIGN = "operators of the domain 'com.example'"
+INNER = "a graph within a graph"
+Arrays = dict[str, Any]
 
 
 def outside() -> TensorProto:
@@ -48,45 +57,201 @@ def with_training() -> ModelProto:
     ("make", "expected"),
     [
         (lambda: model_of(GraphProto(initializer=[outside()])), ELSEWHERE),
-        (lambda: model_of(GraphProto(sparse_initializer=[SparseTensorProto(values=outside())])), ELSEWHERE),
+        (lambda: model_of(GraphProto(sparse_initializer=[SparseTensorProto(values=outside())])), "a sparse tensor"),
         (lambda: holding(AttributeProto(name="value", t=outside())), ELSEWHERE),
-        (lambda: holding(AttributeProto(name="values", tensors=[outside()])), ELSEWHERE),
-        (lambda: holding(AttributeProto(name="then_branch", g=GraphProto(initializer=[outside()]))), ELSEWHERE),
+        (lambda: holding(AttributeProto(name="values", tensors=[outside()])), "an attribute of a kind"),
+        (lambda: holding(AttributeProto(name="then_branch", g=GraphProto(initializer=[outside()]))), INNER),
         (lambda: model_of(GraphProto(node=[foreign()])), FOREIGN),
-        (lambda: holding(AttributeProto(name="then_branch", g=GraphProto(node=[foreign()]))), FOREIGN),
-        (lambda: holding(AttributeProto(name="branches", graphs=[GraphProto(node=[foreign()])])), FOREIGN),
-        (with_function, FOREIGN),
-        (with_training, FOREIGN),
+        (lambda: holding(AttributeProto(name="branches", graphs=[GraphProto(node=[foreign()])])), INNER),
+        (with_function, "functions or training steps of its own"),
+        (with_training, "functions or training steps of its own"),
         (lambda: ModelProto(opset_import=[helper.make_opsetid("com.example", 1)]), FOREIGN),
+        (
+            lambda: model_of(GraphProto(initializer=[TensorProto(name="w", data_type=1, dims=[2**20, 2**20])])),
+            r"a tensor of shape \[1048576, 1048576\] without its numbers",
+        ),
+        (
+            lambda: model_of(GraphProto(initializer=[TensorProto(name="w", data_type=1, dims=[2], raw_data=b"1234")])),
+            r"a tensor of shape \[2\] without its numbers",
+        ),
+        (
+            lambda: model_of(GraphProto(initializer=[TensorProto(name="w", data_type=8)])),
+            "a tensor of numbers that are",
+        ),
     ],
 )
-def test_it_finds_them_wherever_onnx_can_hold_them(make: Callable[[], ModelProto], expected: str) -> None:
-    assert unsafe_parts(make().SerializeToString()) == [expected]
+def test_what_a_policy_must_not_have_is_found_wherever_onnx_can_hold_it(
+    make: Callable[[], ModelProto], expected: str
+) -> None:
+    with pytest.raises(Refused, match=expected):
+        read_graph(make().SerializeToString())
 
 
-def test_each_is_told_once() -> None:
-    model = model_of(GraphProto(node=[foreign("A"), foreign("B")], initializer=[outside(), outside()]))
-    assert sorted(unsafe_parts(model.SerializeToString())) == [ELSEWHERE, FOREIGN]
+def network(*nodes: NodeProto, **constants: Any) -> bytes:
+    """Return a model from "x", (n, 31), to "y", (n, 8); "w" is a matrix that leads there."""
+    arrays = {"w": np.full((31, 8), 0.1, np.float32)} | constants
+    graph = helper.make_graph(
+        nodes,
+        "g",
+        [helper.make_tensor_value_info("x", TensorProto.FLOAT, ["n", 31])],
+        [helper.make_tensor_value_info("y", TensorProto.FLOAT, ["n", 8])],
+        [numpy_helper.from_array(np.asarray(array), name) for name, array in arrays.items()],
+    )
+    return model_of(graph).SerializeToString()
 
 
-def test_standard_operators_and_weights_inside_pass() -> None:
-    weight = helper.make_tensor("weight", TensorProto.FLOAT, [2], [1.0, 2.0])
-    loop = helper.make_node("Loop", ["x"], ["y"], body=GraphProto(name="body", initializer=[weight]))
-    elu = helper.make_node("Elu", ["y"], ["z"], domain="ai.onnx", alpha=1.0)
-    model = model_of(GraphProto(node=[loop, elu], initializer=[weight]))
-    assert unsafe_parts(model.SerializeToString()) == []
+def node(operator: str, inputs: str, output: str, **attributes: Any) -> NodeProto:
+    return helper.make_node(operator, inputs.split(), output.split(), **attributes)
+
+
+LAST = node("MatMul", "x w", "y")
+
+
+def sized(*sides: int) -> np.ndarray[Any, Any]:
+    return np.array(sides, np.int64)
+
+
+HOSTILE: dict[str, tuple[bytes, str]] = {
+    "ConstantOfShape": (network(node("ConstantOfShape", "s", "c"), LAST, s=sized(2**20, 2**20)), "in a tensor"),
+    "many ConstantOfShape": (
+        network(*[node("ConstantOfShape", "s", f"c{n}") for n in range(5)], LAST, s=sized(2**24)),
+        "in all",
+    ),
+    "Expand": (network(node("Expand", "w s", "c"), LAST, s=sized(2**20, 31, 8)), "in a tensor"),
+    "Expand and reduce": (
+        network(node("Expand", "x s", "c"), node("ReduceMax", "c", "y", axes=[0]), s=sized(2**20, 1, 1)),
+        "in a tensor",
+    ),
+    "outer product": (
+        network(node("MatMul", "a b", "c"), LAST, a=np.ones((5000, 1), np.float32), b=np.ones((1, 5000), np.float32)),
+        "in a tensor",
+    ),
+    "broadcast": (
+        network(node("Add", "a b", "c"), LAST, a=np.ones((5000, 1), np.float32), b=np.ones((1, 5000), np.float32)),
+        "in a tensor",
+    ),
+    "concatenated again and again": (
+        network(
+            *[node("Concat", f"c{n} c{n}", f"c{n + 1}", axis=0) for n in range(40)], LAST, c0=np.ones(9, np.float32)
+        ),
+        "in a tensor|in all",
+    ),
+    "shape of the observation": (
+        network(node("Cast", "x", "s", to=7), node("ConstantOfShape", "s", "c"), LAST),
+        "a shape that is not known before it runs, in the operator 'ConstantOfShape'",
+    ),
+    "Tile": (network(node("Tile", "x s", "c"), LAST, s=sized(2**30, 1)), "the operator 'Tile'"),
+    "Pad": (network(node("Pad", "x s", "c"), LAST, s=sized(0, 0, 0, 2**40)), "the operator 'Pad'"),
+    "Range": (
+        network(node("Range", "a b c", "d"), LAST, a=0.0, b=1e12, c=1.0),
+        "numbers that are not|the operator 'Ran",
+    ),
+    "OneHot": (network(node("OneHot", "a b c", "d"), LAST, a=sized(1), b=sized(2**40), c=sized(0, 1)), "'OneHot'"),
+    "EyeLike": (network(node("EyeLike", "x", "d"), LAST), "the operator 'EyeLike'"),
+    "Loop": (network(node("Loop", "a ", "d", body=GraphProto(name="b")), LAST, a=sized(2**62)), INNER),
+    "Scan": (network(node("Scan", "x", "d", body=GraphProto(name="b"), num_scan_inputs=1), LAST), INNER),
+    "If": (network(node("If", "a", "d", then_branch=GraphProto(), else_branch=GraphProto()), LAST, a=True), INNER),
+    **{
+        name: (network(node(name, "x", "r"), node("MatMul", "r w", "y")), f"the operator '{name}'")
+        for name in ("RandomNormalLike", "RandomUniformLike", "Bernoulli", "Multinomial", "NonZero", "Conv", "Unique")
+    },
+    "RandomNormal": (network(node("RandomNormal", "", "r", shape=[1, 31]), LAST), "the operator 'RandomNormal'"),
+    "RandomUniform": (network(node("RandomUniform", "", "r", shape=[1, 31]), LAST), "the operator 'RandomUniform'"),
+    "Dropout in training": (network(node("Dropout", "x a b", "r"), LAST, a=np.float32(0.5), b=True), "training_mode"),
+    "text": (network(node("Cast", "x", "t", to=8), LAST), "numbers that are not float"),
+    "whole numbers divided": (
+        network(node("Cast", "x", "a", to=7), node("Div", "a a", "b"), LAST),
+        "a division of whole numbers",
+    ),
+    "very many operators": (
+        network(*[node("Relu", "x", f"r{n}") for n in range(2001)], LAST),
+        "more than 2,000 operat",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_model_that_draws_repeats_or_grows_without_bound_is_refused(name: str) -> None:
+    model, message = HOSTILE[name]
+    with pytest.raises(Refused, match=message):
+        audit(model)
+
+
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        (network(node("MatMul", "w x", "y")), "the operator MatMul does not fit what it takes"),
+        (network(node("Gemm", "x", "y")), "the operator Gemm does not fit what it takes: input 1 is missing"),
+        (network(node("Relu", "z", "y")), "Relu takes 'z', which nothing before it gives"),
+        (network(node("Relu", "y", "r"), LAST), "Relu takes 'y', which nothing before it gives"),
+        (network(), "the output for 256 observations is nothing"),
+        (
+            network(node("Relu", "x", "y")),
+            rf"the output for 256 observations is shape \({ROWS}, 31\), not \({ROWS}, 8\)",
+        ),
+        (network(node("Transpose", "x", "t"), node("MatMul", "t w", "y")), "does not fit"),
+    ],
+)
+def test_a_model_that_does_not_fit_together_is_refused(model: bytes, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        audit(model)
+
+
+def test_a_network_that_takes_very_long_is_refused_unless_the_limit_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "")
+    side = 2048
+    wide = [node("MatMul", "x a", "h0"), *[node("MatMul", f"h{n} b", f"h{n + 1}") for n in range(9)]]
+    arrays = {"a": np.zeros((31, side), np.float32), "b": np.zeros((side, side), np.float32)}
+    model = network(*wide, node("MatMul", "h9 c", "y"), c=np.zeros((side, 8), np.float32), **arrays)
+    with pytest.raises(TooLarge, match="more than the 8,589,934,592 multiplications"):
+        audit(model)
+    set_limits(["policy-work=20000000000"])
+    assert audit(model).outputs == 8
+
+
+def test_a_recurrent_network_as_torch_exports_it_is_read() -> None:
+    """Its first state is as long as the batch, which is computed from the observation's shape."""
+    rng = np.random.default_rng(0)
+    model = network(
+        node("Unsqueeze", "x one", "steps"),
+        node("Transpose", "steps", "sequence", perm=[1, 0, 2]),
+        node("Shape", "sequence", "sides"),
+        node("Gather", "sides index", "count", axis=0),
+        node("Unsqueeze", "count zero", "many"),
+        node("Concat", "one many size", "target", axis=0),
+        node("ConstantOfShape", "target", "state"),
+        helper.make_node("LSTM", ["sequence", "i", "r", "", "", "state", "state"], ["all"], hidden_size=8),
+        node("Squeeze", "all zero_one", "y"),
+        one=sized(1),
+        zero=sized(0),
+        zero_one=sized(0, 1),
+        index=np.array(1),
+        size=sized(8),
+        i=rng.normal(size=(1, 32, 31)).astype(np.float32),
+        r=rng.normal(size=(1, 32, 8)).astype(np.float32),
+    )
+    assert audit(model).inputs == 31
 
 
 def test_a_truncated_model_is_refused() -> None:
-    whole = model_of(GraphProto(node=[helper.make_node("Elu", ["x"], ["y"])])).SerializeToString()
-    with pytest.raises(ValueError, match="after its message"):
-        unsafe_parts(whole[: len(whole) // 2])
+    whole = network(LAST)
+    with pytest.raises(ValueError, match=r"after its message|no whole number"):
+        audit(whole[: len(whole) // 2])
 
 
 @given(st.binary(max_size=200))
 def test_any_bytes_are_walked_or_refused(content: bytes) -> None:
+    with pytest.raises(ValueError):  # noqa: PT011 - what is wrong depends on the bytes
+        audit(content)
+
+
+@given(st.data())
+def test_any_damage_is_found_or_leaves_a_network_of_bounded_shapes(data: st.DataObject) -> None:
+    model = bytearray(network(LAST))
+    for _ in range(data.draw(st.integers(1, 4))):
+        model[data.draw(st.integers(0, len(model) - 1))] = data.draw(st.integers(0, 255))
     try:
-        unsafe_parts(content)
+        audit(bytes(model))
     except ValueError:
         return
 
@@ -101,8 +266,28 @@ def field(tag: int, content: bytes) -> bytes:
 
 
 def test_a_model_nested_beyond_any_reason_does_not_exhaust_the_stack() -> None:
-    node = field(7 << 3 | 2, b"com.example")
+    inner = field(7 << 3 | 2, b"com.example")
     for _ in range(2000):
-        graph = field(1 << 3 | 2, node)
-        node = field(5 << 3 | 2, field(6 << 3 | 2, graph))
-    assert unsafe_parts(field(7 << 3 | 2, field(1 << 3 | 2, node))) == [FOREIGN]
+        graph = field(1 << 3 | 2, inner)
+        inner = field(5 << 3 | 2, field(6 << 3 | 2, graph))
+    with pytest.raises(Refused, match=INNER):
+        audit(field(7 << 3 | 2, field(1 << 3 | 2, inner)))
+
+
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        (network(LAST) + network(LAST), "field 7 is there 2 times"),  # other parsers put the two graphs together
+        (b"\xba\x80\x80\x80\x10" + network(LAST)[1:], "no field at byte"),  # 2**32 more than the graph's field
+        (b"\x02\x01a", "no field at byte 1"),
+        (field(7 << 3 | 2, b"\x08\x01"), "field 1 is not a message"),
+        (field(7 << 3 | 2, b"\x0d\x01\x01\x01\x01"), "field 1 is not a message"),
+        (field(7 << 3 | 2, field(1 << 3 | 2, field(4 << 3 | 2, b"Relu") * 2)), "field 4 is there 2 times"),
+        (field(7 << 3 | 2, field(1 << 3 | 2, field(4 << 3 | 2, b"\xff"))), "invalid start byte"),
+        (b"\x12\x00" * 200_001, "more than 200,000 parts"),
+        (b"\x0b", "wire type 3"),
+    ],
+)
+def test_what_two_parsers_could_read_in_two_ways_is_refused(model: bytes, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        audit(model)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import PolicyError
-from waypointctl.policy.onnx_audit import unsafe_parts
+from waypointctl.limits import limit_hint
+from waypointctl.policy.onnx_audit import LIMIT, Audited, TooLarge, audit
+from waypointctl.policy.protobuf_fields import Refused
 
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
@@ -24,7 +26,7 @@ class Network:
     """An ONNX model from "observation", (n, k) float32, to "action", (n, nu) float32."""
 
     def __init__(self, model: bytes, where: str, threads: int = 1) -> None:
-        """Read a model.
+        """Read a model, and run it once on zeros.
 
         Args:
             model: the ONNX file's bytes.
@@ -32,43 +34,51 @@ class Network:
             threads: how many share one call; more than one only pays for large networks and batches.
 
         Raises:
-            PolicyError: it is not an ONNX model of that shape, or it needs more than the file itself.
+            PolicyError: it is not an ONNX model of that shape, has what a policy must not have, or does not run.
         """
-        _refuse_unsafe(model, where)
         self._where = where
+        audited = _audited(model, where)
+        self.input_size, self.output_size = audited.inputs, audited.outputs
         self._session = _session(model, where, threads)
-        inputs, outputs = self._session.get_inputs(), self._session.get_outputs()
-        if len(inputs) != 1 or len(outputs) != 1:
-            problem = f"{len(inputs)} inputs and {len(outputs)} outputs; a policy has one of each"
-            raise PolicyError(problem, where=where, mend=EXPORT_AGAIN)
-        self.input_size = _width(inputs[0], "input", where)
-        self.output_size = _width(outputs[0], "output", where)
-        self._input_name: str = inputs[0].name
-        self._output_names: list[str] = [outputs[0].name]
+        self._input_name: str = self._session.get_inputs()[0].name
+        self._output_names: list[str] = [self._session.get_outputs()[0].name]
+        self.run(np.zeros((1, self.input_size)))
 
     def run(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return actions (n, nu) for observations (n, k).
 
         Raises:
-            PolicyError: an action is not a finite number.
+            PolicyError: onnxruntime cannot run the network, or an action is not a finite number.
         """
         feed = {self._input_name: observation.astype(np.float32)}
-        action = cast(NDArray[np.float64], self._session.run(self._output_names, feed)[0].astype(np.float64))
+        try:
+            (found,) = self._session.run(self._output_names, feed)
+        except Exception as error:  # onnxruntime's exceptions have no base class of their own
+            raise PolicyError(f"onnxruntime cannot run it: {_reason(error)}", where=self._where, mend=_OTHER) from error
+        if found.shape != (len(observation), self.output_size) or found.dtype != np.float32:
+            problem = f"the network gave {found.dtype} of shape {found.shape} for {len(observation)} observations"
+            raise PolicyError(problem, where=self._where, mend=_OTHER)
+        action: NDArray[np.float64] = found.astype(np.float64)
         # The squares of float32 numbers cannot overflow in float64, and this way takes less than a microsecond.
         if not math.isfinite(np.vdot(action, action)):
             problem = "the network gave a number that is not finite: the policy is damaged, or its training diverged"
-            raise PolicyError(problem, where=self._where, mend="choose another policy, or train this one again")
+            raise PolicyError(problem, where=self._where, mend=_OTHER)
         return action
 
 
-def _refuse_unsafe(model: bytes, where: str) -> None:
+_OTHER: Final = "choose another policy, or train this one again"
+
+
+def _audited(model: bytes, where: str) -> Audited:
     try:
-        unsafe = unsafe_parts(model)
+        return audit(model)
+    except Refused as error:
+        problem = f"the model has {error}; a policy is one file of standard, deterministic ONNX operators"
+        raise PolicyError(problem, where=where, mend=f"docs/limits.md lists them. {EXPORT_AGAIN}") from error
+    except TooLarge as error:
+        raise PolicyError(str(error), where=where, mend=limit_hint(LIMIT)) from error
     except ValueError as error:
-        raise PolicyError(f"not an ONNX model: {error}", where=where, mend=EXPORT_AGAIN) from error
-    if unsafe:
-        problem = f"the model has {' and '.join(unsafe)}; a policy is one file of standard ONNX operators"
-        raise PolicyError(problem, where=where, mend=EXPORT_AGAIN)
+        raise PolicyError(f"not the ONNX model of a policy: {error}", where=where, mend=EXPORT_AGAIN) from error
 
 
 def _session(model: bytes, where: str, threads: int) -> InferenceSession:
@@ -83,14 +93,9 @@ def _session(model: bytes, where: str, threads: int) -> InferenceSession:
     options.log_severity_level = _FATAL
     try:
         return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime's exceptions have no base class of their own
-        reason = str(error).strip().splitlines()[0]
-        raise PolicyError(f"onnxruntime cannot read it: {reason}", where=where, mend=EXPORT_AGAIN) from error
+    except Exception as error:
+        raise PolicyError(f"onnxruntime cannot read it: {_reason(error)}", where=where, mend=EXPORT_AGAIN) from error
 
 
-def _width(port: Any, what: str, where: str) -> int:
-    match port.type, port.shape:
-        case "tensor(float)", [str() | None, int(width)]:
-            return width
-    problem = f"the {what} {port.name!r} is a {port.type} of shape {port.shape}; a policy's is (n, size) of float32"
-    raise PolicyError(problem, where=where, mend=EXPORT_AGAIN)
+def _reason(error: Exception) -> str:
+    return next(iter(str(error).strip().splitlines()), type(error).__name__)

@@ -1,91 +1,91 @@
-"""Read an ONNX model's bytes for what a policy must not contain, before anything runs them.
+"""Looking at an ONNX model before onnxruntime does: what it may have, and how much it may ask for.
 
-onnxruntime would look up operators of foreign domains and follow tensors into other files; a policy is one
-file of standard operators. The wire format is walked here, so that flying needs neither the onnx package nor
-its protobuf classes. Field numbers: https://github.com/onnx/onnx/blob/main/onnx/onnx.proto,
-wire format: https://protobuf.dev/programming-guides/encoding.
+onnxruntime would look up operators of foreign domains, follow tensors into other files, repeat a loop for ever, draw
+random numbers, and take whatever memory a shape asks for, where no signal ends it. A policy is one file of standard,
+deterministic operators whose shapes are known from the graph alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Final, NamedTuple
+import math
+from dataclasses import dataclass
+from typing import Final
 
-STANDARD_DOMAINS: Final = ("", "ai.onnx")
+from waypointctl.limits import limit
+from waypointctl.policy.onnx_graph import FLOAT, Graph, Port, read_graph
+from waypointctl.policy.onnx_shapes import output_values
+from waypointctl.policy.onnx_values import Value, constant
+from waypointctl.policy.protobuf_fields import Refused
 
-# message -> {field number: the message it holds}; all other fields are values.
-_MESSAGES: Final[dict[str, dict[int, str]]] = {
-    "model": {7: "graph", 8: "opset", 20: "training", 25: "function"},
-    "training": {1: "graph", 2: "graph"},
-    "graph": {1: "node", 5: "tensor", 15: "sparse"},
-    "function": {7: "node", 9: "opset", 11: "attribute"},
-    "node": {5: "attribute"},
-    "attribute": {5: "tensor", 6: "graph", 10: "tensor", 11: "graph", 22: "sparse", 23: "sparse"},
-    "sparse": {1: "tensor", 2: "tensor"},
-}
-_DOMAIN_FIELDS: Final = {("opset", 1), ("node", 7), ("function", 10)}
-_EXTERNAL_FIELDS: Final = {("tensor", 13), ("tensor", 14)}  # external_data, data_location (0 is inside the model)
-_FIXED_SIZES: Final = {1: 8, 5: 4}  # wire type: bytes
-_VARINT: Final = 0
-_DELIMITED: Final = 2
+ROWS: Final = 256  # observations that a network is thought to be given at once
+MOST_NODES: Final = 2_000
+MOST_NUMBERS: Final = 2**24  # of one tensor, and 4 times as many of all that are computed
+LIMIT: Final = "policy-work"
+
+_TYPES: Final = {FLOAT: "float", 6: "int32", 7: "int64", 9: "bool", 10: "float16", 11: "double"}
 
 
-class _Field(NamedTuple):
-    number: int
-    value: int | memoryview
+@dataclass(frozen=True, slots=True)
+class Audited:
+    """A network that may run: (n, inputs) float32 to (n, outputs) float32."""
+
+    inputs: int
+    outputs: int
 
 
-def unsafe_parts(model: bytes) -> list[str]:
-    """Return what in an ONNX model a policy must not contain, in words; empty if there is nothing.
+class TooLarge(ValueError):
+    """The network takes more multiplications than the limit."""
+
+
+def audit(model: bytes) -> Audited:
+    """Return the sizes of a network that may run.
 
     Raises:
-        ValueError: the bytes are not a protobuf message.
+        Refused: it has what a policy must not have.
+        TooLarge: it takes more work than the limit.
+        ValueError: it is not an ONNX model, or not one from (n, size) to (n, size).
     """
-    found: dict[str, None] = {}  # an ordered set
-    pending = [("model", memoryview(model))]
-    while pending:
-        message, content = pending.pop()
-        for number, value in _fields(content):
-            inner = _MESSAGES.get(message, {}).get(number)
-            if inner is not None and isinstance(value, memoryview):
-                pending.append((inner, value))
-            elif (message, number) in _EXTERNAL_FIELDS and value:
-                found["a tensor kept in another file"] = None
-            elif (message, number) in _DOMAIN_FIELDS and isinstance(value, memoryview):
-                domain = bytes(value).decode(errors="replace")
-                if domain not in STANDARD_DOMAINS:
-                    found[f"operators of the domain {domain!r}"] = None
-    return list(found)
+    graph = read_graph(model)
+    if len(graph.inputs) != 1 or len(graph.outputs) != 1:
+        raise ValueError(f"{len(graph.inputs)} inputs and {len(graph.outputs)} outputs; a policy has one of each")
+    into, out = _width(graph.inputs[0], "input"), _width(graph.outputs[0], "output")
+    given = _evaluated(graph, into).get(graph.outputs[0].name)
+    if given is None or given.shape != (ROWS, out):
+        found = "nothing" if given is None else f"shape {given.shape}"
+        raise ValueError(f"the output for {ROWS} observations is {found}, not {(ROWS, out)}")
+    return Audited(into, out)
 
 
-def _fields(content: memoryview) -> Iterator[_Field]:
-    at = 0
-    while at < len(content):
-        tag, at = _varint(content, at)
-        number, wire_type = tag >> 3, tag & 7
-        if wire_type == _VARINT:
-            value, at = _varint(content, at)
-            yield _Field(number, value)
-            continue
-        if wire_type == _DELIMITED:
-            size, at = _varint(content, at)
-        elif wire_type in _FIXED_SIZES:
-            size = _FIXED_SIZES[wire_type]
-        else:
-            raise ValueError(f"wire type {wire_type} at byte {at}")
-        if at + size > len(content):
-            raise ValueError(f"field {number} ends {at + size - len(content)} bytes after its message")
-        yield _Field(number, content[at : at + size])
-        at += size
+def _evaluated(graph: Graph, into: int) -> dict[str, Value]:
+    """Return every value of a graph for `ROWS` observations."""
+    if len(graph.nodes) > MOST_NODES:
+        raise Refused(f"more than {MOST_NODES:,} operators")
+    values: dict[str, Value] = {each.name: constant(each) for each in graph.constants}
+    values[graph.inputs[0].name] = Value((ROWS, into))
+    numbers = work = 0
+    for node in graph.nodes:
+        if missing := [name for name in node.inputs if name and name not in values]:
+            raise ValueError(f"{node.operator[:40]} takes {missing[0][:80]!r}, which nothing before it gives")
+        try:
+            found, more = output_values(node, [values[name] if name else None for name in node.inputs])
+        except Refused:
+            raise
+        except (ValueError, IndexError, TypeError, OverflowError, ZeroDivisionError) as error:
+            raise ValueError(f"the operator {node.operator} does not fit what it takes: {error}") from error
+        sizes = [math.prod(value.shape) for value in found]
+        numbers, work = numbers + sum(sizes), work + more
+        if max(sizes, default=0) > MOST_NUMBERS or numbers > 4 * MOST_NUMBERS:
+            raise Refused(f"more than {MOST_NUMBERS:,} numbers in a tensor, or {4 * MOST_NUMBERS:,} in all")
+        if work > limit(LIMIT):
+            raise TooLarge(f"it takes more than the {limit(LIMIT):,} multiplications for {ROWS} observations")
+        values |= zip(node.outputs, found, strict=False)
+    return values
 
 
-def _varint(content: memoryview, at: int) -> tuple[int, int]:
-    value = shift = 0
-    while at < len(content) and shift < 64:
-        byte = content[at]
-        at += 1
-        value |= (byte & 0x7F) << shift
-        if byte < 0x80:
-            return value, at
-        shift += 7
-    raise ValueError(f"no whole number at byte {at}")
+def _width(port: Port, what: str) -> int:
+    match port.type, port.shape:
+        case 1, (str() | None, int(width)):
+            return width
+    shape = "any shape" if port.shape is None else f"shape {list(port.shape)}"
+    kind = f"tensor({_TYPES.get(port.type, 'other')})"
+    raise ValueError(f"the {what} {port.name[:80]!r} is a {kind} of {shape}; a policy's is (n, size) of float32")
