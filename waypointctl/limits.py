@@ -40,6 +40,13 @@ class Limit:
 LIMITS: Final = {
     "policy-file": Limit(64 * _MIB, "a policy's policy.onnx, and its weights.safetensors"),
     "policy-work": Limit(2**33, "multiplications of a policy's network for 256 observations", is_size=False),
+    "log-record": Limit(64 * _MIB, "a record of a log's file: an attachment, a chunk as it is compressed"),
+    "log-attachments": Limit(128 * _MIB, "the attachments of a log together"),
+    "log-metadata": Limit(4 * _MIB, "metadata, schemas and channels of a log together"),
+    "log-entries": Limit(1_000, "attachments of a log; entries of its metadata, schemas and channels", is_size=False),
+    "log-chunk": Limit(32 * _MIB, "what a chunk of a log unpacks to"),
+    "log-expansion": Limit(100, "what a log's chunks unpack to together, in sizes of its file", is_size=False),
+    "log-messages": Limit(100_000, "messages of a log beyond one for each 16 bytes of its file", is_size=False),
     "model-elements": Limit(2_000, "elements of the MJCF of a log's robot", is_size=False),
     "sb3-archive": Limit(64 * _MIB, "a file of stable-baselines3, what its parts unpack to, and its tensors"),
 }

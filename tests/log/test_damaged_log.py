@@ -117,7 +117,7 @@ def test_a_chunk_that_says_it_is_larger_than_any_memory(log_path: Path, tmp_path
 
     path = tmp_path / "large.mcap"
     path.write_bytes(rebuilt(log_path.read_bytes(), enlarge))
-    with pytest.raises(LogError, match="is damaged at byte"):
+    with pytest.raises(LogError, match="the limit log-chunk is 32 MiB"):
         open_log(path)
 
 

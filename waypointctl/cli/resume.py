@@ -93,11 +93,11 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
 def _say_complete(asked: Resumption) -> int:
     """Say that there is nothing to do."""
     from waypointctl.cli.flight_answer import answer
+    from waypointctl.log.opening import PART
     from waypointctl.log.reader import open_log
     from waypointctl.ops.flight import FlightResult
     from waypointctl.ops.record import recording_of
     from waypointctl.replay.logged import mission_name, story_of
-    from waypointctl.replay.resume import PART
 
     path = asked.log.with_name(asked.log.name.removesuffix(PART))
     log = open_log(path)

@@ -10,10 +10,11 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 
 from waypointctl.log.chunk import encoded
-from waypointctl.log.comparison import FileDifference, FileDiffers, kind_of
+from waypointctl.log.comparison import FileDifference, FileDiffers, brief, kind_of
+from waypointctl.log.decompress import chunk_bytes
+from waypointctl.log.opening import open_file
 from waypointctl.log.reader import Log
 from waypointctl.log.records import MAGIC, Record, body_stream, inner_records, raw_message, records, shown
-from waypointctl.log.scan import chunk_bytes, open_file
 
 _HEAD_BYTES: Final = 9  # opcode and length of a record
 _TYPES: Final[dict[int, Any]] = {
@@ -99,9 +100,11 @@ class _Audit:
     def _take_data(self, record: Record, it: Any) -> None:
         match it:
             case mcap.Header():
+                self._require(not it.profile, f"the profile {brief(it.profile)!r}", "no profile")
                 self._allowed = _DATA
             case mcap.Attachment():
-                self._require(it.name not in self._names, f"a second attachment {it.name!r}", "one of each name")
+                self._require(it.name not in self._names, f"a second attachment {brief(it.name)!r}", "one of each name")
+                self._require(not (it.log_time or it.create_time), "a time of an attachment", "none: no clock is read")
                 self._names.add(it.name)
                 self._list(_attachment_index(record, it))
             case mcap.Metadata():
@@ -158,7 +161,9 @@ class _Audit:
         first = self._definitions.setdefault((opcode, it.id), raw)
         self._require(first == raw, f"{kind_of(opcode)} {it.id} defined again as another", "one definition of each")
         if opcode == Opcode.CHANNEL and raw not in self._listed:
-            self._require(it.topic not in self._topics, f"a second channel of {it.topic}", "one channel of each topic")
+            self._require(
+                it.topic not in self._topics, f"a second channel of {brief(it.topic)}", "one channel of each topic"
+            )
             self._topics.add(it.topic)
         self._listed[raw] = 1
 

@@ -11,19 +11,21 @@ from typing import IO, Final, NamedTuple
 from mcap import records as mcap
 from mcap.opcode import Opcode
 
+from waypointctl.display_text import printable
+from waypointctl.log.decompress import chunk_bytes
+from waypointctl.log.opening import DAMAGE
 from waypointctl.log.records import (
     MAGIC,
     CutShort,
     Record,
     body_stream,
-    excerpt,
     inner_records,
     raw_message,
     records,
     shown,
 )
-from waypointctl.log.scan import DAMAGE, chunk_bytes
 
+_SHOWN: Final = 80  # characters of a text
 _NAMES: Final = {int(opcode): opcode.name.lower().replace("_", " ") for opcode in Opcode}
 
 
@@ -128,6 +130,11 @@ class _Part(NamedTuple):
     time_ns: int = 0
 
 
+def brief(text: str) -> str:
+    """Return as much of a text of a file as is to be shown where it differs."""
+    return printable(text, _SHOWN)
+
+
 def kind_of(opcode: int) -> str:
     """Return what kind of record has this opcode, in words."""
     return _NAMES.get(opcode, f"record of the unknown kind {opcode:#04x}")
@@ -162,15 +169,13 @@ def _inner_parts(record: Record, topics: Mapping[int, str]) -> Iterator[_Part]:
     match record.opcode:
         case Opcode.HEADER:
             header = mcap.Header.read(body_stream(record.body))
-            yield _Part(
-                "file", f"header {where}", f"{excerpt(header.profile)!r}, {excerpt(header.library)!r}", record.body
-            )
+            yield _Part("file", f"header {where}", f"{brief(header.profile)!r}, {brief(header.library)!r}", record.body)
         case Opcode.METADATA:
             metadata = mcap.Metadata.read(body_stream(record.body))
-            yield from (_Part("metadata", excerpt(key), excerpt(text), text) for key, text in metadata.metadata.items())
+            yield from (_Part("metadata", brief(key), brief(text), text) for key, text in metadata.metadata.items())
         case Opcode.ATTACHMENT:
             it = mcap.Attachment.read(body_stream(record.body))
-            yield _Part("attachment", excerpt(it.name), f"{excerpt(it.media_type)}, {shown(it.data)}", record.body)
+            yield _Part("attachment", brief(it.name), f"{brief(it.media_type)}, {shown(it.data)}", record.body)
         case Opcode.CHUNK:
             for opcode, body in inner_records(chunk_bytes(record)):
                 yield _in_chunk(opcode, body, where, topics)
@@ -184,7 +189,7 @@ def _in_chunk(opcode: int, body: bytes, where: str, topics: Mapping[int, str]) -
     name = kind_of(opcode)
     text = f"{name}, {shown(body)}"
     if opcode == Opcode.SCHEMA:
-        name = f"schema {excerpt(mcap.Schema.read(body_stream(body)).name)}"
+        name = f"schema {brief(mcap.Schema.read(body_stream(body)).name)}"
     elif opcode == Opcode.CHANNEL:
-        name = f"channel of {excerpt(mcap.Channel.read(body_stream(body)).topic)}"
+        name = f"channel of {brief(mcap.Channel.read(body_stream(body)).topic)}"
     return _Part("file", f"{name} in the chunk {where}", text, body)

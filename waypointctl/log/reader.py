@@ -10,10 +10,13 @@ from typing import NamedTuple
 from mcap.opcode import Opcode
 
 from waypointctl.errors import LogError
+from waypointctl.log.bounds import OverLimit
 from waypointctl.log.contents import ChunkPlace, Contents, TopicSummary
+from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.messages import Message
-from waypointctl.log.records import RawMessage, Record, inner_records, raw_message, records
-from waypointctl.log.scan import DAMAGE, chunk_bytes, damaged, open_file, scan
+from waypointctl.log.opening import DAMAGE, damaged, open_file
+from waypointctl.log.records import CutShort, RawMessage, Record, inner_records, raw_message, records
+from waypointctl.log.scan import scan
 from waypointctl.log.topics import BY_NAME, Topic
 from waypointctl.units import NS_PER_S
 
@@ -26,7 +29,8 @@ def open_log(path: Path, *, allow_truncated: bool = False) -> Log:
         allow_truncated: read a file that is cut short up to where it is whole.
 
     Raises:
-        LogError: the file cannot be read, is damaged, is cut short, is no log of waypointctl or of a newer one.
+        LogError: the file cannot be read, is damaged or cut short, is over a limit, is no log of waypointctl or of a
+            newer one.
     """
     return Log(path, scan(path, allow_truncated=allow_truncated))
 
@@ -172,7 +176,10 @@ class Log:
 
         with open_file(self.path) as stream:
             for place in filter(wanted, self.contents.chunks):
-                yield next(records(stream, place.offset, self.contents.size_bytes))
+                try:
+                    yield next(records(stream, place.offset, self.contents.size_bytes))
+                except (CutShort, OverLimit, StopIteration):
+                    raise damaged(str(self.path), place.offset, "it was changed while it was read") from None
 
 
 def _decoders(log: Log, names: Collection[str] | None) -> dict[int, Topic]:

@@ -11,8 +11,10 @@ from typing import IO, Final, NamedTuple
 
 from mcap.data_stream import ReadDataStream
 
+from waypointctl.limits import limit
+from waypointctl.log.bounds import OverLimit
+
 MAGIC: Final = b"\x89MCAP0\r\n"
-_SHOWN: Final = 80  # characters of a text
 _HEAD: Final = struct.Struct("<BQ")  # opcode, length
 _MESSAGE: Final = struct.Struct("<HIQQ")  # channel, sequence, log_time, publish_time
 
@@ -26,9 +28,14 @@ class Record:
     body: bytes
 
     @property
+    def head(self) -> bytes:
+        """Opcode and length, as they stand in the file before the body."""
+        return _HEAD.pack(self.opcode, len(self.body))
+
+    @property
     def raw(self) -> bytes:
         """Its bytes in the file."""
-        return _HEAD.pack(self.opcode, len(self.body)) + self.body
+        return self.head + self.body
 
 
 class RawMessage(NamedTuple):
@@ -55,7 +62,9 @@ def records(stream: IO[bytes], start: int, size: int) -> Iterator[Record]:
 
     Raises:
         CutShort: a record says it is longer than what is left of the file.
+        OverLimit: it is larger than is read.
     """
+    most = limit("log-record")
     stream.seek(start)
     offset = start
     while True:
@@ -67,8 +76,28 @@ def records(stream: IO[bytes], start: int, size: int) -> Iterator[Record]:
         opcode, length = _HEAD.unpack(head)
         if offset + _HEAD.size + length > size:
             raise CutShort(offset)
+        if length > most:
+            raise OverLimit("log-record", f"bytes in the record at byte {offset}", length)
         yield Record(offset, opcode, stream.read(length))
         offset += _HEAD.size + length
+
+
+def inner_spans(chunk: bytes) -> Iterator[tuple[int, int, int]]:
+    """Yield the opcode of each record in an uncompressed chunk, and where its body begins and ends.
+
+    Raises:
+        ValueError: a record reaches beyond the chunk.
+    """
+    offset, size = 0, len(chunk)
+    while offset < size:
+        if offset + _HEAD.size > size:
+            raise ValueError("a record's head is cut short")
+        opcode, length = _HEAD.unpack_from(chunk, offset)
+        begin = offset + _HEAD.size
+        offset = begin + length
+        if offset > size:
+            raise ValueError("a record is cut short")
+        yield opcode, begin, offset
 
 
 def inner_records(chunk: bytes) -> Iterator[tuple[int, bytes]]:
@@ -77,16 +106,8 @@ def inner_records(chunk: bytes) -> Iterator[tuple[int, bytes]]:
     Raises:
         ValueError: a record reaches beyond the chunk.
     """
-    offset = 0
-    while offset < len(chunk):
-        if offset + _HEAD.size > len(chunk):
-            raise ValueError("a record's head is cut short")
-        opcode, length = _HEAD.unpack_from(chunk, offset)
-        begin = offset + _HEAD.size
-        offset = begin + length
-        if offset > len(chunk):
-            raise ValueError("a record is cut short")
-        yield opcode, chunk[begin:offset]
+    for opcode, begin, end in inner_spans(chunk):
+        yield opcode, chunk[begin:end]
 
 
 def body_stream(body: bytes) -> ReadDataStream:
@@ -94,14 +115,15 @@ def body_stream(body: bytes) -> ReadDataStream:
     return ReadDataStream(BytesIO(body))
 
 
-def excerpt(text: str) -> str:
-    """Return as much of a text of a file as is to be shown: it may have millions of characters."""
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
-
-
 def shown(data: bytes) -> str:
     """Return bytes as people can tell them from others."""
     return f"{len(data)} bytes, {hashlib.sha256(data).hexdigest()[:12]}"
+
+
+def message_head(chunk: bytes, begin: int) -> tuple[int, int]:
+    """Return channel and log time [ns] of the message whose body begins at `begin` of an uncompressed chunk."""
+    channel, _, log_time_ns, _ = _MESSAGE.unpack_from(chunk, begin)
+    return channel, log_time_ns
 
 
 def raw_message(body: bytes) -> RawMessage:

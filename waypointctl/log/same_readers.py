@@ -10,8 +10,8 @@ from mcap.reader import McapReader, NonSeekingReader, SeekingReader
 from mcap.records import Channel, Schema
 
 from waypointctl.log.comparison import FileDifference, FileDiffers
+from waypointctl.log.opening import DAMAGE, open_file
 from waypointctl.log.reader import Log
-from waypointctl.log.scan import DAMAGE, open_file
 
 _BYTES: Final = 32  # of a hash
 
@@ -37,6 +37,7 @@ def compare_readers(log: Log) -> None:
     with open_file(log.path) as stream:
         try:
             streamed = _messages(NonSeekingReader(stream, validate_crcs=True), in_order=False)
+            stream.seek(0)
             seeking = SeekingReader(stream, validate_crcs=True)
             # In the order of their times: so the reader holds no more than the chunks of one moment.
             sought = _messages(seeking, in_order=True)

@@ -1,7 +1,7 @@
 """One pass over a log: every checksum checked, every message counted, nothing kept but what is small.
 
 Whatever is wrong with a file as MCAP is found here, before its first message is given out. What the messages say is
-decoded, and found wrong, only while they are read.
+decoded, and found wrong, only while they are read. Sizes are checked before memory is taken (bounds.py).
 """
 
 from __future__ import annotations
@@ -12,62 +12,62 @@ import struct
 import zlib
 from pathlib import Path
 from types import MappingProxyType
-from typing import IO, Final
+from typing import Final
 
-from google.protobuf.message import DecodeError
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, DataEnd, Footer, Header, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream
-from zstandard import ZstdError
 
-from waypointctl.display_text import shell_word
 from waypointctl.errors import LogError
+from waypointctl.log.bounds import Bounds, OverLimit
 from waypointctl.log.contents import ChunkPlace, Contents, TopicSummary
+from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION
-from waypointctl.log.records import MAGIC, CutShort, Record, body_stream, inner_records, raw_message, records
-from waypointctl.paths import command_for_mission, command_for_plan
+from waypointctl.log.opening import DAMAGE, PART, check_magic, damaged, nothing_flown, open_file
+from waypointctl.log.records import MAGIC, CutShort, Record, body_stream, inner_spans, message_head, records
 
-# What mcap, zstd and protobuf raise over bytes that are not what they should be.
-DAMAGE = (struct.error, ValueError, KeyError, MemoryError, OverflowError, McapError, ZstdError, DecodeError)
-PART: Final = ".part"  # of the name of a log that is being written
 _VERSION: Final = re.compile("[0-9]{1,9}")  # Python reads no number of thousands of digits
 
 
 class _Tally:
     """Counts one channel's messages."""
 
-    def __init__(self, name: str, schema: str) -> None:
-        self._name = name
-        self._schema = schema
-        self._count = 0
-        self._first_ns: int | None = None
-        self._last_ns: int | None = None
+    __slots__ = ("count", "first_ns", "last_ns")
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.first_ns = 1 << 64
+        self.last_ns = -1
 
     def add(self, time_ns: int) -> None:
-        self._count += 1
-        self._first_ns = time_ns if self._first_ns is None else min(self._first_ns, time_ns)
-        self._last_ns = time_ns if self._last_ns is None else max(self._last_ns, time_ns)
+        self.count += 1
+        if time_ns < self.first_ns:
+            self.first_ns = time_ns
+        if time_ns > self.last_ns:
+            self.last_ns = time_ns
 
-    def summary(self) -> TopicSummary:
-        return TopicSummary(self._name, self._schema, self._count, self._first_ns, self._last_ns)
+    def summary(self, name: str, schema: str) -> TopicSummary:
+        times = (self.first_ns, self.last_ns) if self.count else (None, None)
+        return TopicSummary(name, schema, self.count, *times)
 
 
 def scan(path: Path, *, allow_truncated: bool) -> Contents:
     """Read and check the whole file.
 
     Raises:
-        LogError: it cannot be read, is damaged, is cut short (unless `allow_truncated`), or is not waypointctl's.
+        LogError: it cannot be read, is damaged, is cut short (unless `allow_truncated`), is over a limit, or is not
+            waypointctl's.
     """
-    survey = _Survey(str(path))
     with open_file(path) as stream:
         size = os.fstat(stream.fileno()).st_size
-        _check_magic(stream, path, size)
+        check_magic(stream, path, size)
         stream.seek(-len(MAGIC), os.SEEK_END)
         has_end = stream.read() == MAGIC and size > len(MAGIC)
+        survey = _Survey(str(path), Bounds(size))
         try:
             for record in records(stream, len(MAGIC), size):
                 survey.take(record)
+        except OverLimit as error:
+            raise error.refusal(str(path)) from None
         except CutShort as cut:
             if has_end:
                 raise damaged(str(path), cut.offset, "a record reaches beyond the end of the file") from None
@@ -76,63 +76,9 @@ def scan(path: Path, *, allow_truncated: bool) -> Contents:
     return survey.contents(size, is_complete=has_end)
 
 
-def open_file(path: Path) -> IO[bytes]:
-    """Open a log for reading, or say why it cannot be."""
-    try:
-        return open(path, "rb")
-    except FileNotFoundError:
-        raise LogError("no such log", where=str(path)) from None
-    except IsADirectoryError:
-        raise LogError("is a folder; a log is one .mcap file", where=str(path)) from None
-    except OSError as error:
-        raise LogError(f"cannot be read: {error.strerror}", where=str(path)) from None
-
-
-def damaged(path: str, offset: int, what: str) -> LogError:
-    """Return the error for a file whose bytes are not those that were written."""
-    return LogError(
-        f"is damaged at byte {offset}: {what}",
-        where=path,
-        mend="Its bytes are not those that were written: take another copy of it.",
-    )
-
-
-def chunk_bytes(record: Record) -> bytes:
-    """Return the uncompressed records of a chunk, its checksum checked.
-
-    Raises:
-        one of DAMAGE: it is not what was written.
-    """
-    chunk = Chunk.read(body_stream(record.body))
-    try:
-        stream, length = get_chunk_data_stream(chunk, validate_crc=True)
-    except RuntimeError as error:  # from lz4, which another tool may have compressed the log with
-        raise ValueError(str(error)) from error
-    return stream.read(length)
-
-
-def _check_magic(stream: IO[bytes], path: Path, size: int) -> None:
-    if path.suffix == PART and size < len(MAGIC) and MAGIC.startswith(stream.read(size)):
-        raise _nothing_flown(path)
-    if size == 0:
-        raise LogError("is empty", where=str(path))
-    if stream.read(len(MAGIC)) != MAGIC:
-        mend = command_for_mission(str(path)) or command_for_plan(str(path)) or "a log is what `waypointctl run` writes"
-        raise LogError("is not an MCAP file", where=str(path), mend=f"{mend[0].upper()}{mend[1:]}.")
-
-
-def _nothing_flown(path: Path) -> LogError:
-    return LogError(
-        "nothing was flown yet: its flight was killed before it began, or is only just beginning",
-        where=str(path),
-        mend=f"Run the mission again: `waypointctl run MISSION.yaml --out {shell_word(str(path.with_suffix('')))} "
-        "--force`.",
-    )
-
-
 def _truncated(path: Path, size: int, survey: _Survey) -> LogError:
     if path.suffix == PART and not survey.has_begun:
-        return _nothing_flown(path)
+        return nothing_flown(path)
     last_ns = max((chunk.last_ns for chunk in survey.chunks), default=None)
     kept = "it has no message" if last_ns is None else f"its messages reach to {last_ns / 1e9:.3f} s"
     return LogError(
@@ -146,8 +92,9 @@ def _truncated(path: Path, size: int, survey: _Survey) -> LogError:
 class _Survey:
     """Takes the records of one file in their order."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, bounds: Bounds) -> None:
         self._path = path
+        self._bounds = bounds
         self.chunks: list[ChunkPlace] = []
         self.has_begun = False  # there is metadata, which comes after the attachments
         self._library = ""
@@ -165,12 +112,14 @@ class _Survey:
         """Check one record and keep what is to be kept of it."""
         try:
             self._read(record)
+        except OverLimit as error:
+            raise error.refusal(self._path) from None
         except DAMAGE as error:
             raise damaged(self._path, record.offset, str(error) or type(error).__name__) from None
         if record.opcode == Opcode.DATA_END:
             self._crc, self._ended = 0, True
         else:
-            self._crc = zlib.crc32(record.raw, self._crc)
+            self._crc = zlib.crc32(record.body, zlib.crc32(record.head, self._crc))
 
     def contents(self, size: int, *, is_complete: bool) -> Contents:
         """Return what was found, if it is a log of ours that this version can read."""
@@ -178,7 +127,7 @@ class _Survey:
             raise damaged(self._path, size, "its end has no footer")
         if self._metadata is None:
             if not is_complete and Path(self._path).suffix == PART:
-                raise _nothing_flown(Path(self._path))
+                raise nothing_flown(Path(self._path))
             if not is_complete:
                 raise LogError("is cut short before its metadata: nothing of it can be read", where=self._path)
             raise LogError("is an MCAP file, but not a log of waypointctl", where=self._path)
@@ -190,11 +139,16 @@ class _Survey:
             media_types=MappingProxyType(self._media_types),
             schemas=MappingProxyType(self._schemas),
             channels=MappingProxyType(self._channels),
-            topics=MappingProxyType({channel: tally.summary() for channel, tally in self._tallies.items()}),
+            topics=MappingProxyType({channel: self._topic(channel) for channel in self._channels}),
             chunks=tuple(self.chunks),
             size_bytes=size,
             is_complete=is_complete,
         )
+
+    def _topic(self, number: int) -> TopicSummary:
+        channel = self._channels[number]
+        schema = self._schemas.get(channel.schema_id)
+        return self._tallies[number].summary(channel.topic, "" if schema is None else schema.name)
 
     def _read(self, record: Record) -> None:
         match record.opcode:
@@ -203,7 +157,9 @@ class _Survey:
             case Opcode.ATTACHMENT:
                 self._attach(record)
             case Opcode.METADATA:
+                self._bounds.take_description(len(record.body))
                 metadata = Metadata.read(body_stream(record.body))
+                self._bounds.take_entries(len(metadata.metadata))
                 if metadata.name == METADATA_NAME:
                     self._metadata, self.has_begun = metadata.metadata, True
             case Opcode.CHUNK:
@@ -212,31 +168,49 @@ class _Survey:
                 _check_crc(DataEnd.read(body_stream(record.body)).data_section_crc, self._crc)
             case Opcode.FOOTER:
                 self._footed = True
-                _check_crc(Footer.read(body_stream(record.body)).summary_crc, zlib.crc32(record.raw[:-4], self._crc))
+                crc = zlib.crc32(record.body[:-4], zlib.crc32(record.head, self._crc))
+                _check_crc(Footer.read(body_stream(record.body)).summary_crc, crc)
 
     def _attach(self, record: Record) -> None:
+        self._bounds.take_attachment(len(record.body))
         attachment = Attachment.read(body_stream(record.body))
         (crc,) = struct.unpack("<I", record.body[-4:])
-        _check_crc(crc, zlib.crc32(record.body[:-4]))
+        _check_crc(crc, zlib.crc32(memoryview(record.body)[:-4]))
         self._attachments[attachment.name] = attachment.data
         self._media_types[attachment.name] = attachment.media_type
 
     def _count(self, record: Record) -> None:
         chunk = Chunk.read(body_stream(record.body))
-        for opcode, body in inner_records(chunk_bytes(record)):
+        self._bounds.take_chunk(chunk.uncompressed_size)
+        data = chunk_bytes(record)
+        tallies, count = self._tallies, 0
+        for opcode, begin, end in inner_spans(data):
+            count += 1
             if opcode == Opcode.MESSAGE:
-                message = raw_message(body)
-                self._tallies[message.channel].add(message.log_time_ns)
-            elif opcode == Opcode.SCHEMA:
-                schema = Schema.read(body_stream(body))
-                self._schemas[schema.id] = schema
-            elif opcode == Opcode.CHANNEL:
-                channel = Channel.read(body_stream(body))
-                self._channels[channel.id] = channel
-                if channel.id not in self._tallies:
-                    schema_of = self._schemas.get(channel.schema_id)
-                    self._tallies[channel.id] = _Tally(channel.topic, "" if schema_of is None else schema_of.name)
+                channel, time_ns = message_head(data, begin)
+                if channel not in tallies:
+                    raise ValueError(f"a message of channel {channel}, which is not defined")
+                tallies[channel].add(time_ns)
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self._define(opcode, data[begin:end])
+        self._bounds.take_messages(count)
         self.chunks.append(ChunkPlace(record.offset, chunk.message_start_time, chunk.message_end_time))
+
+    def _define(self, opcode: int, body: bytes) -> None:
+        # Other writers define everything again in each chunk: what is known takes no more memory.
+        if opcode == Opcode.SCHEMA:
+            schema = Schema.read(body_stream(body))
+            if self._schemas.get(schema.id) != schema:
+                self._bounds.take_description(len(body))
+                self._bounds.take_entries(1)
+                self._schemas[schema.id] = schema
+        else:
+            channel = Channel.read(body_stream(body))
+            if self._channels.get(channel.id) != channel:
+                self._bounds.take_description(len(body))
+                self._bounds.take_entries(1)
+                self._channels[channel.id] = channel
+                self._tallies.setdefault(channel.id, _Tally())
 
 
 def _check_crc(written: int, calculated: int) -> None:

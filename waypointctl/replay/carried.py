@@ -10,9 +10,9 @@ from typing import Final
 from pydantic import ValidationError
 
 from waypointctl.errors import LogError
+from waypointctl.log.comparison import brief
 from waypointctl.log.header import LIBRARY, LogHeader
 from waypointctl.log.reader import Log
-from waypointctl.log.records import excerpt
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.camera import OnboardCamera
@@ -106,7 +106,7 @@ def made_elsewhere(log: Log, facts: Mapping[str, str] = PROGRAM) -> list[str]:
     compared = [(name, log.metadata.get(key, "unknown"), here[key]) for key, name in facts.items()]
     if facts is PROGRAM:
         compared.append(("the library", log.contents.library, LIBRARY))
-    return [f"{name} was {excerpt(was)} and is {now}" for name, was, now in compared if was != now]
+    return [f"{name} was {brief(was)} and is {now}" for name, was, now in compared if was != now]
 
 
 def unverifiable(log: Log) -> str:

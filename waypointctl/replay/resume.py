@@ -18,8 +18,8 @@ from typing import Final
 from waypointctl.errors import InputError, LogError
 from waypointctl.log.lock import lock
 from waypointctl.log.messages import Event, Message, Picture, State
+from waypointctl.log.opening import PART, open_file
 from waypointctl.log.reader import Log, open_log
-from waypointctl.log.scan import open_file
 from waypointctl.log.writer import LogWriter
 from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
@@ -34,7 +34,6 @@ from waypointctl.replay.milestones import Milestones, milestones_of
 from waypointctl.replay.verdict import Divergence
 from waypointctl.replay.witness import AuditedPolicy, Diverged, Witness
 
-PART: Final = ".part"
 _KEPT: Final = "The log stays as it is: `waypointctl info` shows what there is. To fly the mission anew, run it."
 
 

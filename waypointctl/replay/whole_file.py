@@ -12,10 +12,10 @@ from waypointctl.log.channels import ChannelWriter
 from waypointctl.log.comparison import FileComparison, FileDifference, FileDiffers
 from waypointctl.log.encoder import LogEncoder
 from waypointctl.log.messages import Message
+from waypointctl.log.opening import open_file
 from waypointctl.log.reader import Log
 from waypointctl.log.same_readers import compare_readers
 from waypointctl.log.same_records import compare_records
-from waypointctl.log.scan import open_file
 from waypointctl.replay.carried import Carried, made_elsewhere
 from waypointctl.replay.verdict import Divergence
 from waypointctl.replay.witness import Diverged
@@ -80,8 +80,8 @@ class WholeFile:
         if not self.not_compared:
             self._raise()
         try:
-            count = compare_records(self._log, self._header)
             audit(self._log)
+            count = compare_records(self._log, self._header)
             compare_readers(self._log)
         except FileDiffers as error:
             raise Diverged(_where(error.difference)) from error

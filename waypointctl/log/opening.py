@@ -1,0 +1,66 @@
+"""The file of a log: opened, found to be one, and what is said of one that is damaged."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import IO, Final
+
+from google.protobuf.message import DecodeError
+from mcap.exceptions import McapError
+from zstandard import ZstdError
+
+from waypointctl.display_text import shell_word
+from waypointctl.errors import LogError
+from waypointctl.input_file import NOT_THERE, open_input
+from waypointctl.log.records import MAGIC
+from waypointctl.paths import command_for_mission, command_for_plan
+
+# What mcap, zstd and protobuf raise over bytes that are not what they should be.
+DAMAGE = (struct.error, ValueError, KeyError, MemoryError, OverflowError, McapError, ZstdError, DecodeError)
+PART: Final = ".part"  # of the name of a log that is being written
+
+
+def open_file(path: Path) -> IO[bytes]:
+    """Open a log for reading.
+
+    Raises:
+        LogError: it is not there, is no regular file, or cannot be read.
+    """
+    if path.is_dir():
+        raise LogError("is a folder; a log is one .mcap file", where=str(path))
+    try:
+        return open_input(path, LogError)
+    except LogError as error:
+        problem = "no such log" if error.problem == NOT_THERE else error.problem
+        raise LogError(problem, where=str(path)) from None
+
+
+def damaged(path: str, offset: int, what: str) -> LogError:
+    """Return the error for a file whose bytes are not those that were written."""
+    return LogError(
+        f"is damaged at byte {offset}: {what}",
+        where=path,
+        mend="Its bytes are not those that were written: take another copy of it.",
+    )
+
+
+def check_magic(stream: IO[bytes], path: Path, size: int) -> None:
+    """Raise LogError unless a file of `size` bytes begins as MCAP does."""
+    if path.suffix == PART and size < len(MAGIC) and MAGIC.startswith(stream.read(size)):
+        raise nothing_flown(path)
+    if size == 0:
+        raise LogError("is empty", where=str(path))
+    if stream.read(len(MAGIC)) != MAGIC:
+        mend = command_for_mission(str(path)) or command_for_plan(str(path)) or "a log is what `waypointctl run` writes"
+        raise LogError("is not an MCAP file", where=str(path), mend=f"{mend[0].upper()}{mend[1:]}.")
+
+
+def nothing_flown(path: Path) -> LogError:
+    """Return the error for a .part that has nothing in it yet."""
+    return LogError(
+        "nothing was flown yet: its flight was killed before it began, or is only just beginning",
+        where=str(path),
+        mend=f"Run the mission again: `waypointctl run MISSION.yaml --out {shell_word(str(path.with_suffix('')))} "
+        "--force`.",
+    )
