@@ -130,7 +130,8 @@ def test_what_may_go_wrong_is_a_warning_with_its_place(tmp_path: Path) -> None:
     assert result.exit_code == 0
     assert result.stderr.splitlines() == [
         f"warning: {path}:3:10: expect.max_time: 2 s are allowed, and about 13.4 s are expected",
-        f"warning: {path}:6:29: waypoints[1].timeout: WP2 is 36.5 m away: 18.0 s at 2.00 m/s, and has 9 s",
+        f"warning: {path}:6:29: waypoints[1].timeout: WP2 is 36.5 m away: 18.0 s at 2.00 m/s, and has 9 s: "
+        "will not be completed",
         f"warning: {path}:8:3: link.rate: telemetry comes to 3040 bit/s, and the link down carries 1000: what is "
         "too much waits, and acknowledgements behind it; once the queue is full they are lost",
     ]
@@ -198,6 +199,9 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "policy_found": True,
                 "speed": {"mps": 2.0, "source": "assumed, since no evaluation of p tells its speed"},
                 "expected_time_s": pytest.approx(once_s),
+                "expected_success": True,
+                "expected_failure": "",
+                "probability": 1.0,
                 "expected": [
                     {
                         "autonomy": autonomy,
@@ -205,6 +209,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                         "exchanges": exchanges,
                         "blocked": None,
                         "falls": autonomy == "joint",  # 4 s of round trip
+                        "fails": "",
                     }
                     for autonomy, (time_s, exchanges) in times.items()
                 ],

@@ -129,8 +129,9 @@ def _show(result: _Checked) -> None:
         return
     mission = result.file.mission
     count = mission.num_legs
+    word = "OK" if result.forecast is None or result.forecast.own.succeeds else "FAILS"
     typer.echo(
-        f"OK {printable(result.path)}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
+        f"{word} {printable(result.path)}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
         f"{mission.path_length_m():.1f} m, {printable(link_text(mission.link))}, autonomy {mission.autonomy}"
     )
     if result.forecast is not None:
@@ -170,6 +171,9 @@ def _record(result: _Checked) -> dict[str, Any]:
         "policy_found": folder_fault(policy) is None,
         "speed": asdict(found.speed),
         "expected_time_s": found.own.time_s,
+        "expected_success": found.own.succeeds,
+        "expected_failure": found.own.fails,
+        "probability": found.chance,
         "expected": [asdict(each) for each in found.expected],
         "not_counted": list(found.not_counted),
         "warnings": [asdict(warning) for warning in result.warnings],

@@ -64,6 +64,6 @@ def test_a_corner_that_is_cut_through_the_fence_is_told_and_flown(tolerance: flo
     assert (bool(told), bool(breaches)) == (crosses, crosses)
     if crosses:
         assert told == [
-            "the way to WP2 leads inside keep-out rock: the robot turns to it at (7.0, 0.0), where it enters the "
-            "tolerance of WP1"
+            "the leg to WP2 crosses keep-out rock where it begins at (7.0, 0.0): the robot turns to it before it is at "
+            "WP1"
         ]

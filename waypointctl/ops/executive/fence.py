@@ -100,12 +100,22 @@ class Fence:
 
     def breach_between(self, start: Point, end: Point) -> str:
         """Return how the straight way between two places [m] breaks the fence; empty if it does not."""
+        place = self.first_breach(start, end)
+        return "" if place is None else self.breach(*place)
+
+    def first_breach(self, start: Point, end: Point) -> Point | None:
+        """Return a place [m] in the first part of the straight way that breaks the fence; None if none does."""
         areas = (*self.keep_in, *self.keep_out)
         meets = sorted(at for area in areas for at in area.crossings(start, end) if 0 < at < 1)
         cuts = [0.0, *meets, 1.0]
-        places = [0.0, *((a + b) / 2 for a, b in pairwise(cuts)), 1.0]
-        ways = (self.breach(*_between(start, end, at)) for at in places)
-        return next((breach for breach in ways if breach), "")
+        parts = [0.0, *((a + b) / 2 for a, b in pairwise(cuts)), 1.0]
+        places = (_between(start, end, at) for at in parts)
+        return next((place for place in places if self.breach(*place)), None)
+
+
+def crosses(breach: str) -> str:
+    """Return what a way does on which a place breaks the fence, as `breach` says: "crosses keep-out 1"."""
+    return breach.replace("is inside", "crosses").replace("is outside", "leaves")
 
 
 def _between(start: Point, end: Point, at: float) -> Point:

@@ -55,6 +55,7 @@ class Expected:
         exchanges: how often the operator has to hear before it can say what is next.
         blocked: the message that never gets through, where that is why the time is None.
         falls: whether the robot is expected to fall, which is why the time is None.
+        fails: why it is expected to fail, in a few words; empty where it is not, or the other attributes say so.
     """
 
     autonomy: Autonomy
@@ -62,6 +63,12 @@ class Expected:
     exchanges: int
     blocked: Blocked | None = None
     falls: bool = False
+    fails: str = ""
+
+    @property
+    def succeeds(self) -> bool:
+        """Whether the mission is expected to come to what it has to."""
+        return self.time_s is not None and not self.fails
 
 
 def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Autonomy) -> Expected:
@@ -76,7 +83,7 @@ def expected(mission: Mission, speed_mps: float, traffic: Traffic, autonomy: Aut
         return Expected(autonomy, None, 1)
     if autonomy == "mission":
         return _at_once(autonomy, first_s + sum(spent_s), upload_bytes(mission), traffic)
-    if autonomy == "joint" and falls(traffic):
+    if autonomy == "joint" and falls(mission, traffic):
         return Expected(autonomy, None, 1, falls=True)
     if autonomy == "joint":
         return _at_once(autonomy, first_s + sum(spent_s), 1, traffic)

@@ -1,7 +1,7 @@
-"""What a schedule, a rejected waypoint or a rule that is too strict makes of a mission, gone through on paper.
+"""What a schedule, a fence and the rules on board make of a mission, gone through on paper.
 
-What is expected without a schedule is worked out elsewhere; here it gets longer by as much as the schedule makes the
-mission longer on paper.
+What is expected without them is worked out elsewhere; here it gets longer by as much as they make the mission longer on
+paper.
 """
 
 from __future__ import annotations
@@ -10,22 +10,21 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from waypointctl.mission.mission import Mission
+from waypointctl.mission.onboard import Geofence
 from waypointctl.mission.schedule import ScheduledCommand
-from waypointctl.ops.executive.rules import rules_of
 from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.duration import Autonomy, Expected
 from waypointctl.ops.forecast.rehearsal import Rehearsed, rehearse
-from waypointctl.ops.forecast.stuck import always_stuck
 
 _MOST_REHEARSALS: Final = 20  # in search of the command that a mission fails by
 
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """What a schedule makes of a mission.
+    """What becomes of a mission on paper.
 
     Attributes:
-        expected: of the mission with its schedule.
+        expected: of the mission with its schedule, its fence and its rules.
         counted: whether the schedule is in it.
         culprit: the place in the schedule of the command that the mission fails by; None where none is to blame.
         rehearsed: how it goes with the whole schedule, where that is known.
@@ -37,40 +36,45 @@ class Effect:
     rehearsed: Rehearsed | None = None
 
 
-def effect_of(mission: Mission, speed_mps: float, without: Expected, budget: Budget) -> Effect:
-    """Return what the schedule makes of a mission, a waypoint outside the fence, and a rule that no robot can meet.
+def effect_of(mission: Mission, speed_mps: float, without: Expected, budget: Budget, doubt: str = "") -> Effect:
+    """Return what the schedule, the fence and the rules on board make of a mission.
 
     Args:
         mission: with its schedule.
         speed_mps: how fast the policy walks.
-        without: what is expected of it without the schedule, under the autonomy that is asked about.
+        without: what is expected of it without them, under the autonomy that is asked about.
         budget: of what is rehearsed; where it is spent the schedule is not counted.
+        doubt: by what the mission may fail, in words; it is taken to fail by that where it cannot be rehearsed.
     """
-    cannot = _is_rejected(mission) or always_stuck(mission, speed_mps)
-    if without.blocked is not None or without.falls or not (mission.schedule or cannot):
+    if without.blocked is not None or without.falls:
         return Effect(without)
     asked, about_s = _under(mission, without.autonomy), without.time_s or 0.0
-    before = rehearse(_with(asked, ()), speed_mps, about_s, budget)
-    after = rehearse(asked, speed_mps, about_s, budget) if mission.schedule else before
+    plain = _without_rules(_with(asked, ()))
+    after = rehearse(asked, speed_mps, about_s, budget)
+    before = after if plain == asked else rehearse(plain, speed_mps, about_s, budget)
     if (held := _held_pilot(mission, without)) is not None:
-        return Effect(replace(without, time_s=None), culprit=held)
+        return Effect(_failing(without, f"nothing after the hold of schedule[{held}] resumes it"), culprit=held)
     if before is None or after is None:
-        return Effect(without, counted=not mission.schedule)
+        return Effect(_failing(without, doubt) if doubt else without, counted=not mission.schedule)
     if after.good:
         added_s = after.time_s - before.time_s
         time_s = without.time_s + added_s if before.good and without.time_s is not None else after.time_s
         return Effect(replace(without, time_s=time_s), rehearsed=after)
-    if before.good or cannot:
-        blamed = before.good and without.autonomy == mission.autonomy
-        culprit = _culprit(mission, asked, speed_mps, about_s, budget) if blamed else None
-        return Effect(replace(without, time_s=None), culprit=culprit, rehearsed=after)
-    return Effect(without, counted=not mission.schedule, rehearsed=after)
+    blamed = bool(mission.schedule) and without.autonomy == mission.autonomy
+    culprit = _culprit(mission, asked, speed_mps, about_s, budget) if blamed else None
+    return Effect(_failing(without, _why(mission, after)), culprit=culprit, rehearsed=after)
 
 
-def _is_rejected(mission: Mission) -> bool:
-    """Tell whether a waypoint lies outside the fence."""
-    fence = rules_of(mission).fence
-    return any(fence.breach(leg.x_m, leg.y_m) for leg in mission.legs())
+def _failing(without: Expected, why: str) -> Expected:
+    return replace(without, time_s=None, fails=why)
+
+
+def _why(mission: Mission, rehearsed: Rehearsed) -> str:
+    """Return why a mission failed on paper."""
+    facts = f"{rehearsed.reached} of {mission.num_legs} waypoints reached"
+    if not rehearsed.ends:
+        return f"{rehearsed.reason or 'nothing more happens'}, {facts}"
+    return f"{rehearsed.reason} at about {rehearsed.time_s:.1f} s, {facts}"
 
 
 def _held_pilot(mission: Mission, without: Expected) -> int | None:
@@ -99,6 +103,12 @@ def _under(mission: Mission, autonomy: Autonomy) -> Mission:
     sent = tuple(each for each in mission.schedule if limit_s is None or each.at_s <= limit_s)
     expect = mission.expect.model_copy(update={"max_time_s": None})
     return mission.model_copy(update={"autonomy": autonomy, "expect": expect, "schedule": sent})
+
+
+def _without_rules(mission: Mission) -> Mission:
+    """Return a mission whose robot has no fence and no rule for a lost link or for getting no closer."""
+    rules = {"geofence": Geofence(), "link_loss": None, "stuck": None}
+    return mission.model_copy(update={"onboard": mission.onboard.model_copy(update=rules)})
 
 
 def _with(mission: Mission, schedule: tuple[ScheduledCommand, ...]) -> Mission:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Final
 
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.forecast.budget import Budget
@@ -11,7 +12,7 @@ from waypointctl.ops.forecast.delivery import HOPELESS, delivered, delivery_find
 from waypointctl.ops.forecast.duration import AUTONOMIES, Expected, expected
 from waypointctl.ops.forecast.effect import Effect, effect_of
 from waypointctl.ops.forecast.finding import Finding
-from waypointctl.ops.forecast.heartbeats import heartbeat_findings
+from waypointctl.ops.forecast.heartbeats import heartbeat_findings, taken_for_lost
 from waypointctl.ops.forecast.home import home_findings
 from waypointctl.ops.forecast.link import link_findings
 from waypointctl.ops.forecast.queued import Queued, queued
@@ -23,6 +24,8 @@ from waypointctl.ops.forecast.stuck import stuck_findings
 from waypointctl.ops.forecast.tolerance import tolerance_findings
 from waypointctl.ops.forecast.traffic import Traffic, traffic_of
 from waypointctl.ops.forecast.unused import unused_findings
+
+_HARMLESS: Final = ("near", "unused")  # kinds of findings by which no mission fails
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +44,7 @@ class Forecast:
         speed: that it was worked out with.
         expected: for each autonomy.
         own: of them, the mission's.
+        chance: the probability that losses of the link let the mission come to its end; 1 where nothing is lost.
         findings: what may go wrong, in no order of weight.
         not_counted: what makes it longer, and is not in the times.
     """
@@ -48,6 +52,7 @@ class Forecast:
     speed: WalkingSpeed
     expected: tuple[Expected, ...]
     own: Expected
+    chance: float
     findings: tuple[Finding, ...]
     not_counted: tuple[str, ...] = ()
 
@@ -63,31 +68,59 @@ def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
         MissionError: something is wrong with a file that it refers to.
     """
     traffic, budget = traffic_of(mission), Budget()
-    in_turn = sorted(AUTONOMIES, key=lambda each: each != mission.autonomy)  # its own first: it is what is asked
-    alone = [expected(mission, speed.mps, traffic, autonomy) for autonomy in in_turn]
-    waited = [queued(mission, speed.mps, traffic, each, budget) for each in alone]
-    effects = [_got_through(mission, traffic, effect_of(mission, speed.mps, each.expected, budget)) for each in waited]
-    times = tuple(sorted((it.expected for it in effects), key=lambda each: AUTONOMIES.index(each.autonomy)))
-    effect, queue = effects[0], waited[0]
-    own = effect.expected
-    findings = [
+    on_the_way = [
         *route_findings(mission, speed.mps),
         *release_findings(mission),
         *steering_findings(mission, speed.mps, traffic),
         *stuck_findings(mission, speed.mps),
         *tolerance_findings(mission),
         *home_findings(mission, speed.mps),
+    ]
+    doubt = next((finding.text for finding in on_the_way if finding.consequence is not None), "")
+    in_turn = sorted(AUTONOMIES, key=lambda each: each != mission.autonomy)  # its own first: it is what is asked
+    alone = [expected(mission, speed.mps, traffic, autonomy) for autonomy in in_turn]
+    waited = [queued(mission, speed.mps, traffic, each, budget) for each in alone]
+    effects = [_followed(mission, speed.mps, traffic, each.expected, budget, doubt) for each in waited]
+    times = tuple(sorted((it.expected for it in effects), key=lambda each: AUTONOMIES.index(each.autonomy)))
+    effect, queue = effects[0], waited[0]
+    own = effect.expected
+    # What else may go wrong is told too where it is expected to fail: of the time that it takes if it does not.
+    timed = own if own.time_s is not None else replace(own, time_s=queue.expected.time_s)
+    findings = [
+        *on_the_way,
         *schedule_findings(mission, traffic, effect),
-        *link_findings(mission, traffic, own, queue.follows),
-        *delivery_findings(mission, traffic, own),
-        *heartbeat_findings(mission, own),
+        *link_findings(mission, traffic, timed, queue.follows),
+        *delivery_findings(mission, traffic, timed),
+        *heartbeat_findings(mission, timed),
         *unused_findings(mission),
     ]
     limit_s = mission.expect.max_time_s
-    if limit_s is not None and own.time_s is not None and own.time_s > limit_s:
-        text = f"{limit_s:g} s are allowed, and about {own.time_s:.1f} s are expected"
+    if limit_s is not None and timed.time_s is not None and timed.time_s > limit_s:
+        text = f"{limit_s:g} s are allowed, and about {timed.time_s:.1f} s are expected"
         findings.append(Finding("max_time", ("expect", "max_time_s"), text))
-    return Forecast(speed, times, own, tuple(_once(findings)), tuple(_not_counted(mission, effect, queue)))
+    if own.fails and not any(finding.kind not in _HARMLESS for finding in findings):
+        findings.append(Finding("outcome", (), f"the mission is expected to fail: {own.fails}"))
+    said = (_concluded(finding, own) for finding in _once(findings))
+    chance = _chance(mission, traffic, own)
+    return Forecast(speed, times, own, chance, tuple(said), tuple(_not_counted(mission, effect, queue)))
+
+
+def _concluded(finding: Finding, own: Expected) -> Finding:
+    """Return a finding with what follows from it, where the mission is expected to fail."""
+    return (
+        replace(finding, text=f"{finding.text}: {finding.consequence}")
+        if own.fails and finding.consequence
+        else finding
+    )
+
+
+def _chance(mission: Mission, traffic: Traffic, own: Expected) -> float:
+    """Return how likely it is that nothing which matters is lost."""
+    if own.time_s is None:
+        return 0.0
+    rule = mission.onboard.link_loss
+    gives_up = rule is not None and rule.do == "return_home"
+    return delivered(mission, traffic, own) * (1 - taken_for_lost(mission, own) if gives_up else 1.0)
 
 
 def _once(findings: Iterable[Finding]) -> Iterator[Finding]:
@@ -100,12 +133,20 @@ def _once(findings: Iterable[Finding]) -> Iterator[Finding]:
             yield finding
 
 
-def _got_through(mission: Mission, traffic: Traffic, effect: Effect) -> Effect:
-    """Return what is expected of a mission over a link that may let nothing of it through."""
-    own = effect.expected
+def _followed(
+    mission: Mission, speed_mps: float, traffic: Traffic, without: Expected, budget: Budget, doubt: str
+) -> Effect:
+    """Return what is expected of a mission with its schedule and rules, its link's losses and its time limit."""
+    effect = effect_of(mission, speed_mps, without, budget, doubt)
+    own, limit_s = effect.expected, mission.expect.max_time_s
+    if own.time_s is None:
+        return effect
     asked = mission.model_copy(update={"autonomy": own.autonomy})
-    hopeless = own.time_s is not None and delivered(asked, traffic, own) < HOPELESS
-    return replace(effect, expected=replace(own, time_s=None)) if hopeless else effect
+    if delivered(asked, traffic, own) < HOPELESS:
+        return replace(effect, expected=replace(own, time_s=None, fails="the link loses what it needs"))
+    if limit_s is not None and own.time_s > limit_s:
+        return replace(effect, expected=replace(own, fails=f"takes longer than expect.max_time, {limit_s:g} s"))
+    return effect
 
 
 def _not_counted(mission: Mission, effect: Effect, queue: Queued) -> Iterator[str]:
@@ -115,5 +156,10 @@ def _not_counted(mission: Mission, effect: Effect, queue: Queued) -> Iterator[st
         yield "the schedule"
     if mission.link.up.loss or mission.link.down.loss:
         yield "losses"
+    if next(tolerance_findings(mission), None) is not None:
+        yield "the smallest tolerances"
+    rule = mission.onboard.link_loss
+    if rule is not None and rule.do == "hold" and next(heartbeat_findings(mission, effect.expected), None) is not None:
+        yield "holds while heartbeats are lost"
     if mission.link.up.jitter_file or mission.link.down.jitter_file:
         yield "jitter"  # as measured: its mean need not be 0

@@ -11,27 +11,24 @@ from waypointctl.mission.link import Way
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.forecast.duration import Expected
 from waypointctl.ops.forecast.finding import Finding
-from waypointctl.ops.forecast.joint import joint_findings
+from waypointctl.ops.forecast.joint import control_rates, joint_findings
 from waypointctl.ops.forecast.losses import loss_findings
 from waypointctl.ops.forecast.traffic import (
     ACK_BYTES,
-    CONTROL_HZ,
     Traffic,
-    action_bytes,
-    body_bytes,
     command_bytes,
     frame_bytes,
     mean_rate_bps,
     telemetry_bps,
 )
-from waypointctl.ops.link.contacts import BITS_PER_BYTE, FOREVER_NS, Contacts, airtime_ns
+from waypointctl.ops.link.contacts import FOREVER_NS, Contacts, airtime_ns
 from waypointctl.ops.link.direction import Direction
 from waypointctl.units import seconds
 
 _UP: Final = ("link", "up")
 _DOWN: Final = ("link", "down")
 
-_WAIT: Final = "they wait, and are lost once the queue is full"
+_LATE: Final = "they wait, and come later and later: the robot falls"
 _FOLLOWS: Final = "what is too much waits, and acknowledgements behind it; once the queue is full they are lost"
 
 Path: TypeAlias = tuple[str, str]
@@ -131,21 +128,21 @@ def _queue_down(way: Direction[Any], sizes: Mapping[str, int]) -> Iterator[Findi
 
 
 def _rates(mission: Mission, traffic: Traffic, follows: str) -> Iterator[Finding]:
-    frame_bps = telemetry_bps(mission)
-    joint = mission.autonomy == "joint"
-    needed_down = frame_bps + (body_bytes() * BITS_PER_BYTE * CONTROL_HZ if joint else 0)
-    what = "telemetry and the robot's states come" if joint else "telemetry comes"
-    yield from _rate(_DOWN, traffic.down.contacts, needed_down, what, _FOLLOWS + (f"; {follows}" if follows else ""))
-    if joint:
-        yield from _rate(_UP, traffic.up.contacts, action_bytes() * BITS_PER_BYTE * CONTROL_HZ, "actions come")
+    if mission.autonomy == "joint":
+        rates = control_rates(mission, traffic)
+        yield from _rate(_DOWN, *rates["down"], "telemetry and the robot's states come", _LATE)
+        yield from _rate(_UP, *rates["up"], "actions come", _LATE)
+        return
+    has_bps = mean_rate_bps(traffic.down.contacts)
+    said = _FOLLOWS + (f"; {follows}" if follows else "")
+    yield from _rate(_DOWN, telemetry_bps(mission), has_bps, "telemetry comes", said)
 
 
 def _rate(
-    path: tuple[str, str], contacts: Contacts, needed_bps: float, what: str, follows: str = ""
+    path: tuple[str, str], needed_bps: float, has_bps: float | None, what: str, follows: str
 ) -> Iterator[Finding]:
-    has_bps = mean_rate_bps(contacts)
     if has_bps is not None and needed_bps > has_bps:
-        text = f"{what} to {needed_bps:.0f} bit/s, and the link {path[1]} carries {has_bps:.0f}: {follows or _WAIT}"
+        text = f"{what} to {needed_bps:.0f} bit/s, and the link {path[1]} carries {has_bps:.0f}: {follows}"
         yield Finding("rate", (*path, "rate_bps"), text)
 
 

@@ -26,7 +26,7 @@ def release_findings(mission: Mission) -> Iterator[Finding]:
             f"{_most_released(mission)} of {mission.num_legs} waypoints are released, and nothing in the schedule "
             "releases more: the robot waits for the rest, and the mission never ends"
         )
-        yield Finding("release", ("operator", "released"), text)
+        yield Finding("release", ("operator", "released"), text, consequence="")
 
 
 def _most_released(mission: Mission) -> int:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from waypointctl.mission.mission import Leg, Mission
+from waypointctl.ops.executive.fence import Fence, Point, crosses
 from waypointctl.ops.executive.rules import rules_of
-from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.finding import NOT_COMPLETED, Finding
 from waypointctl.ops.forecast.rejection import rejection
 from waypointctl.ops.forecast.way import reached_at, walks_of
 from waypointctl.ops.ground.operator import planned_waypoints
@@ -16,36 +17,40 @@ from waypointctl.ops.ground.operator import planned_waypoints
 
 def route_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
     """Yield what may go wrong between the start and the last waypoint."""
-    yield from _fence(mission)
+    yield from _fence(mission, speed_mps)
     yield from _nearness(mission)
     yield from _time(mission, speed_mps)
 
 
-def _fence(mission: Mission) -> Iterator[Finding]:
+def _fence(mission: Mission, speed_mps: float) -> Iterator[Finding]:
     fence = rules_of(mission).fence
-    x_m, y_m = mission.start.position_m
-    if breach := fence.breach(x_m, y_m):
-        yield Finding("fence", ("start",), f"the start {breach}")
-    legs = mission.legs()
-    places = [("the start", (x_m, y_m)), *((leg.name, (leg.x_m, leg.y_m)) for leg in legs)]
-    turns = (x_m, y_m)  # where the robot turns to the next waypoint: at the edge of the tolerance of the one before
-    for leg, waypoint, ((before, start), (name, end)) in zip(
-        legs, planned_waypoints(mission), pairwise(places), strict=True
-    ):
-        path = ("waypoints", leg.at)
-        if breach := fence.breach(*end):
-            yield Finding("fence", path, f"{name} {breach}: {rejection(mission)}")
-        elif not fence.breach(*start) and (breach := fence.breach_between(start, end)):
-            yield Finding("fence", path, f"the straight way from {before} to {name} {breach.replace('is', 'leads', 1)}")
-        elif not fence.breach(*turns) and (breach := fence.breach_between(turns, reached_at(waypoint, turns))):
+    start = mission.start.position_m
+    if breach := fence.breach(*start):
+        yield Finding("fence", ("start",), f"the start {breach}", consequence="")
+    turns = {walk.waypoint.index: walk.start_m for walk in walks_of(mission, speed_mps)}
+    before_name, before = "the start", start
+    for leg, waypoint in zip(mission.legs(), planned_waypoints(mission), strict=True):
+        place = (leg.x_m, leg.y_m)
+        turn = turns.get(leg.index, before)
+        if breach := fence.breach(*place):
+            yield Finding("fence", ("waypoints", leg.at), f"{leg.name} {breach}: {rejection(mission)}", consequence="")
+        elif breach := _breach_on_way(fence, before, place):
+            text = f"the leg to {leg.name} {crosses(breach)}"
+            yield Finding("fence", ("waypoints", leg.at), text, NOT_COMPLETED)
+        elif breach := _breach_on_way(fence, turn, reached_at(waypoint, turn)):
             text = (
-                f"the way to {name} {breach.replace('is', 'leads', 1)}: the robot turns to it at "
-                f"({turns[0]:.1f}, {turns[1]:.1f}), where it enters the tolerance of {before}"
+                f"the leg to {leg.name} {crosses(breach)} where it begins at ({turn[0]:.1f}, {turn[1]:.1f}): the robot "
+                f"turns to it before it is at {before_name}"
             )
-            yield Finding("fence", path, text)
-        turns = reached_at(waypoint, turns)
+            yield Finding("fence", ("waypoints", leg.at), text, NOT_COMPLETED)
+        before_name, before = leg.name, place
     if (home := mission.onboard.home.position_m) is not None and (breach := fence.breach(*home)):
         yield Finding("fence", ("onboard", "home", "position_m"), f"home {breach}")
+
+
+def _breach_on_way(fence: Fence, start: Point, end: Point) -> str:
+    """Return how the straight way from a place that the fence allows breaks it; empty if it does not."""
+    return "" if fence.breach(*start) else fence.breach_between(start, end)
 
 
 def _nearness(mission: Mission) -> Iterator[Finding]:
@@ -82,4 +87,4 @@ def _time(mission: Mission, speed_mps: float) -> Iterator[Finding]:
         if needed_s > leg.timeout_s:
             given = f"{leg.timeout_s:g} s" + (f", {tries} times" if tries > 1 else "")
             text = f"{leg.name} is {walk.away_m:.1f} m away: {needed_s:.1f} s at {speed_mps:.2f} m/s, and has {given}"
-            yield Finding("timeout", ("waypoints", leg.at, "timeout_s"), text)
+            yield Finding("timeout", ("waypoints", leg.at, "timeout_s"), text, NOT_COMPLETED)

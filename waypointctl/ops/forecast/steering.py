@@ -7,7 +7,7 @@ from typing import Final
 
 from waypointctl.mission.mission import Leg, Mission
 from waypointctl.ops.forecast.duration import Blocked, round_trip_s, steered_moves, steered_s
-from waypointctl.ops.forecast.finding import Finding
+from waypointctl.ops.forecast.finding import NOT_COMPLETED, Finding
 from waypointctl.ops.forecast.goals import NEAR_CARROT
 from waypointctl.ops.forecast.traffic import Traffic, go_to_bytes
 from waypointctl.ops.forecast.way import walks_of
@@ -80,4 +80,4 @@ def _continuous(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterato
 
 
 def _timeout(leg: Leg, text: str) -> Finding:
-    return Finding("timeout", ("waypoints", leg.at, "timeout_s"), text)
+    return Finding("timeout", ("waypoints", leg.at, "timeout_s"), text, NOT_COMPLETED)

@@ -21,15 +21,10 @@ def stuck_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
             f"{asked} is {stuck.within_m / stuck.for_s:.1f} m/s, and the robot walks at {speed_mps:.2f} m/s: it counts "
             f"as stuck on every leg; give it more than {needed_s + SETTING_OUT_S:.1f} s"
         )
-        yield Finding("stuck", path, text)
+        yield Finding("stuck", path, text, consequence="")
     elif SETTING_OUT_S + needed_s > stuck.for_s:
         text = (
             f"{asked}: a robot that stands takes {SETTING_OUT_S:g} s to set out and {needed_s:.2f} s for the way, and "
             f"counts as stuck where it starts; give it more than {needed_s + SETTING_OUT_S:.1f} s"
         )
-        yield Finding("stuck", path, text)
-
-
-def always_stuck(mission: Mission, speed_mps: float) -> bool:
-    """Tell whether a robot that stands counts as stuck before it can be under way."""
-    return next(stuck_findings(mission, speed_mps), None) is not None
+        yield Finding("stuck", path, text, consequence="")

@@ -7,13 +7,17 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from waypointctl.log.messages import FINAL_STAGES, Ack, Command, CommandStage, Event, Stage, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.executive import Executive
 from waypointctl.ops.executive.rules import rules_of
+from waypointctl.ops.forecast.tolerance import NEAREST_M
 from waypointctl.ops.link.frames import Heartbeat
 from waypointctl.units import NS_PER_S, ns
+
+FloatArray = NDArray[np.float64]
 
 # Until a standing ant is under way: 0.42 s are left of a goal's time in docs/delay.md (heading, move and wait) once the
 # way and the round trip are taken from it.
@@ -38,7 +42,9 @@ class Walker:
 
     def __init__(self, mission: Mission, speed_mps: float, send: Callable[[int, Ack | Telemetry], None]) -> None:
         """Stand at the mission's start; `send` takes what it reports at a time [ns]."""
-        self.executive = Executive(self._report, _ignore, remind=self._acknowledge, rules=rules_of(mission))
+        rules = rules_of(mission)
+        self.executive = Executive(self._report, _ignore, remind=self._acknowledge, rules=rules)
+        self._fence = rules.fence
         self.beacons = 0
         self._send = send
         self._speed_mps = speed_mps
@@ -84,7 +90,16 @@ class Walker:
         way = self.executive.goals[0, 0] - self._position[0]
         left_m = math.hypot(*way)
         step_m = self._speed_mps * walked_ns / NS_PER_S
-        self._position[0] += way * (min(step_m / left_m, 1.0) if left_m else 0.0)
+        step = way * (min(step_m, left_m - NEAREST_M) / left_m if left_m > NEAREST_M else 0.0)
+        self._position[0] = self._watched(self._position[0], self._position[0] + step)
+
+    def _watched(self, start: FloatArray, end: FloatArray) -> FloatArray:
+        """Return where a step (2,) [m] ends: no step is so long that it leads across a fence unseen."""
+        (ax, ay), (bx, by) = start.tolist(), end.tolist()
+        if self._fence.breach(ax, ay):
+            return end
+        place = self._fence.first_breach((ax, ay), (bx, by))
+        return end if place is None else np.array(place)
 
     def next_ns(self, now_ns: int) -> int:
         """Return when it has something to do by itself, standing [ns]."""

@@ -9,6 +9,7 @@ from typing import TypeAlias
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.judgement import OBSERVATION_NS, OBSERVE
+from waypointctl.ops.forecast.tolerance import is_missed
 from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.units import seconds
 
@@ -45,7 +46,8 @@ class Walk:
 def walks_of(mission: Mission, speed_mps: float) -> tuple[Walk, ...]:
     """Return the legs that the robot sets out on, from where it is expected to be.
 
-    One whose time is too short is given up on its way; unless the mission goes on then, it is the last.
+    One whose time is too short, or whose tolerance is too small, is given up; unless the mission goes on then, it is
+    the last.
     """
     place, rule = mission.start.position_m, mission.failure_rule
     walks = []
@@ -53,11 +55,13 @@ def walks_of(mission: Mission, speed_mps: float) -> tuple[Walk, ...]:
         end = reached_at(waypoint, place)
         way_m = math.dist(place, end)
         walked_m = seconds(waypoint.timeout_ns) * (1 + rule.retry) * speed_mps
-        if way_m <= walked_m:
+        if is_missed(mission, waypoint.tolerance_m):
+            walked_m = min(walked_m, way_m)
+        elif way_m <= walked_m:
             walks.append(Walk(waypoint, place, end, way_m / speed_mps + stands_s(waypoint)))
             place = end
             continue
-        given_up = _between(place, end, walked_m / way_m)
+        given_up = _between(place, end, walked_m / way_m) if way_m else end
         walks.append(Walk(waypoint, place, given_up, None))
         if rule.then != "skip":
             break
