@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -56,6 +57,18 @@ def test_a_compiled_model_that_is_not_what_its_source_compiles_to_is_found(flown
     assert found.verdict is Verdict.DIVERGED
     assert found.first_divergence is not None
     assert found.first_divergence.component == "model.mjb"
+
+
+def test_weights_that_are_not_the_networks_lower_the_verdict(flown: Flown, tmp_path: Path) -> None:
+    """The flight ran the network; whoever goes on with training takes the weights."""
+    text = b"any text at all"
+    manifest = json.loads(content(flown, "policy/manifest.json"))
+    manifest["files"]["weights.safetensors"] = {"sha256": hashlib.sha256(text).hexdigest(), "size": len(text)}
+    changed = {"policy/weights.safetensors": text, "policy/manifest.json": json.dumps(manifest).encode()}
+    sha256 = hashlib.sha256(changed["policy/manifest.json"]).hexdigest()
+    found = verify(flown.rewritten(tmp_path / "other.mcap", attachments=changed, metadata={"sha256_policy": sha256}))
+    assert found.verdict is Verdict.EQUIVALENT
+    assert found.not_compared == ("policy/weights.safetensors: it is not a safetensors file",)
 
 
 def test_another_seed_than_was_flown_is_found_in_the_first_state(flown: Flown, tmp_path: Path) -> None:

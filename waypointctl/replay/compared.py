@@ -6,7 +6,11 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import Final, Self
 
+from waypointctl.ops.header import POLICY_FOLDER
+from waypointctl.policy.manifest import NETWORK, WEIGHTS
+from waypointctl.policy.weights import weights_fault
 from waypointctl.replay.audited_camera import AuditedCamera
+from waypointctl.replay.carried import Carried
 from waypointctl.replay.difference import ROUNDING
 from waypointctl.replay.verdict import Verdict, Verification
 from waypointctl.replay.whole_file import WholeFile
@@ -39,12 +43,16 @@ class Compared:
     not_compared: tuple[str, ...]
 
     @classmethod
-    def of(cls, witness: Witness, policy: AuditedPolicy, pictures: AuditedCamera, whole: WholeFile) -> Self:
+    def of(
+        cls, carried: Carried, witness: Witness, policy: AuditedPolicy, pictures: AuditedCamera, whole: WholeFile
+    ) -> Self:
         """Ask all who compared."""
+        fault = weights_fault(carried.policy.files[WEIGHTS], carried.policy.files[NETWORK])
+        weights = (f"{POLICY_FOLDER}{WEIGHTS}: {fault}",) if fault else ()
         return cls(
             checks=(*_checks(witness.compared), *pictures.checks, *whole.checks),
             rounded=tuple(_rounded(witness, policy)),
-            not_compared=(*pictures.not_compared, *whole.not_compared),
+            not_compared=(*weights, *pictures.not_compared, *whole.not_compared),
         )
 
     def verification(self, steps: int) -> Verification:

@@ -74,7 +74,7 @@ def _fly_again(log: Log, carried: Carried) -> Verification:
             if witness.upcoming is not None:
                 raise witness.diverged("/event", "end", type(witness.upcoming).__name__, "the flight is over")
             whole.finish()
-            compared = Compared.of(witness, policy, pictures, whole)
+            compared = Compared.of(carried, witness, policy, pictures, whole)
     except Diverged as error:
         if error.rounding and other_kernels:
             reason = f"rounded otherwise at step {error.where.step} on {error.where.topic}: {', '.join(other_kernels)}"

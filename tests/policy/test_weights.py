@@ -1,0 +1,73 @@
+"""Weights that are not those of the network are told from those that are."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from safetensors.numpy import load, save
+
+from tests.conftest import random_network
+from waypointctl.policy.manifest import NETWORK, WEIGHTS
+from waypointctl.policy.weights import weights_fault
+
+NET = random_network((31, 8, 8, 8), seed=3)
+ONNX, TENSORS = NET.to_onnx(), NET.to_safetensors()
+
+
+def with_header(header: object, data: bytes = b"") -> bytes:
+    text = json.dumps(header).encode()
+    return struct.pack("<Q", len(text)) + text + data
+
+
+@pytest.mark.parametrize(
+    "folder", sorted((Path(__file__).parents[2] / "policies").iterdir()), ids=lambda folder: folder.name
+)
+def test_those_of_every_shipped_policy_are(folder: Path) -> None:
+    assert weights_fault((folder / WEIGHTS).read_bytes(), (folder / NETWORK).read_bytes()) == ""
+
+
+def test_in_either_precision_and_orientation() -> None:
+    assert weights_fault(TENSORS, ONNX) == ""
+    turned = {name: np.ascontiguousarray(array.T).astype(np.float32) for name, array in load(TENSORS).items()}
+    assert weights_fault(save(turned), ONNX) == ""
+
+
+@pytest.mark.parametrize("name", ["0.weight", "1.weight", "2.weight", "0.bias", "2.bias"])
+def test_one_number_that_is_another_is_found(name: str) -> None:
+    arrays = load(TENSORS)
+    arrays[name].flat[-1] += 1e-6
+    fault = weights_fault(save(arrays), ONNX)
+    expected = (
+        f"its {name} is not that of the network" if "bias" in name else "it does not have the weights of the network"
+    )
+    assert fault == expected
+
+
+def test_what_only_training_uses_is_free() -> None:
+    arrays = load(TENSORS) | {"value.weight": np.ones((3, 3)), "value.bias": np.ones(3), "log_std": np.zeros(8)}
+    assert weights_fault(save(arrays), ONNX) == ""
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"any text at all",
+        TENSORS[:-1],
+        TENSORS + b"hidden",
+        TENSORS[:100],
+        struct.pack("<Q", 2**63) + b"{}",
+        with_header([]),
+        with_header({}),
+        with_header({"a": 1}),
+        with_header({"a": {"dtype": "F32", "shape": [2], "data_offsets": [0, 4]}}, bytes(4)),
+        with_header({"a": {"dtype": "F32", "shape": [1], "data_offsets": [4, 8]}}, bytes(8)),
+        with_header({"a": {"dtype": "F32", "shape": [-1, "x"], "data_offsets": [0, 4]}}, bytes(4)),
+    ],
+)
+def test_what_is_no_safetensors_file_is_said_to_be_none(content: bytes) -> None:
+    assert weights_fault(content, ONNX) == "it is not a safetensors file"

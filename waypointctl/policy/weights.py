@@ -1,0 +1,77 @@
+"""Whether a bundle's weights are those of its network: training goes on from the ones, the flight ran the other.
+
+safetensors: 8 bytes with the length of a JSON object, the object, the numbers
+(https://github.com/huggingface/safetensors#format).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from itertools import pairwise
+from math import prod
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.policy.onnx_graph import FLOAT, read_graph
+
+_HEAD_BYTES: Final = 8
+_MOST_HEADER_BYTES: Final = 2**20
+_TYPES: Final = {"F32": "<f4", "F64": "<f8"}
+_WEIGHT: Final = ".weight"  # ends the name of a layer's matrix
+_BIAS: Final = ".bias"
+
+Arrays = dict[str, NDArray[np.float32]]
+
+
+def weights_fault(safetensors: bytes, network: bytes) -> str:
+    """Return why the weights are not those of the network, in words; empty if they are.
+
+    Every matrix of the network has to be among them, and the bias that belongs to each. What training alone uses, such
+    as a value function, is in no network and is not compared.
+    """
+    try:
+        arrays = _floats(safetensors)
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return "it is not a safetensors file"
+    used = {name for name, array in arrays.items() if array.ndim >= 2 and _is_in(array, network)}
+    needed = sum(prod(it.shape) for it in read_graph(network).constants if it.type == FLOAT and len(it.shape) >= 2)
+    if sum(arrays[name].size for name in used) < needed:
+        return "it does not have the weights of the network"
+    biases = (f"{name.removesuffix(_WEIGHT)}{_BIAS}" for name in used if name.endswith(_WEIGHT))
+    other = next((name for name in sorted(biases) if name in arrays and not _is_in(arrays[name], network)), None)
+    return "" if other is None else f"its {other} is not that of the network"
+
+
+def _is_in(array: NDArray[np.float32], network: bytes) -> bool:
+    return any(it.tobytes() in network for it in (array, np.ascontiguousarray(array.T)))
+
+
+def _floats(content: bytes) -> Arrays:
+    """Return the arrays of 4 and 8 bytes a number, as float32.
+
+    Raises:
+        ValueError, LookupError, TypeError, AttributeError, RecursionError: it is no such file.
+    """
+    size = int.from_bytes(content[:_HEAD_BYTES], "little")
+    begin = _HEAD_BYTES + size
+    if len(content) < begin or size > _MOST_HEADER_BYTES:
+        raise ValueError("no header")
+    header = json.loads(content[_HEAD_BYTES:begin])
+    header.pop("__metadata__", None)
+    spans = sorted(described["data_offsets"] for described in header.values())
+    # Nothing lies between the arrays, or under two of them.
+    if [0, len(content) - begin] != [spans[0][0], spans[-1][1]] or any(a[1] != b[0] for a, b in pairwise(spans)):
+        raise ValueError("the arrays are not all of the file")
+    return dict(_read(header, memoryview(content)[begin:]))
+
+
+def _read(header: dict[str, dict[str, Any]], data: memoryview) -> Iterator[tuple[str, NDArray[np.float32]]]:
+    for name, described in header.items():
+        if described["dtype"] in _TYPES:
+            first, last = described["data_offsets"]
+            array = np.frombuffer(data[first:last], _TYPES[described["dtype"]]).reshape(described["shape"])
+            with np.errstate(over="ignore"):
+                yield name, array.astype(np.float32)
