@@ -38,8 +38,17 @@ _FATES: Final = {
     EventKind.WAYPOINT_TIMEOUT: Fate.TIMED_OUT,
     EventKind.WAYPOINT_SKIPPED: Fate.SKIPPED,
 }
-
-
+# What the robot does instead of walking on to a waypoint.
+_ENDS_A_LEG: Final = frozenset(
+    {
+        EventKind.FALL,
+        EventKind.LEG_STARTED,
+        EventKind.PLAN_COMPLETED,
+        EventKind.PLAN_FAILED,
+        EventKind.RETURN_STARTED,
+        EventKind.STEERING_STARTED,
+    }
+)
 _NO_SETTING: Final = MissionSetting()
 
 
@@ -79,6 +88,7 @@ class Chronicle:
         self.telemetry: Telemetry | None = None
         self.events: list[Event] = []
         self._waypoints = {waypoint.index: GrowingWaypoint(waypoint) for waypoint in waypoints}
+        self._leg: GrowingWaypoint | None = None  # the one that was begun last
         self._commands: dict[int, GrowingCommand] = {}
         self._truth, self._belief = GrowingTrack(), GrowingTrack()
         self._effort, self._returns = EffortTally(), ReturnsFold()
@@ -241,8 +251,8 @@ class Chronicle:
             fold.note(event)
         if event.kind is EventKind.COMMAND_SENT and event.severity is Severity.INFO:
             self._command(event.command_id).what = event.text.partition(": ")[2]
-        if event.kind is EventKind.FALL:
-            self._end_legs(event.time_ns)
+        if event.kind in _ENDS_A_LEG and self._leg is not None and self._leg.ended_ns is None:
+            self._leg.ended_ns = event.time_ns
         waypoint = self._waypoints.get(event.waypoint)
         if waypoint is not None:
             self._visit(waypoint, event)
@@ -252,15 +262,11 @@ class Chronicle:
         if event.kind is EventKind.LEG_STARTED:
             waypoint.started_ns = event.time_ns
             waypoint.ended_ns = None
+            self._leg = waypoint
         elif event.kind is EventKind.WAYPOINT_REACHED:
             waypoint.reached_ns = waypoint.ended_ns = event.time_ns
         elif event.kind is EventKind.WAYPOINT_TIMEOUT:
             waypoint.ended_ns = event.time_ns
-
-    def _end_legs(self, time_ns: int) -> None:
-        for waypoint in self._waypoints.values():
-            if waypoint.started_ns is not None and waypoint.ended_ns is None:
-                waypoint.ended_ns = time_ns
 
     def _command(self, command_id: int) -> GrowingCommand:
         return self._commands.setdefault(command_id, GrowingCommand())

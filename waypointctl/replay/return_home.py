@@ -19,6 +19,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.ops.executive.rules import FLIGHT_ENDED
+from waypointctl.units import seconds
 
 
 class ReturnEnding(StrEnum):
@@ -64,6 +65,11 @@ class ReturnHome:
     ending: ReturnEnding = ReturnEnding.OPEN
     began_known_ns: int | None = None
     ended_known_ns: int | None = None
+
+    def __str__(self) -> str:
+        """Return when and why it began, and how it ended."""
+        ended = "" if self.ended_ns is None else f" at {seconds(self.ended_ns):.2f} s"
+        return f"began at {seconds(self.began_ns):.2f} s ({self.cause}), {self.ending}{ended}"
 
 
 @dataclass(slots=True)

@@ -13,15 +13,9 @@ if TYPE_CHECKING:
     from waypointctl.replay.track import Track
 
 
-def return_text(each: ReturnHome) -> str:
-    """Return when and why a way home began, and how it ended, on the robot's clock."""
-    ended = "" if each.ended_ns is None else f" at {at(each.ended_ns)}"
-    return printable(f"began at {at(each.began_ns)} ({each.cause}), {each.ending}{ended}")
-
-
 def whereabouts_lines(story: Story) -> list[str]:
     """Return a line for each way home, and one for where the robot ended; nothing of a flight without a state."""
-    lines = [f"way home   {return_text(each)}; {_known(each)}" for each in story.returns]
+    lines = [f"way home   {printable(str(each))}; {_known(each)}" for each in story.returns]
     end, believed = story.ended_at, story.believed_at
     if not len(end):
         return lines

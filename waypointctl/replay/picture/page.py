@@ -8,15 +8,18 @@ from matplotlib.figure import Figure
 
 from waypointctl.figure import picture
 from waypointctl.replay.picture import palette
+from waypointctl.replay.picture.labels import short
 from waypointctl.replay.picture.path import draw_path
-from waypointctl.replay.picture.sequence import draw_sequence
-from waypointctl.replay.picture.speed import draw_speed
+from waypointctl.replay.picture.sequence import draw_sequence, name_messages
+from waypointctl.replay.picture.speed import draw_speed, name_moments
+from waypointctl.replay.picture.time_axis import set_time_axis
 from waypointctl.replay.story import Story
-from waypointctl.units import seconds
 
 WIDTH: Final = 1600  # pixels
 HEIGHT: Final = 1000
 _DPI: Final = 100
+_TITLE: Final = 60  # characters of the mission's name
+_REASON: Final = 170  # of the outcome
 _STYLE: Final[dict[Any, Any]] = {"axes.titlesize": 11, "font.size": 10}
 
 
@@ -39,24 +42,29 @@ def draw(story: Story, title: str, proof: str, *, is_exact: bool) -> bytes:
 
 
 def _draw_parts(figure: Figure, story: Story) -> None:
-    grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.98, top=0.88, bottom=0.1, hspace=0.27)
+    grid = figure.add_gridspec(
+        2, 2, width_ratios=(1.0, 1.25), left=0.05, right=0.98, top=0.88, bottom=0.135, hspace=0.2
+    )
     draw_path(figure.add_subplot(grid[:, 0]), story)
     speed = figure.add_subplot(grid[0, 1])
     sequence = figure.add_subplot(grid[1, 1], sharex=speed)
     draw_speed(speed, story)
     draw_sequence(sequence, story)
-    sequence.set_xlim(0.0, max(1.0, seconds(story.ended_ns)) * 1.02)
+    set_time_axis(speed, sequence, story)
+    name_moments(speed, story)
+    name_messages(sequence, story)
 
 
 def _write_heading(figure: Figure, story: Story, title: str, alarm: str | None) -> None:
-    outcome = f"{story.outcome}: {story.reason}"
+    name, outcome = short(title, _TITLE), short(f"{story.outcome}: {story.reason}", _REASON)
     if alarm is None:
         color = palette.REACHED if story.outcome == "success" else palette.FAILED
-        figure.text(0.05, 0.955, title, fontsize=17, fontweight="bold", va="center")
+        figure.text(0.05, 0.96, name, fontsize=17, fontweight="bold", va="center")
         figure.text(0.05, 0.922, outcome, fontsize=11.5, color=color, va="center")
     else:  # what the log says of itself is then no headline, and its success not green
         figure.text(0.05, 0.968, alarm.upper(), fontsize=22, fontweight="bold", color=palette.UNPROVEN, va="center")
-        figure.text(0.05, 0.93, f"{title}; the log says {outcome}", fontsize=11.5, va="center")
+        said = short(f"{name}; the log says {outcome}", _REASON)
+        figure.text(0.05, 0.922, said, fontsize=11.5, va="center")
 
 
 def _write_facts(figure: Figure, story: Story, proof: str) -> None:
@@ -66,5 +74,15 @@ def _write_facts(figure: Figure, story: Story, proof: str) -> None:
         facts.append(f"{effort.mean_speed_mps:.2f} m/s while walking")
     if effort.standing_share is not None:
         facts.append(f"standing {effort.standing_share:.0%} of the time")
-    figure.text(0.98, 0.955, ", ".join(facts), fontsize=10.5, ha="right", va="center")
-    figure.text(0.98, 0.015, proof, fontsize=8.5, color=palette.OPEN, ha="right", va="center")
+    figure.text(0.98, 0.972, ", ".join(facts), fontsize=10.5, ha="right", va="center")
+    figure.text(0.98, 0.947, _way_home(story), fontsize=10.5, color=palette.HOME, ha="right", va="center")
+    figure.text(0.98, 0.011, proof, fontsize=8.5, color=palette.OPEN, ha="right", va="center")
+
+
+def _way_home(story: Story) -> str:
+    """Return how the last way home went, and how far from home the robot ended; nothing where there was none."""
+    if not story.returns:
+        return ""
+    number = "way home" if len(story.returns) == 1 else f"way home {len(story.returns)}"
+    distance = "" if story.home_distance_m is None else f"; ended {story.home_distance_m:.2f} m from home"
+    return f"{number} {story.returns[-1]}{distance}"

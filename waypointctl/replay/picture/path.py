@@ -1,69 +1,147 @@
-"""The map: acceptance regions, the way walked, and where the operator believed the robot at each waypoint."""
+"""The map: zones, acceptance regions, home, the way walked, and the operator's belief at each waypoint."""
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Sequence
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Patch, Rectangle
-from matplotlib.patheffects import withStroke
+from matplotlib.patches import Circle, Patch, Polygon, Rectangle
 from matplotlib.ticker import MultipleLocator
 
 from waypointctl.log.messages import PlannedWaypoint
+from waypointctl.mission.zones import Zone
+from waypointctl.replay.map_extent import extent
 from waypointctl.replay.picture import palette
+from waypointctl.replay.picture.labels import Labels, Place, around, short
+from waypointctl.replay.picture.time_axis import time_text
 from waypointctl.replay.story import Story, WaypointStory
+from waypointctl.replay.track import Track
 from waypointctl.units import seconds
 
 _POINTS: Final = 6000  # drawn of the way
+_MOST_LOST: Final = 300  # crosses drawn of messages that were not delivered
 _MOST_TIMES: Final = 12  # above that many waypoints their labels would cover each other
-_MARGIN: Final = 0.08
+_LETTERS: Final = 24  # of a name
+_MARGIN: Final = 0.08  # of the larger side, all round
+_HOUSE: Final = ((-1.0, -1.0), (1.0, -1.0), (1.0, 0.3), (0.0, 1.2), (-1.0, 0.3), (-1.0, -1.0))
+_HOME_LOOK: Final[dict[str, Any]] = {"color": "white", "markeredgecolor": palette.HOME, "markersize": 11}
 
 
 def draw_path(axes: Axes, story: Story) -> None:
     """Draw the map of a story, metres in equal scale along both axes."""
-    for waypoint in story.waypoints:
-        if waypoint.is_on_map:
-            _draw_waypoint(axes, waypoint, with_time=len(story.waypoints) <= _MOST_TIMES)
-    way, told = story.truth.thinned(_POINTS), story.belief.thinned(_POINTS)
+    waypoints = [waypoint for waypoint in story.waypoints if waypoint.is_on_map]
+    for zone in story.setting.zones:
+        axes.add_patch(_zone(zone))
+    for waypoint in waypoints:
+        axes.add_patch(_region(waypoint.planned, palette.FATES[waypoint.fate]))
+    way = story.truth.thinned(_POINTS)
+    _draw_way(axes, story, way)
+    _draw_beliefs(axes, story)
+    if story.home is not None:
+        axes.plot(story.home.x_m, story.home.y_m, marker=_HOUSE, label="home", linestyle="none", zorder=5, **_HOME_LOOK)
+    _draw_lost(axes, story)
+    _set_limits(axes, story, waypoints, way)
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="Path")
+    axes.grid(color=palette.FAINT, linewidth=0.4)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=4, frameon=False, fontsize=9, columnspacing=1.2)
+    _write_names(axes, story, waypoints, way)
+
+
+def _draw_way(axes: Axes, story: Story, way: Track) -> None:
     axes.plot(way.x_m, way.y_m, color=palette.ROBOT, linewidth=1.8, label="robot, truth", zorder=3)
+    for number, each in enumerate(story.returns):
+        home = story.truth.between(each.began_ns, story.ended_ns if each.ended_ns is None else each.ended_ns)
+        home = home.thinned(_POINTS)
+        label = "_nolegend_" if number else "way home"
+        axes.plot(home.x_m, home.y_m, color=palette.HOME, linewidth=2.6, label=label, zorder=3)
+    if story.setting.down is not None:
+        unheard = np.where(story.setting.down.is_open(way.time_ns), np.nan, 1.0)
+        look: dict[str, Any] = {"color": "white", "linewidth": 0.9, "zorder": 3.5}
+        axes.plot(way.x_m * unheard, way.y_m * unheard, **look)
+        axes.plot([], [], color=palette.FAINT, linewidth=2.2, label="hollow: no contact down")
+    told = story.belief.thinned(_POINTS)
     axes.plot(told.x_m, told.y_m, ".", color=palette.OPERATOR, markersize=5, label="telemetry frame", zorder=4)
     if len(way):
         axes.plot(way.x_m[0], way.y_m[0], "o", color="white", markeredgecolor=palette.INK, label="start", zorder=5)
         axes.plot(way.x_m[-1], way.y_m[-1], "s", color=palette.INK, markersize=6, label="end", zorder=5)
-    _draw_beliefs(axes, story)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(_MARGIN)
-    axes.set(xlabel="x [m]", ylabel="y [m]", title="Path")
-    axes.grid(color=palette.FAINT, linewidth=0.4)
-    _set_ticks(axes)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.065), ncols=5, frameon=False, fontsize=9, columnspacing=1.2)
 
 
-def _set_ticks(axes: Axes) -> None:
-    """Set the ticks of both axes the same distance apart."""
-    drawn = axes.dataLim  # of everything: ticks for less than that could be millions
-    extent_m = max(drawn.width, drawn.height, 1.0)  # minus infinity, where nothing is drawn
+def _draw_lost(axes: Axes, story: Story) -> None:
+    """Mark where the robot was when messages were sent that were not delivered."""
+    missing_ns = story.link.missing_ns
+    lost = story.truth.nearest(missing_ns).thinned(_MOST_LOST)
+    if len(lost):
+        label = f"{len(missing_ns)} not delivered"
+        axes.plot(lost.x_m, lost.y_m, "x", color=palette.FAILED, markersize=4, label=label, zorder=4.5)
+
+
+def _set_limits(axes: Axes, story: Story, waypoints: Sequence[WaypointStory], way: Track) -> None:
+    """Show the way, the waypoints, home and what is near of the zones, in equal scale, with ticks equally far apart."""
+    plans = [waypoint.planned for waypoint in waypoints] + ([] if story.home is None else [story.home])
+    reach = np.array([plan.tolerance_m for plan in plans])
+    x_m, y_m = (np.array([getattr(plan, name) for plan in plans]) for name in ("x_m", "y_m"))
+    told = story.belief
+    shown = extent(
+        np.concatenate([way.x_m, told.x_m, x_m - reach, x_m + reach]),
+        np.concatenate([way.y_m, told.y_m, y_m - reach, y_m + reach]),
+        story.setting.zones,
+    )
+    room = axes.get_window_extent()
+    wide_m, high_m = shown.right_m - shown.left_m, shown.top_m - shown.bottom_m
+    margin_m = 2 * _MARGIN * max(wide_m, high_m)
+    pixel_m = max((wide_m + margin_m) / room.width, (high_m + margin_m) / room.height)
+    middle_m, center_m = (shown.left_m + shown.right_m) / 2, (shown.bottom_m + shown.top_m) / 2
+    axes.set_xlim(middle_m - pixel_m * room.width / 2, middle_m + pixel_m * room.width / 2)
+    axes.set_ylim(center_m - pixel_m * room.height / 2, center_m + pixel_m * room.height / 2)
+    extent_m = pixel_m * max(room.width, room.height)
     power = 10.0 ** np.floor(np.log10(extent_m / 8))
     step_m = next(step * power for step in (1, 2, 5, 10) if step * power >= extent_m / 8)
     axes.xaxis.set_major_locator(MultipleLocator(step_m))
     axes.yaxis.set_major_locator(MultipleLocator(step_m))
 
 
-def _draw_waypoint(axes: Axes, waypoint: WaypointStory, *, with_time: bool) -> None:
-    plan, color = waypoint.planned, palette.FATES[waypoint.fate]
-    axes.add_patch(_region(plan, color))
-    when = str(waypoint.fate) if waypoint.reached_ns is None else f"{seconds(waypoint.reached_ns):.2f} s"
-    axes.annotate(
-        f"{plan.name}\n{when}" if with_time else plan.name,
-        (plan.x_m + plan.tolerance_m, plan.y_m + plan.tolerance_m),
-        xytext=(3, 3),
-        textcoords="offset points",
-        fontsize=9,
-        color=color,
-        zorder=6,
-        path_effects=[withStroke(linewidth=2.5, foreground="white")],
-    )
+def _write_names(axes: Axes, story: Story, waypoints: Sequence[WaypointStory], way: Track) -> None:
+    """Write the names of waypoints, home and zones where they cover no other, and little of the way."""
+    labels = Labels(axes, axes.transData.transform(np.column_stack([way.x_m, way.y_m])))
+    with_time = len(waypoints) <= _MOST_TIMES
+    for waypoint in waypoints:
+        plan, color = waypoint.planned, palette.FATES[waypoint.fate]
+        name = short(plan.name, _LETTERS)
+        when = str(waypoint.fate) if waypoint.reached_ns is None else time_text(seconds(waypoint.reached_ns))
+        places = around(*_box(labels, plan))
+        if not with_time or not labels.put(f"{name}\n{when}", places, color, size_pt=9):
+            labels.put(name, places, color, size_pt=9)
+    if story.home is not None:
+        x_px, y_px = labels.pixels(story.home.x_m, story.home.y_m)
+        labels.put("home", around(x_px - 8, x_px + 8, y_px - 8, y_px + 8), palette.HOME, size_pt=9)
+    for zone in story.setting.zones:
+        color = palette.KEEP_IN if zone.keep_in else palette.KEEP_OUT
+        labels.put(short(zone.label, _LETTERS + 9), _zone_places(axes, labels, zone), color)
+
+
+def _box(labels: Labels, plan: PlannedWaypoint) -> tuple[float, float, float, float]:
+    left, bottom = labels.pixels(plan.x_m - plan.tolerance_m, plan.y_m - plan.tolerance_m)
+    right, top = labels.pixels(plan.x_m + plan.tolerance_m, plan.y_m + plan.tolerance_m)
+    return left, right, bottom, top
+
+
+def _zone_places(axes: Axes, labels: Labels, zone: Zone) -> Sequence[Place]:
+    """Return places in what is on the map of a zone, and then around it."""
+    corners, room = np.array([labels.pixels(*corner) for corner in zone.outline_m]), axes.get_window_extent()
+    left, right = np.clip((corners[:, 0].min(), corners[:, 0].max()), room.x0, room.x1)
+    bottom, top = np.clip((corners[:, 1].min(), corners[:, 1].max()), room.y0, room.y1)
+    middle, center = (left + right) / 2, (bottom + top) / 2
+    within = (Place(middle, top - 4, "center", "top"), Place(middle, bottom + 4, "center"))
+    return (*within, Place(middle, center, "center", "center"), *around(left, right, bottom, top))
+
+
+def _zone(zone: Zone) -> Patch:
+    if zone.keep_in:
+        return Polygon(zone.outline_m, facecolor="none", edgecolor=palette.KEEP_IN, linestyle="--", linewidth=1.4)
+    look: dict[str, Any] = {"facecolor": f"{palette.KEEP_OUT}18", "edgecolor": palette.KEEP_OUT, "linewidth": 1.2}
+    return Polygon(zone.outline_m, hatch="xx", hatch_linewidth=0.3, **look)
 
 
 def _region(plan: PlannedWaypoint, color: str) -> Patch:
@@ -80,15 +158,16 @@ def _region(plan: PlannedWaypoint, color: str) -> Patch:
 def _draw_beliefs(axes: Axes, story: Story) -> None:
     """At the moment the robot reached a waypoint, join it to where the operator believed it to be just then."""
     label = "belief when reached"
+    news = story.belief.newest()
     for waypoint in story.waypoints:
         if waypoint.reached_ns is None:
             continue
         there = np.searchsorted(story.truth.time_ns, waypoint.reached_ns, "right") - 1
-        known = np.searchsorted(story.belief.known_ns, waypoint.reached_ns, "right") - 1
+        known = np.searchsorted(news.known_ns, waypoint.reached_ns, "right") - 1
         if there < 0 or known < 0:
             continue
-        x_m = [story.belief.x_m[known], story.truth.x_m[there]]
-        y_m = [story.belief.y_m[known], story.truth.y_m[there]]
+        x_m = [news.x_m[known], story.truth.x_m[there]]
+        y_m = [news.y_m[known], story.truth.y_m[there]]
         axes.plot(x_m, y_m, ":", color=palette.OPERATOR, linewidth=1.0, zorder=4)
         axes.plot(x_m[:1], y_m[:1], "D", color="white", markeredgecolor=palette.OPERATOR, label=label, zorder=5)
         label = "_nolegend_"

@@ -1,35 +1,40 @@
-"""The messages between operator and robot, each an arrow from its issue to its delivery."""
+"""The messages between operator and robot, each an arrow from its issue to its delivery, and when the link is there."""
 
 from __future__ import annotations
 
-from itertools import groupby
+from collections.abc import Iterable, Sequence
+from itertools import compress, groupby
+from operator import not_
 from typing import Final
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from waypointctl.log.messages import Stage
+from waypointctl.log.messages import Ack, Stage
+from waypointctl.log.setting import Span
 from waypointctl.replay.picture import palette
+from waypointctl.replay.picture.labels import Labels, Place, short
 from waypointctl.replay.story import CommandStory, Story, WaypointStory
 from waypointctl.units import NS_PER_S, seconds
 
 _OPERATOR_Y: Final = 1.0
 _ROBOT_Y: Final = 0.0
+_UNHEARD_Y: Final = -0.285  # below the labels
+_LOST_Y: Final = 0.12  # how far a message that is lost is drawn on its way
+_LIMITS: Final = (-0.31, 1.27)
 _MOST_FRAMES: Final = 150  # drawn of telemetry
-_MOST_NAMES: Final = 12  # above that many commands their names would cover each other
+_MOST_LOST: Final = 400  # drawn of messages that were not delivered
+_MOST_ARROWS: Final = 40  # above that many commands they are lines without heads
+_MOST_WINDOWS: Final = 1000  # drawn
 _WALK_WIDTH: Final = 7
 _WALK_ALPHA: Final = 0.35
-# How far below the robot's line a stage is written [pt]: beginnings and ends in rows of their own.
-_BEGIN_PT: Final = -6
-_END_PT: Final = -18
-_DROPS: Final = {
-    Stage.STARTED: _BEGIN_PT,
-    Stage.REJECTED: _BEGIN_PT,
-    Stage.COMPLETED: _END_PT,
-    Stage.FAILED: _END_PT,
-}
+_LETTERS: Final = 30  # of a command
+_ROWS_PX: Final = (8.0, 25.0, 42.0)  # how far from its line a label stands
+_TOLD: Final = (Stage.STARTED, Stage.REJECTED, Stage.COMPLETED, Stage.FAILED, Stage.CANCELLED, Stage.EXPIRED)
 _BAD: Final = (Stage.FAILED, Stage.REJECTED)
 
 
@@ -37,21 +42,23 @@ def draw_sequence(axes: Axes, story: Story) -> None:
     """Draw the sequence of a story's messages over time [s], operator above, robot below."""
     for y, color in ((_OPERATOR_Y, palette.OPERATOR), (_ROBOT_Y, palette.ROBOT)):
         axes.axhline(y, color=color, linewidth=1.4)
-    _draw_telemetry(axes, story)
-    named = len(story.commands) <= _MOST_NAMES
-    for command in story.commands:
-        _draw_command(axes, command, story.ended_ns, named)
-    for waypoint in story.waypoints:
-        _draw_waypoint(axes, waypoint, story.ended_ns)
-    axes.set_ylim(-0.26, 1.2)
+    axes.set_ylim(*_LIMITS)
     axes.set_yticks([_ROBOT_Y, _OPERATOR_Y], ["robot", "operator"])
-    axes.set(xlabel="simulation time [s]", title="Messages")
+    axes.set(title="Messages")
+    _draw_contact(axes, story)
+    _draw_telemetry(axes, story)
+    _draw_commands(axes, story)
+    _draw_lost(axes, story)
+    _draw_robot(axes, story)
+    for waypoint in story.waypoints:
+        _draw_waypoint(axes, waypoint)
     axes.grid(axis="x", color=palette.FAINT, linewidth=0.4)
+    keys = list(_keys(story))
     axes.legend(
-        handles=_keys(),
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
-        ncols=6,
+        handles=keys,
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.17),
+        ncols=5,
         frameon=False,
         fontsize=9,
         borderaxespad=0.2,
@@ -60,25 +67,97 @@ def draw_sequence(axes: Axes, story: Story) -> None:
     )
 
 
-def _keys() -> list[Line2D]:
-    return [
-        Line2D([], [], color=palette.OPERATOR, label="command"),
-        Line2D([], [], color=palette.ROBOT, label="acknowledgement"),
-        Line2D([], [], color=palette.FAINT, label="telemetry"),
-        Line2D([], [], color=palette.ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="walking"),
-        _dot(palette.REACHED, "reached"),
-        _dot("white", "known"),
-    ]
+def name_messages(axes: Axes, story: Story) -> None:
+    """Write commands and what became of them beside their moments, where there is room; limits are set by now."""
+    labels = Labels(axes)
+    is_wrong = [command.onboard in _BAD or command.received_ns is None for command in story.commands]
+    wrong, others = (tuple(compress(story.commands, which)) for which in (is_wrong, map(not_, is_wrong)))
+    if len(story.commands) > _MOST_ARROWS:
+        others = ()
+        axes.set_title(f"Messages ({len(story.commands)} commands; only what went wrong is labelled)")
+    for command in (*wrong, *others):
+        at_px, y_px = labels.pixels(seconds(command.issued_ns), _OPERATOR_Y)
+        state = "" if command.received_ns is not None else f" ({_undelivered(command)})"
+        color = palette.FAILED if state else palette.OPERATOR
+        labels.put(f"{command.id}: {short(command.what, _LETTERS)}{state}", _rows(at_px, y_px, +1), color)
+        for ack in _told(command.acks):
+            at_px, y_px = labels.pixels(seconds(ack.issued_ns), _ROBOT_Y)
+            color = palette.FAILED if ack.stage in _BAD else palette.ROBOT
+            labels.put(f"{ack.command_id} {ack.stage}", _rows(at_px, y_px, -1), color)
+    if labels.left_out and len(story.commands) <= _MOST_ARROWS:
+        axes.set_title(f"Messages (labels left out for lack of room: {labels.left_out})")
+
+
+def _rows(at_px: float, y_px: float, side: int) -> Iterable[Place]:
+    """Return places above (+1) or below (-1) a moment, in rows, after it or before it."""
+    for row_px in _ROWS_PX:
+        for horizontal, aside_px in (("left", 2.0), ("right", -2.0)):
+            yield Place(at_px + aside_px, y_px + side * row_px, horizontal, "bottom" if side > 0 else "top")
+
+
+def _undelivered(command: CommandStory) -> str:
+    return "not delivered" if command.losses >= command.attempts else "under way"
+
+
+def _told(acks: Sequence[Ack]) -> Iterable[Ack]:
+    """Yield the last of those acknowledgements that were sent and have arrived together, where it says something."""
+    for _, together in groupby(acks, lambda ack: (ack.issued_ns, ack.received_ns)):
+        last = list(together)[-1]
+        if last.stage in _TOLD:
+            yield last
+
+
+def _keys(story: Story) -> Iterable[Artist]:
+    yield Line2D([], [], color=palette.OPERATOR, label="command")
+    yield Line2D([], [], color=palette.ROBOT, label="acknowledgement")
+    yield Line2D([], [], color=palette.FAINT, label="telemetry")
+    yield Line2D([], [], color=palette.ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="walking")
+    if story.returns:
+        yield Line2D([], [], color=palette.HOME, linewidth=_WALK_WIDTH, label="way home")
+    yield _dot(palette.REACHED, "reached")
+    yield _dot("white", "known")
+    if len(story.link.missing_ns):
+        text = f"{len(story.link.missing_ns)} not delivered"
+        yield Line2D([], [], color=palette.FAILED, marker="x", markersize=5, linestyle="none", label=text)
+    if story.setting.up is not None or story.setting.down is not None:
+        yield Patch(facecolor=palette.FAINT, alpha=0.35, label="no contact")
+    if story.link.unheard:
+        yield Line2D([], [], color=palette.FAILED, linewidth=3, label="link lost, on board")
 
 
 def _dot(color: str, label: str) -> Line2D:
     return Line2D([], [], color=color, marker="o", linestyle="none", markeredgecolor=palette.REACHED, label=label)
 
 
-def _draw_waypoint(axes: Axes, waypoint: WaypointStory, ended_ns: int) -> None:
-    if waypoint.started_ns is not None:
-        leg = [seconds(waypoint.started_ns), seconds(ended_ns if waypoint.ended_ns is None else waypoint.ended_ns)]
-        axes.plot(leg, [_ROBOT_Y] * 2, color=palette.ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, zorder=2)
+def _draw_contact(axes: Axes, story: Story) -> None:
+    """Shade when nothing can be sent: the upper half for the way up, the lower one for the way down."""
+    halves = ((story.setting.up, 0.5, _OPERATOR_Y), (story.setting.down, _ROBOT_Y, 0.5))
+    for windows, low, high in halves:
+        if windows is None:
+            continue
+        spans = windows.closed(story.ended_ns, _MOST_WINDOWS)
+        if spans is None:
+            axes.text(0.5, (low + high) / 2, "too many contact windows to draw", transform=axes.get_yaxis_transform())
+            continue
+        for begin_ns, end_ns in spans:
+            between = (seconds(begin_ns), seconds(end_ns))
+            axes.fill_between(between, low, high, color=palette.FAINT, alpha=0.35, linewidth=0, zorder=0)
+
+
+def _draw_robot(axes: Axes, story: Story) -> None:
+    """Draw when the robot walked, when it was on its way home, and when it took the link for lost."""
+    _bars(axes, story.moving, _ROBOT_Y, palette.ROBOT, _WALK_WIDTH, _WALK_ALPHA)
+    ways = [(way.began_ns, story.ended_ns if way.ended_ns is None else way.ended_ns) for way in story.returns]
+    _bars(axes, ways, _ROBOT_Y, palette.HOME, _WALK_WIDTH, 1.0)
+    _bars(axes, story.link.unheard, _UNHEARD_Y, palette.FAILED, 3, 1.0)
+
+
+def _bars(axes: Axes, spans: Iterable[Span], y: float, color: str, width: float, alpha: float) -> None:
+    lines = [[(seconds(begin), y), (seconds(end), y)] for begin, end in spans]
+    axes.add_collection(LineCollection(lines, colors=color, linewidths=width, alpha=alpha, zorder=2))
+
+
+def _draw_waypoint(axes: Axes, waypoint: WaypointStory) -> None:
     if waypoint.reached_ns is not None:
         axes.plot(seconds(waypoint.reached_ns), _ROBOT_Y, "o", color=palette.REACHED, markersize=7, zorder=5)
     if waypoint.learned_ns is not None:
@@ -95,38 +174,43 @@ def _draw_telemetry(axes: Axes, story: Story) -> None:
     axes.add_collection(LineCollection(list(lines), colors=palette.FAINT, linewidths=0.5, zorder=1))
 
 
-def _draw_command(axes: Axes, command: CommandStory, ended_ns: int, named: bool) -> None:
-    issued_s = seconds(command.issued_ns)
-    text = f"{command.id}: {command.what}" if named else ""
-    if command.received_ns is None:
-        # It was under way when the flight ended: how far it had come is not known, so its line has no head.
-        axes.plot([issued_s, seconds(ended_ns)], [_OPERATOR_Y, 0.5], "--", color=palette.FAILED, linewidth=1.2)
-        text = f"{text} (under way)"
-    else:
-        _arrow(axes, issued_s, _OPERATOR_Y, seconds(command.received_ns), _ROBOT_Y, palette.OPERATOR)
-    _label(axes, issued_s, _OPERATOR_Y, text, palette.OPERATOR, 5)
-    for (issued_ns, received_ns), acks in groupby(command.acks, lambda ack: (ack.issued_ns, ack.received_ns)):
-        last = list(acks)[-1]
-        color = palette.FAILED if last.stage in _BAD else palette.ROBOT
-        _arrow(axes, seconds(issued_ns), _ROBOT_Y, seconds(received_ns), _OPERATOR_Y, color)
-        if named and last.stage in _DROPS:
-            _label(axes, seconds(issued_ns), _ROBOT_Y, f"{last.command_id} {last.stage}", color, _DROPS[last.stage])
+def _draw_lost(axes: Axes, story: Story) -> None:
+    """Draw the beginnings of the ways of messages that were not delivered, each with a cross at its end."""
+    for way, y, step in ((story.link.up, _OPERATOR_Y, -_LOST_Y), (story.link.down, _ROBOT_Y, _LOST_Y)):
+        stride = max(1, -(-way.missing // _MOST_LOST))
+        times_s = way.missing_ns[::stride] / NS_PER_S
+        axes.vlines(times_s, y, y + step, color=palette.FAILED, linewidth=0.6, zorder=4)
+        ends = np.full(len(times_s), y + step)
+        axes.plot(times_s, ends, "x", color=palette.FAILED, markersize=4, linestyle="none", zorder=4)
 
 
-def _arrow(axes: Axes, from_s: float, from_y: float, to_s: float, to_y: float, color: str) -> None:
+def _draw_commands(axes: Axes, story: Story) -> None:
+    """Draw each command that arrived, from the sending that did, and each acknowledgement."""
+    with_heads = len(story.commands) <= _MOST_ARROWS
+    commands: list[Span] = []
+    acks: list[Span] = []
+    failures: list[Span] = []
+    for command in story.commands:
+        if command.received_ns is not None and command.uplink_ns is not None:
+            commands.append((command.received_ns - command.uplink_ns, command.received_ns))
+        elif _undelivered(command) == "under way":
+            # How far it had come when the flight ended is not known, so its line has no head.
+            ends_s = [seconds(command.issued_ns), seconds(story.ended_ns)]
+            axes.plot(ends_s, [_OPERATOR_Y, 0.5], "--", color=palette.FAILED, linewidth=1.2)
+        for (issued_ns, received_ns), together in groupby(command.acks, lambda ack: (ack.issued_ns, ack.received_ns)):
+            last = list(together)[-1]
+            (failures if last.stage in _BAD else acks).append((issued_ns, received_ns))
+    _arrows(axes, commands, _OPERATOR_Y, _ROBOT_Y, palette.OPERATOR, with_heads)
+    _arrows(axes, acks, _ROBOT_Y, _OPERATOR_Y, palette.ROBOT, with_heads)
+    _arrows(axes, failures, _ROBOT_Y, _OPERATOR_Y, palette.FAILED, with_heads)
+
+
+def _arrows(axes: Axes, times: Sequence[Span], from_y: float, to_y: float, color: str, with_heads: bool) -> None:
+    if not with_heads:
+        lines = [[(seconds(begin), from_y), (seconds(end), to_y)] for begin, end in times]
+        axes.add_collection(LineCollection(lines, colors=color, linewidths=0.6, alpha=0.4, zorder=3))
+        return
     look = {"arrowstyle": "-|>", "color": color, "linewidth": 1.3, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", (to_s, to_y), (from_s, from_y), arrowprops=look, zorder=4, annotation_clip=False)
-
-
-def _label(axes: Axes, time_s: float, y: float, text: str, color: str, rise_pt: int) -> None:
-    axes.annotate(
-        text,
-        (time_s, y),
-        xytext=(0, rise_pt),
-        textcoords="offset points",
-        va="bottom" if rise_pt > 0 else "top",
-        # The end of a command is written before its moment: at the end of the flight there is no room after it.
-        ha="right" if rise_pt < _BEGIN_PT else "left",
-        fontsize=8,
-        color=color,
-    )
+    for begin, end in times:
+        ends = ((seconds(end), to_y), (seconds(begin), from_y))
+        axes.annotate("", *ends, arrowprops=look, zorder=4, annotation_clip=False)

@@ -8,71 +8,109 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from waypointctl.log.messages import EventKind
+from waypointctl.log.setting import Span
 from waypointctl.replay.picture import palette
+from waypointctl.replay.picture.labels import Labels, Place, short
 from waypointctl.replay.story import Story
-from waypointctl.replay.track import FloatArray, Track
+from waypointctl.replay.track import FloatArray, IntArray, Track
 from waypointctl.units import NS_PER_S, seconds
 
 _WINDOW_NS: Final = NS_PER_S // 2  # of the moving mean: a stride or two
 _POINTS: Final = 6000
 _HEADROOM: Final = 1.25  # for the names of the waypoints
-_MOST_NAMES: Final = 20  # above that many waypoints their names would cover each other
+_LETTERS: Final = 16  # of a name: a longer one would stand in the curves
+_GAP: Final = 10  # control steps without a state are a gap in the line
 _SHOWN: Final = {EventKind.FALL: "fall", EventKind.WAYPOINT_TIMEOUT: "timeout"}
 
 
 def draw_speed(axes: Axes, story: Story) -> None:
     """Draw the speeds and the legs of a story over time [s]."""
     _draw_legs(axes, story)
-    truth = story.truth.thinned(_POINTS)
-    mean = np.interp(truth.time_ns, story.truth.time_ns, _moving_mean(story.truth)) if len(truth) else truth.speed_mps
+    truth, mean_mps = _drawn(story.truth, story.resting)
     axes.plot(truth.time_ns / NS_PER_S, truth.speed_mps, color=palette.ROBOT, linewidth=0.6, alpha=0.35)
-    axes.plot(truth.time_ns / NS_PER_S, mean, color=palette.ROBOT, linewidth=1.8, label="robot, mean of 0.5 s")
-    told = story.belief.thinned(_POINTS)
+    axes.plot(truth.time_ns / NS_PER_S, mean_mps, color=palette.ROBOT, linewidth=1.8, label="robot, mean of 0.5 s")
+    told = story.belief.newest().thinned(_POINTS)
     axes.step(
         told.known_ns / NS_PER_S,
         told.speed_mps,
         where="post",
         color=palette.OPERATOR,
         linewidth=1.0,
-        label="as known to the operator",
+        label="as last heard by the operator",
     )
     for event in story.events:
         if event.kind in _SHOWN:
             axes.axvline(seconds(event.time_ns), color=palette.FAILED, linewidth=1.2)
-            _name(axes, seconds(event.time_ns), _SHOWN[event.kind], palette.FAILED)
     axes.set(ylabel="speed [m/s]", title="Speed")
-    top = max((float(np.max(track.speed_mps)) for track in (truth, told) if len(track)), default=0.0)
+    top = max((float(np.nanmax(track.speed_mps)) for track in (truth, told) if len(track)), default=0.0)
     axes.set_ylim(0.0, max(top, 0.1) * _HEADROOM)
     axes.grid(color=palette.FAINT, linewidth=0.4)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
 
 
+def name_moments(axes: Axes, story: Story) -> None:
+    """Write what happened beside its moment, where there is room; the limits of the axes are set by now."""
+    labels = Labels(axes)
+    moments = [(event.time_ns, _SHOWN[event.kind], palette.FAILED) for event in story.events if event.kind in _SHOWN]
+    for way in story.returns:
+        moments.append((way.began_ns, "way home", palette.HOME))
+        if way.ended_ns is not None:
+            moments.append((way.ended_ns, str(way.ending), palette.HOME))
+    for waypoint in story.waypoints:
+        if waypoint.reached_ns is not None:
+            moments.append((waypoint.reached_ns, waypoint.planned.name, palette.FATES[waypoint.fate]))
+    top_px = float(axes.get_window_extent().y1) - 3
+    for time_ns, name, color in moments:
+        at_px, _ = labels.pixels(seconds(time_ns), 0.0)
+        places = (Place(at_px - 2, top_px, "right", "top"), Place(at_px + 3, top_px, "left", "top"))
+        labels.put(short(name, _LETTERS), places, color, rotation=90)
+
+
 def _draw_legs(axes: Axes, story: Story) -> None:
     for waypoint in story.waypoints:
-        if waypoint.started_ns is None:
-            continue
-        end_ns = story.ended_ns if waypoint.ended_ns is None else waypoint.ended_ns
         color = palette.FATES[waypoint.fate]
-        axes.axvspan(seconds(waypoint.started_ns), seconds(end_ns), color=color, alpha=0.10, linewidth=0)
+        if waypoint.started_ns is not None:
+            _shade(axes, waypoint.started_ns, waypoint.ended_ns, story.ended_ns, color)
         if waypoint.reached_ns is not None:
             axes.axvline(seconds(waypoint.reached_ns), color=color, linewidth=1.0)
-            if len(story.waypoints) <= _MOST_NAMES:
-                _name(axes, seconds(waypoint.reached_ns), waypoint.planned.name, color)
+    for way in story.returns:
+        _shade(axes, way.began_ns, way.ended_ns, story.ended_ns, palette.HOME)
 
 
-def _name(axes: Axes, time_s: float, text: str, color: str) -> None:
-    axes.annotate(
-        text,
-        (time_s, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(-2, -3),
-        textcoords="offset points",
-        rotation=90,
-        ha="right",
-        va="top",
-        fontsize=8,
-        color=color,
-    )
+def _shade(axes: Axes, begin_ns: int, end_ns: int | None, ended_ns: int, color: str) -> None:
+    end_s = seconds(ended_ns if end_ns is None else end_ns)
+    axes.axvspan(seconds(begin_ns), end_s, color=color, alpha=0.10, linewidth=0)
+
+
+def _drawn(track: Track, resting: tuple[Span, ...]) -> tuple[Track, FloatArray]:
+    """Return the rows of a line and the mean speed at each (n,).
+
+    Where physics slept the robot stood: the line goes there at zero. In any other gap there is no line.
+    """
+    mean_mps = _moving_mean(track)
+    if len(track) < 2:
+        return track, mean_mps
+    steps_ns = np.diff(track.time_ns)
+    gaps = np.flatnonzero(steps_ns > _GAP * np.median(steps_ns))
+    stride = max(1, -(-len(track) // _POINTS))
+    rows = np.unique(np.concatenate([np.arange(0, len(track), stride), gaps, gaps + 1, [len(track) - 1]]))
+    after = np.searchsorted(rows, gaps, "right")  # of each gap, where in the rows it is
+    filled = np.where(_rests_in(track.time_ns[gaps], track.time_ns[gaps + 1], resting), 0.0, np.nan)
+    edges_ns = np.stack([track.time_ns[gaps], track.time_ns[gaps + 1]])
+    shown = track.at(rows)
+
+    def with_gaps(values: FloatArray) -> FloatArray:
+        return np.asarray(np.insert(values, np.repeat(after, 2), np.repeat(filled, 2)), np.float64)
+
+    time_ns = np.insert(shown.time_ns, np.repeat(after, 2), edges_ns.T.ravel())
+    places = (with_gaps(shown.x_m), with_gaps(shown.y_m), with_gaps(shown.speed_mps))
+    return Track(time_ns, time_ns, *places), with_gaps(mean_mps[rows])
+
+
+def _rests_in(begin_ns: IntArray, end_ns: IntArray, resting: tuple[Span, ...]) -> FloatArray:
+    """Tell of each gap (n,) whether physics slept in it."""
+    rests = np.array(resting, np.int64).reshape(-1, 2)
+    return np.asarray(np.searchsorted(rests[:, 0], end_ns, "left") > np.searchsorted(rests[:, 1], begin_ns, "right"))
 
 
 def _moving_mean(track: Track) -> FloatArray:
