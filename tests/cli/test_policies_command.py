@@ -65,7 +65,7 @@ def test_it_lists_another_folder_with_the_results_in_every_suite(tmp_path: Path,
         assert run("eval", "mine/still", "--suite", *suite, "--trials", "2", "--save")[0] == 0
     _, out, err = run("policies", "mine")
     assert err == ""
-    assert " ".join(out.splitlines()[0].split()) == "folder robot layout steps easy easy, radius 1 m long"
+    assert " ".join(out.splitlines()[0].split()) == "policy robot layout steps easy easy, radius 1 m long"
     cells = "0-100% in 2 cases 0-100% in 2 cases 0.0%, legs 0.00%"
     assert line_of(out, "mine/still") == f"mine/still ant egocentric 0 {cells}"
     assert line_of(out, "mine/untested") == "mine/untested ant egocentric 0 not evaluated"
@@ -82,7 +82,7 @@ def test_names_are_whole_on_a_narrow_terminal_and_what_is_left_out_is_said(
     for size in ("1", "1.5", "1.25"):
         run("eval", *folders, "--suite", "easy.yaml", "--acceptance", f"radius:{size}", "--trials", "1", "--save")
     monkeypatch.setenv("COLUMNS", columns)
-    _, out, err = run("policies")
+    _, out, err = run("policies", "policies")
     assert err == ""
     assert max(map(len, out.splitlines())) <= int(columns)
     assert [line.split()[0] for line in out.splitlines() if line.startswith("policies/")] == folders
@@ -131,8 +131,9 @@ def test_a_damaged_policy_and_a_damaged_evaluation_are_told_beside_the_sound_one
 
 def test_the_list_as_json(tmp_path: Path, make_policy: Make, run: Run) -> None:
     policy = make_policy(tmp_path / "policies" / "first")
-    _, out, _ = run("policies", "--json")
+    _, out, _ = run("policies", "policies", "--json")
     (entry,) = json.loads(out)["policies"]
+    assert (entry["name"], entry["shipped"]) == ("first", False)
     assert (entry["folder"], entry["policy_sha256"]) == ("policies/first", policy.sha256)
     assert entry["manifest"] == json.loads(policy.files["manifest.json"])
     assert (entry["evaluation"], entry["evaluations"], entry["faults"]) == (None, [], [])
@@ -140,7 +141,11 @@ def test_the_list_as_json(tmp_path: Path, make_policy: Make, run: Run) -> None:
 
 def test_an_empty_folder_says_what_to_do(tmp_path: Path, run: Run) -> None:
     (tmp_path / "policies").mkdir()
-    assert run("policies") == (0, "", "no policies in policies; `waypointctl train RECIPE.yaml` makes one\n")
+    assert run("policies", "policies") == (
+        0,
+        "",
+        "no policies in policies; `waypointctl train RECIPE.yaml` makes one\n",
+    )
 
 
 def test_show_prints_the_manifest_as_it_is(tmp_path: Path, make_policy: Make, run: Run) -> None:
@@ -148,7 +153,24 @@ def test_show_prints_the_manifest_as_it_is(tmp_path: Path, make_policy: Make, ru
     assert run("policies", "show", "first") == (0, policy.files["manifest.json"].decode(), "")
 
 
-@pytest.mark.parametrize("arguments", [("policies",), ("policies", "nowhere"), ("policies", "show", "nowhere")])
+def test_without_a_folder_it_lists_the_shipped_policies_and_those_in_policies(
+    tmp_path: Path, make_policy: Make, run: Run
+) -> None:
+    assert line_of(run("policies")[1], "ant-waypoint").startswith("ant-waypoint (shipped) ant egocentric 16,011,264")
+    make_policy(tmp_path / "policies" / "mine")
+    listed = json.loads(run("policies", "--json")[1])["policies"]
+    assert [(entry["name"], entry["shipped"]) for entry in listed] == [("ant-waypoint", True), ("mine", False)]
+    # One of the same name in ./policies is what the name finds, and the shipped one is not.
+    own = make_policy(tmp_path / "policies" / "ant-waypoint")
+    listed = json.loads(run("policies", "--json")[1])["policies"]
+    assert [(entry["folder"], entry["shipped"]) for entry in listed] == [
+        ("policies/ant-waypoint", False),
+        ("policies/mine", False),
+    ]
+    assert run("policies", "show", "ant-waypoint")[1] == own.files["manifest.json"].decode()
+
+
+@pytest.mark.parametrize("arguments", [("policies", "nowhere"), ("policies", "show", "nowhere")])
 def test_a_folder_that_is_not_there_is_refused(run: Run, arguments: tuple[str, ...]) -> None:
     code, out, err = run(*arguments)
     assert (code, out) == (2, "")

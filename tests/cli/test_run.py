@@ -241,7 +241,8 @@ def test_a_policy_that_is_not_there_is_told_with_its_place_in_the_mission(yard: 
         f"error: nobody.yaml:{line}:9: policy: nobody: no such folder\n  The mission names './nobody', "
     )
     assert f"relative to its own folder {yard}. " in err
-    assert "`waypointctl run nobody.yaml --policy DIR` flies the one in DIR." in err
+    assert "There is ant-waypoint (shipped with waypointctl)." in err
+    assert "`waypointctl run nobody.yaml --policy POLICY` flies another one." in err
     assert program("run", "nobody.yaml", "--policy", "still")[0] == 0
     code, _, err = program("run", "easy.yaml", "--policy", "nobody")
     assert (code, err.splitlines()[0]) == (2, "error: nobody: no such folder")

@@ -103,7 +103,9 @@ def test_a_policy_that_is_not_there_is_a_warning(tmp_path: Path) -> None:
     assert result.exit_code == 0
     ok, _ = result.stdout.splitlines()
     assert ok == f"OK {path}: dog, 1 waypoint, 5.0 m, link without delay, autonomy mission"
-    assert result.stderr == f"warning: {path}:2:9: policy: there is no folder {tmp_path / 'nowhere'}\n"
+    assert result.stderr.startswith(
+        f"warning: {path}:2:9: policy: there is no folder {tmp_path / 'nowhere'}. A policy is"
+    )
 
 
 def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:
@@ -257,7 +259,7 @@ def test_one_that_is_not_there_is_refused(tmp_path: Path) -> None:
     argv = ["validate", SHIPPED[0], "--policy", str(tmp_path / "gone")]
     run = subprocess.run([sys.executable, "-m", "waypointctl", *argv], capture_output=True, text=True, check=False)
     assert run.returncode == 2
-    assert "gone: no such folder\n  --policy takes the folder of a policy" in run.stderr
+    assert "gone: no such folder\n  A policy is a folder with manifest.json, or a name. There is " in run.stderr
 
 
 def test_one_wrong_reference_is_one_problem(tmp_path: Path) -> None:

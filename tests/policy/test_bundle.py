@@ -120,7 +120,7 @@ def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
 
 def test_a_file_is_no_folder(tmp_path: Path) -> None:
     (tmp_path / "policy.zip").write_bytes(b"PK")
-    assert "policy.zip: is not a folder\n  A policy is a folder with manifest.json; `waypointctl policies`" in refusal(
+    assert "policy.zip: is not a folder\n  A policy is a folder with manifest.json, or a name. There is" in refusal(
         tmp_path / "policy.zip"
     )
 

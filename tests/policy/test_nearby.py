@@ -47,7 +47,7 @@ def test_the_only_policy_is_the_one_that_was_meant(tmp_path: Path, make_policy: 
 
 def test_without_any_it_is_said_what_a_policy_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     manifest(tmp_path / "too" / "far" / "below", 0)
-    assert mend_for(tmp_path).startswith("A policy is a folder with manifest.json; `waypointctl policies` lists")
+    assert mend_for(tmp_path).startswith("A policy is a folder with manifest.json, or a name. There is ")
     monkeypatch.setattr(nearby, "_LOOKED_AT", 0)
     manifest(tmp_path / "beyond", 0)
     assert mend_for(tmp_path).startswith("A policy is a folder")

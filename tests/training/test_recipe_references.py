@@ -29,9 +29,13 @@ def refused(folder: Path, text: str) -> list[str]:
 
 def test_what_is_not_there_is_told_with_everything_else_in_the_order_of_the_file(tmp_path: Path) -> None:
     text = f"start_from: nowhere\nselection: {{suite: regoin}}\n{RECIPE.replace('robots: 16', 'robots: 0')}"
-    assert refused(tmp_path, text) == [
+    head, first, *others = refused(tmp_path, text)
+    assert first.startswith(
+        "recipe.yaml:1:13: start_from: nowhere: no such folder; a path is relative to this file; a policy is a folder "
+        "with manifest.json, or a name. There is "
+    )
+    assert [head, *others] == [
         "recipe.yaml: 3 problems",
-        "recipe.yaml:1:13: start_from: nowhere: no such folder; give a policy's folder, relative to this file",
         "recipe.yaml:2:20: selection.suite: there is no suite 'regoin'; did you mean 'region'?",
         "recipe.yaml:9:15: ppo.robots: 0 is not > 0",
     ]

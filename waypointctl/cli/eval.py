@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from waypointctl.cli.options import rate_from
+from waypointctl.cli.options import policy_named, rate_from
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 
 
 def evaluate_policy(
-    policies: Annotated[list[Path], typer.Argument(metavar="POLICY...", help="Their folders.", show_default=False)],
+    policies: Annotated[
+        list[Path],
+        typer.Argument(parser=policy_named, metavar="POLICY...", help="Folders, or names.", show_default=False),
+    ],
     suite: Annotated[str, typer.Option(help="paper, region, anywhere, station, or a YAML file.")] = "paper",
     trials: Annotated[
         int | None,

@@ -21,6 +21,7 @@ from waypointctl.evaluation.saved import (
     write_evaluations,
 )
 from waypointctl.evaluation.tables import MARKDOWN_HEAD, tables, to_markdown
+from waypointctl.mission.policy_name import is_installed
 from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
 
 _PNG: Final = b"\x89PNG\r\n\x1a\n"
@@ -57,6 +58,9 @@ class EvaluationFiles:
         """
         if self.save:
             refuse_unsavable(self.suite.own)
+            for folder in filter(is_installed, self.folders):
+                problem = "--save writes into the policy's folder, and this one is part of the installed waypointctl"
+                raise OutputError(problem, where=str(folder), mend="--out FILE writes the evaluation elsewhere")
         for path in self._evaluations():
             refuse_unwritable_file(path, "the evaluation")
             if not self.force:

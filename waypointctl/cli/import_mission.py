@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
@@ -11,12 +10,12 @@ import typer
 
 from waypointctl.display_text import printable, shell_word
 from waypointctl.errors import InputError
+from waypointctl.mission.policy_name import FLAGSHIP, policies_there_are, policy_folder, policy_reference
 
 if TYPE_CHECKING:
     from waypointctl.importers.local_frame import Place
 
 _MAX_LATITUDE: Final = 89.0
-_POLICY: Final = Path("policies/ant-waypoint")
 
 
 def import_mission(
@@ -40,7 +39,7 @@ def import_mission(
             show_default="what the file says, else earth",
         ),
     ] = None,
-    policy: Annotated[Path | None, typer.Option(help="Who walks: its folder.", show_default=str(_POLICY))] = None,
+    policy: Annotated[str, typer.Option(metavar="POLICY", help="The policy, a folder or a name.")] = FLAGSHIP,
     force: Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")] = False,
 ) -> None:
     """Make a mission of a plan: latitudes and longitudes become x (east) and y (north) in metres around an origin."""
@@ -56,7 +55,7 @@ def import_mission(
         problem = "has x and y in metres; --origin and --body are for latitudes and longitudes"
         raise InputError(problem, where=str(file), mend="Leave them out.")
     folder = Path.cwd() if out is None else out.parent
-    text, placed = mission_text(survey, str(file), os.path.relpath(policy or _POLICY, folder), center, ground)
+    text, placed = mission_text(survey, str(file), policy_reference(policy, folder), center, ground)
     for remark in survey.remarks:
         typer.echo(f"note: {printable(f'{file} {remark}')}", err=True)
     for note in placed.left_out:
@@ -84,13 +83,11 @@ def _refuse_taken(out: Path | None, force: bool) -> None:
         raise OutputError("is there already", where=str(out), mend="--force replaces it; or give another --out.")
 
 
-def _warn_of_missing_policy(given: Path | None, mission: Path) -> None:
+def _warn_of_missing_policy(policy: str, mission: Path) -> None:
     from waypointctl.paths import folder_fault
 
-    policy = given or _POLICY
-    if fault := folder_fault(policy):
-        named = "" if given else f" It is the default of --policy, relative to {Path.cwd()}: give --policy DIR."
-        problem = f"{mission}: the policy {str(policy)!r} is not there: {fault}.{named}"
+    if fault := folder_fault(policy_folder(policy)):
+        problem = f"{mission}: the policy {policy!r} is not there: {fault}. {policies_there_are(policy)}"
         typer.echo(f"warning: {printable(problem)}", err=True)
 
 

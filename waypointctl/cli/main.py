@@ -13,6 +13,7 @@ from waypointctl.cli.fmt import fmt
 from waypointctl.cli.import_mission import import_mission
 from waypointctl.cli.import_policy import import_policy
 from waypointctl.cli.info import info
+from waypointctl.cli.init import init
 from waypointctl.cli.policies import policies
 from waypointctl.cli.replay import replay
 from waypointctl.cli.run import run
@@ -68,6 +69,7 @@ app.command()(run)
 app.command()(replay)
 app.command()(info)
 app.command()(validate)
+app.command()(init)
 app.command()(fmt)
 app.command("import")(import_mission)
 app.command()(schema)

@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import typer
+
+
+def policy_named(text: str) -> Path:
+    """Return the folder of the policy that an argument or option names, for `parser=` of it."""
+    from waypointctl.mission.policy_name import policy_folder
+
+    return policy_folder(str(text))
 
 
 def positive(value: float | None) -> float | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from waypointctl.cli.options import policy_named
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
@@ -26,24 +27,31 @@ class _ListByDefault(TyperGroup):
         return super().parse_args(ctx, args)
 
 
-policies = typer.Typer(cls=_ListByDefault, help="List the policies in a folder, or show one: policies [DIR].")
+policies = typer.Typer(
+    cls=_ListByDefault, help="List policies, all that are found by name or those in a folder; show one."
+)
 
 
 @policies.command("list")
 def list_policies(
-    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="Where to look.")] = Path("policies"),
+    folder: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[DIR]", help="Where to look.", show_default="waypointctl's own policies, and ./policies"
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """List the policies in a folder with their robot, observation layout, training and results."""
+    """List policies with their robot, observation layout, training and results."""
     from waypointctl.cli.console import console
     from waypointctl.cli.view.grid_view import GridView
     from waypointctl.cli.view.policies import policies_grid
-    from waypointctl.evaluation.catalogue import catalogue
+    from waypointctl.evaluation.catalogue import catalogue, known_policies
 
-    entries = catalogue(folder)
+    entries = known_policies() if folder is None else catalogue(folder)
     if json:
         _print_json(entries)
-    elif entries:
+    elif folder is None or entries:
         console().print(GridView(policies_grid(entries)))
     else:
         typer.echo(f"no policies in {printable(folder)}; `waypointctl train RECIPE.yaml` makes one", err=True)
@@ -53,7 +61,9 @@ def list_policies(
 
 @policies.command("show")
 def show_policy(
-    policy: Annotated[Path, typer.Argument(metavar="POLICY", help="Its folder.", show_default=False)],
+    policy: Annotated[
+        Path, typer.Argument(parser=policy_named, metavar="POLICY", help="Its folder, or its name.", show_default=False)
+    ],
 ) -> None:
     """Check a policy and print its manifest, JSON as it is in the bundle."""
     from waypointctl.policy.bundle import load_policy
@@ -68,6 +78,8 @@ def _print_json(entries: list[Entry]) -> None:
     found = [
         {
             "folder": str(entry.folder),
+            "name": entry.name,
+            "shipped": entry.shipped,
             "policy_sha256": entry.policy.sha256 if entry.policy else None,
             "manifest": entry.policy.manifest.model_dump(mode="json") if entry.policy else None,
             "evaluation": _of_paper(entry),

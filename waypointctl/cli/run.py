@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from waypointctl.cli.options import positive
+from waypointctl.cli.options import policy_named, positive
 
 if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
@@ -23,7 +23,13 @@ def run(
         ),
     ] = None,
     policy: Annotated[
-        Path | None, typer.Option(help="Fly this policy's folder, not the mission's.", show_default=False)
+        Path | None,
+        typer.Option(
+            parser=policy_named,
+            metavar="POLICY",
+            help="Fly this policy, a folder or a name, not the mission's.",
+            show_default=False,
+        ),
     ] = None,
     seed: Annotated[
         int | None, typer.Option(min=0, max=2**63 - 1, help="Use this seed, not the mission's.", show_default=False)
@@ -134,14 +140,14 @@ def _refuse_missing_policy(mission_file: MissionFile) -> None:
     """Refuse a mission whose policy is not there, with the place where it is named."""
     from waypointctl.display_text import shell_word
     from waypointctl.errors import MissionError
+    from waypointctl.mission.policy_name import policies_there_are
     from waypointctl.paths import folder_fault
 
     if fault := folder_fault(mission_file.policy_path):
         problem = f"policy: {mission_file.policy_path}: {fault}"
         named, beside = mission_file.mission.policy, mission_file.path.parent.resolve()
         mend = (
-            f"The mission names {named!r}, relative to its own folder {beside}. "
-            "A policy is a folder with manifest.json; "
-            f"`waypointctl run {shell_word(str(mission_file.path))} --policy DIR` flies the one in DIR."
+            f"The mission names {named!r}, relative to its own folder {beside}. {policies_there_are(named)} "
+            f"`waypointctl run {shell_word(str(mission_file.path))} --policy POLICY` flies another one."
         )
         raise MissionError(problem, where=mission_file.policy_place, mend=mend)

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from waypointctl.cli.options import not_negative
+from waypointctl.cli.options import not_negative, policy_named
 from waypointctl.display_text import printable
 from waypointctl.errors import InputError
+from waypointctl.mission.policy_name import FLAGSHIP
 
 if TYPE_CHECKING:
     from waypointctl.study.delay import DelayStudy
@@ -29,7 +30,9 @@ def _group() -> None:
 
 @study.command("delay")
 def delay(
-    policy: Annotated[Path, typer.Option(help="Who walks: its folder.")] = Path("policies/ant-waypoint"),
+    policy: Annotated[
+        Path, typer.Option(parser=policy_named, metavar="POLICY", help="The policy, a folder or a name.")
+    ] = FLAGSHIP,  # type: ignore[assignment]  # a name, which the parser makes a folder of
     seeds: Annotated[
         int | None, typer.Option(min=1, max=_MOST_SEEDS, help="Flights of each kind.", show_default="20")
     ] = None,

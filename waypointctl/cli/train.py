@@ -24,7 +24,8 @@ def train_policy(
         Path | None,
         typer.Option(
             metavar="RUN",
-            help="Go on from this run, whose recipe is the beginning of this one, to what this one makes from nothing.",
+            help="Go on from this run, a folder or a name in RUNS, whose recipe is the beginning of this one, to what "
+            "this one makes from nothing.",
             show_default=False,
         ),
     ] = None,
@@ -71,6 +72,7 @@ def train_policy(
 
     if extend is not None:
         _refuse_with_extend({"--resume": resume, "--steps": steps, "--seeds": seeds, "--stop-at": stop_at})
+        extend = next((path for path in (extend, runs / extend) if path.is_dir()), extend)
     asked = TrainingAsked(
         recipe=recipe,
         out=out,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from waypointctl.cli.options import policy_named
 from waypointctl.display_text import printable
 from waypointctl.paths import folder_fault
 
@@ -44,7 +45,13 @@ class _Checked:
 def validate(
     missions: Annotated[list[Path], typer.Argument(metavar="MISSION.yaml...", help="Mission files.")],
     policy: Annotated[
-        Path | None, typer.Option(help="Expect this policy's folder to fly, not the mission's.", show_default=False)
+        Path | None,
+        typer.Option(
+            parser=policy_named,
+            metavar="POLICY",
+            help="Expect this policy, a folder or a name, to fly, not the mission's.",
+            show_default=False,
+        ),
     ] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 if there is a warning.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
@@ -69,9 +76,10 @@ def validate(
 
 def _refuse_missing(policy: Path | None) -> None:
     from waypointctl.errors import PolicyError
+    from waypointctl.mission.policy_name import policies_there_are
 
     if policy is not None and (fault := folder_fault(policy)):
-        raise PolicyError(fault, where=str(policy), mend="--policy takes the folder of a policy, as `run` does.")
+        raise PolicyError(fault, where=str(policy), mend=policies_there_are(policy.name))
 
 
 def _check(path: Path, policy: Path | None = None) -> _Checked:
@@ -103,9 +111,12 @@ def _forecast(file: MissionFile, policy: Path) -> Forecast:
 
 
 def _policy_warnings(file: MissionFile) -> tuple[Warned, ...]:
+    from waypointctl.mission.policy_name import policies_there_are
+
     if not folder_fault(file.policy_path):
         return ()
-    return (Warned("policy", file.policy_place, "policy", f"there is no folder {file.policy_path}"),)
+    text = f"there is no folder {file.policy_path}. {policies_there_are(file.mission.policy)}"
+    return (Warned("policy", file.policy_place, "policy", text),)
 
 
 def _warnings(file: MissionFile, found: Forecast) -> Iterator[Warned]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from waypointctl.errors import InputError, PolicyError
 from waypointctl.evaluation.result import EVALUATION, Evaluation, read_evaluation
 from waypointctl.evaluation.saved import PATTERN, saved_name
 from waypointctl.evaluation.suite import BUILT_IN
+from waypointctl.mission.policy_name import POLICIES, SHIPPED, policy_folder, shipped_folder
 from waypointctl.paths import folder_fault
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import MANIFEST
@@ -16,12 +18,29 @@ from waypointctl.policy.manifest import MANIFEST
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A folder with a policy, what the evaluations beside it say, and what is wrong with any of them."""
+    """A folder with a policy, what the evaluations beside it say, and what is wrong with any of them.
+
+    Attributes:
+        shipped: it comes with waypointctl, and is found by its name wherever ./policies has no other of that name.
+    """
 
     folder: Path
     policy: LoadedPolicy | None
     evaluations: tuple[Evaluation, ...]  # the paper's first, then the suites that come with waypointctl, then others
     faults: tuple[str, ...]
+    shipped: bool = False
+
+    @property
+    def name(self) -> str:
+        """Its folder's, by which a policy in ./policies and one that comes with waypointctl are found."""
+        return self.folder.name
+
+
+def known_policies() -> list[Entry]:
+    """Return an entry for each policy that a bare name finds: those that come with waypointctl, and in ./policies."""
+    own = [shipped_folder(name) for name in SHIPPED if policy_folder(name) == shipped_folder(name)]
+    found = [replace(_entry(folder), shipped=True) for folder in own]
+    return found + (catalogue(POLICIES) if os.path.isdir(POLICIES) else [])
 
 
 def catalogue(folder: Path) -> list[Entry]:

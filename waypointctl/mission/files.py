@@ -10,6 +10,7 @@ from typing import Any
 
 from waypointctl.errors import MissionError
 from waypointctl.mission.mission import Mission
+from waypointctl.mission.policy_name import policy_folder
 from waypointctl.mission.references import among, beside, examine_mission
 from waypointctl.mission.yaml_source import Reading, as_error, read_source
 from waypointctl.mission.yaml_tree import read_tree
@@ -30,8 +31,8 @@ class MissionFile:
 
     @property
     def policy_path(self) -> Path:
-        """The policy bundle's folder, which a mission names relative to its own file."""
-        return self.path.parent / self.mission.policy
+        """The policy bundle's folder, which a mission names relative to its own file, or by a bare name."""
+        return policy_folder(self.mission.policy, self.path.parent)
 
     @property
     def policy_place(self) -> str:

@@ -99,7 +99,8 @@ class Mission(FileModel):
     seed: Annotated[int, Strict(), Field(ge=0, lt=2**63)] = Field(0, description="of everything that is random")
     robot: Literal["ant"] = Field("ant", description="who walks: MuJoCo's ant of eight joints")
     policy: Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(line_of_text)] = Field(
-        description="the policy bundle's folder, relative to the mission file"
+        description="the policy bundle's folder, relative to the mission file, or a name: ./policies/NAME, or one that "
+        "comes with waypointctl, such as ant-waypoint"
     )
     start: Start = Start()
     autonomy: Literal["mission", "waypoint", "heading", "joint"] = Field(

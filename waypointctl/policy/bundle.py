@@ -19,9 +19,10 @@ from pydantic import ValidationError
 from waypointctl.errors import PolicyError
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.limits import limit, limit_hint
+from waypointctl.mission.policy_name import policies_there_are
 from waypointctl.paths import folder_fault
 from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
-from waypointctl.policy.nearby import POLICIES_MEND, policies_near
+from waypointctl.policy.nearby import policies_near
 from waypointctl.policy.network import Network
 
 FILES: Final = (MANIFEST, NETWORK, WEIGHTS)
@@ -73,7 +74,7 @@ def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
         PolicyError: a file is missing, damaged or does not fit the manifest.
     """
     if fault := folder_fault(folder):
-        raise PolicyError(fault, where=str(folder), mend=POLICIES_MEND)
+        raise PolicyError(fault, where=str(folder), mend=policies_there_are(folder.name))
     files = {}
     for name in FILES:
         try:

@@ -7,9 +7,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
+from waypointctl.mission.policy_name import policies_there_are
 from waypointctl.policy.manifest import MANIFEST
-
-POLICIES_MEND: Final = "A policy is a folder with manifest.json; `waypointctl policies` lists those in ./policies."
 
 _NAMED: Final = 3  # policies in a message
 _LOOKED_AT: Final = 2000  # folders: the one that was named may be a whole disk
@@ -24,7 +23,7 @@ def policies_near(folder: Path) -> str:
             return (
                 f"Policies in it are {names}{more}: give one of these." if len(found) > 1 else f"Did you mean {names}?"
             )
-    return POLICIES_MEND
+    return policies_there_are()
 
 
 def _policies(folders: Iterator[Path]) -> list[Path]:

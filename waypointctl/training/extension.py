@@ -63,6 +63,9 @@ def shared_checkpoints(recipe_file: RecipeFile, source: Path) -> tuple[RecipeFil
     Raises:
         RecipeError: as `extend`.
     """
+    if not checkpoints(source):
+        mend = "--extend takes the folder of a run, or its name; a recipe's start_from begins with a policy's weights."
+        raise RecipeError("is not a run: it has no checkpoints", where=str(source), mend=mend)
     began = begun_as(load_recipe(source / RECIPE), source)
     shared = shared_steps(began.recipe, recipe_file.recipe, source)
     taken = [folder for steps, folder in checkpoints(source) if steps < shared]

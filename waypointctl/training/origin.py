@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import RecipeError
+from waypointctl.mission.policy_name import policy_folder
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import WEIGHTS
 from waypointctl.task.observation import layout
@@ -31,7 +32,7 @@ class Origin:
 
 
 def load_origin(recipe_file: RecipeFile) -> Origin | None:
-    """Return the policy in the recipe's `start_from`, a folder that is looked for beside the recipe; None without one.
+    """Return the policy in the recipe's `start_from`, a folder beside the recipe or a name; None without one.
 
     Raises:
         PolicyError: there is no such policy, or it is damaged.
@@ -43,7 +44,7 @@ def load_origin(recipe_file: RecipeFile) -> Origin | None:
 
     if recipe_file.recipe.start_from is None:
         return None
-    folder = recipe_file.path.parent / recipe_file.recipe.start_from
+    folder = policy_folder(recipe_file.recipe.start_from, recipe_file.path.parent)
     policy = load_policy(folder)
     for fault, mend in misfits(policy, recipe_file.recipe):
         raise refusal(policy, fault, recipe_file, mend)

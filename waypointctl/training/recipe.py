@@ -47,7 +47,7 @@ class Recipe(FileModel):
     ppo: PpoRecipe = PpoRecipe()
     phases: Annotated[tuple[PhaseRecipe, ...], Field(min_length=1)]
     start_from: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
-        None, description="folder of a policy to begin with the weights of, relative to this file"
+        None, description="policy to begin with the weights of: its folder, relative to this file, or its name"
     )
     checkpoint_steps: Count = Field(1_000_000, description="control steps between checkpoints")
     evaluation: EvaluationRecipe = EvaluationRecipe()

@@ -55,7 +55,7 @@ def _reference_problems(source: bytes, path: Path, recipe: Recipe | None) -> Ite
     if suite := _text_at(tree, ("selection", "suite")):
         yield from _suite_problems(suite, path, tree)
     if start_from := _text_at(tree, ("start_from",)):
-        for text in _start_faults(path.parent / start_from, recipe):
+        for text in _start_faults(start_from, path.parent, recipe):
             yield _problem(path, tree, ("start_from",), text)
 
 
@@ -98,13 +98,15 @@ def _unknown_suite(suite: str, known: tuple[str, ...]) -> str:
     return f"there is no suite {suite!r}; give {', '.join(known)} or a YAML file, relative to this one"
 
 
-def _start_faults(folder: Path, recipe: Recipe | None) -> Iterator[str]:
+def _start_faults(named: str, beside: Path, recipe: Recipe | None) -> Iterator[str]:
+    from waypointctl.mission.policy_name import policies_there_are, policy_folder
     from waypointctl.paths import folder_fault
     from waypointctl.policy.bundle import load_policy
     from waypointctl.training.origin import misfits, not_startable
 
+    folder = policy_folder(named, beside)
     if fault := folder_fault(folder):
-        yield f"{folder}: {fault}; give a policy's folder, relative to this file"
+        yield f"{folder}: {fault}; a path is relative to this file{_inline(policies_there_are(named))}"
         return
     try:
         policy = load_policy(folder)

@@ -20,7 +20,7 @@ def policies_grid(entries: Sequence[Entry]) -> Grid:
 
     suites = list(dict.fromkeys(evaluation.conditions for entry in entries for evaluation in entry.evaluations))
     columns = (
-        Column("folder", is_text=True),
+        Column("policy", is_text=True),
         Column("robot", is_text=True, spare=len(suites) + 3),
         Column("layout", is_text=True, spare=len(suites) + 2),
         Column("steps", spare=len(suites) + 1),
@@ -47,13 +47,14 @@ def _legs_text(case: CaseResult) -> str:
 
 
 def _row(entry: Entry, suites: Sequence[str]) -> tuple[str, ...]:
+    where = f"{entry.name} (shipped)" if entry.shipped else str(entry.folder)
     if entry.policy is None:
-        return (str(entry.folder), "", "", "", *_padded("damaged", suites))
+        return (where, "", "", "", *_padded("damaged", suites))
     manifest = entry.policy.manifest
     found = {evaluation.conditions: result_text(evaluation) for evaluation in entry.evaluations}
     results = [found.get(suite, "") for suite in suites] if found else _padded("not evaluated", suites)
     steps = f"{manifest.training.steps:,}"
-    return (str(entry.folder), manifest.robot, manifest.observation.layout, steps, *results)
+    return (where, manifest.robot, manifest.observation.layout, steps, *results)
 
 
 def _padded(word: str, suites: Sequence[str]) -> list[str]:
