@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from hypothesis import given
 from hypothesis import strategies as st
 
+from waypointctl.log.reader import open_log
 from waypointctl.log.setting import ContactWindows
-from waypointctl.mission.files import parse_mission
+from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.zones import CIRCLE_CORNERS
 from waypointctl.ops.link.contacts import Contacts, Window
+from waypointctl.ops.record import record
 from waypointctl.ops.setting import setting_of
+from waypointctl.policy.bundle import LoadedPolicy
 
 HEAD = "name: n\npolicy: ./p\nwaypoints: [[6 m, 0 m]]\n"
 FAR = 400
@@ -107,3 +114,21 @@ def test_zones_have_their_names_and_outlines() -> None:
     assert (site.label, site.outline_m) == ("keep-in 1", ((-4.0, -4.0), (9.0, -4.0), (9.0, 9.0)))
     assert (pit.label, len(pit.outline_m)) == ("keep-out pit", CIRCLE_CORNERS)
     assert np.hypot(*(np.array(pit.outline_m) - (3, 4)).T) == pytest.approx(2.0)
+
+
+def test_the_log_of_a_flight_draws_what_its_mission_fixes(
+    tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
+) -> None:
+    more = (
+        "onboard: {home: {position: [2 m, 1 m]}, "
+        "geofence: {keep_out: [{name: pit, center: [3 m, 4 m], radius: 2 m}]}}\n"
+        "link: {windows: [{from: 0 s, to: 20 s}]}\nexpect: {max_time: 1 s}\n"
+    )
+    source = (HEAD + more).encode()
+    file = MissionFile(parse_mission(source, "m.yaml"), source, tmp_path / "m.yaml")
+    log = open_log(record(file, make_policy(tmp_path / "p", gain=0.0), tmp_path / "f.mcap").path)
+    first = next(raw.data for topic, raw in log.raw_messages() if topic == "/scene")
+    shown = {entity.id: [text.text for text in entity.texts] for entity in SceneUpdate.FromString(first).entities}
+    assert shown["zone 0"] == ["keep-out pit"]
+    assert shown["home"] == ["home"]
+    assert shown["link"] == ["link up: open until 20.00 s\nlink down: open until 20.00 s"]

@@ -55,7 +55,7 @@ class LogEncoder:
         """Hand on all that stands before the first message."""
         self.flushes = 0
         self._records = records
-        self._view = FoxgloveView(header.kinematics, header.waypoints)
+        self._view = FoxgloveView(header.kinematics, header.waypoints, header.setting)
         self._waiting: deque[Message] = deque()
         self._second_ends_ns = NS_PER_S
         observes = any(waypoint.task for waypoint in header.waypoints)

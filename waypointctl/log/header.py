@@ -9,11 +9,13 @@ from typing import Final
 from waypointctl import __version__
 from waypointctl.log.kinematics import Kinematics
 from waypointctl.log.messages import PlannedWaypoint
+from waypointctl.log.setting import MissionSetting
 
 SCHEMA_VERSION: Final = 1  # of topics, schemas and metadata; a reader refuses logs of a newer one
 METADATA_NAME: Final = "waypointctl"  # of the MCAP metadata record; a log without it is not ours
 LIBRARY: Final = f"waypointctl {__version__}"  # of the MCAP header
 LAYOUT_NAME: Final = "foxglove-layout.json"
+_NO_SETTING: Final = MissionSetting()
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,4 +39,5 @@ class LogHeader:
     waypoints: tuple[PlannedWaypoint, ...]  # the mission's, drawn from the start
     attachments: tuple[Attachment, ...]
     metadata: Mapping[str, str]
+    setting: MissionSetting = _NO_SETTING  # drawn from the start, too
     library: str = LIBRARY

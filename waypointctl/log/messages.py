@@ -271,6 +271,9 @@ class LinkFate(StrEnum):
     NO_CONTACT = "no_contact"  # there is no contact any more that it fits in
 
 
+NOT_DELIVERED: Final = frozenset({LinkFate.LOST, LinkFate.QUEUE_FULL, LinkFate.NO_CONTACT})
+
+
 @dataclass(frozen=True, slots=True)
 class LinkRecord:
     """A message that the link lost, doubled, or let wait: what neither end is told as such."""

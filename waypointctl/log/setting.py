@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.zones import Zone
+from waypointctl.units import seconds
 
 IntArray: TypeAlias = NDArray[np.int64]
 Span: TypeAlias = tuple[int, int]  # from when to when [ns]
@@ -44,6 +45,12 @@ class ContactWindows:
         later = edges[edges > now_ns]
         changes = later[self.is_open(later) != self.is_open(np.array([now_ns]))]  # a window may begin as one ends
         return int(changes[0]) if len(changes) else None
+
+    def state_text(self, now_ns: int) -> str:
+        """Return whether there is contact, and until when: "open until 12.50 s"."""
+        is_open, change_ns = bool(self.is_open(np.array([now_ns]))[0]), self.change_ns(now_ns)
+        until = "from now on" if change_ns is None else f"until {seconds(change_ns):.2f} s"
+        return f"{'open' if is_open else 'closed'} {until}"
 
     def closed(self, until_ns: int, most: int) -> tuple[Span, ...] | None:
         """Return the spans without contact from 0 to `until_ns`; None where there are more than `most` windows."""

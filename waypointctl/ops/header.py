@@ -17,6 +17,7 @@ from waypointctl import __version__
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.mission.files import MissionFile
 from waypointctl.ops.ground.operator import planned_waypoints
+from waypointctl.ops.setting import setting_of
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.sim.kinematics import RobotKinematics
 from waypointctl.sim.robots import Robot
@@ -41,6 +42,7 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
         robot=robot.name,
         kinematics=RobotKinematics(robot),
         waypoints=planned_waypoints(mission),
+        setting=setting_of(mission),
         attachments=(
             Attachment(MISSION, "application/yaml", mission_file.source),
             *(

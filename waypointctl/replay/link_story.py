@@ -12,10 +12,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from waypointctl.log.messages import Event, EventKind, LinkFate, LinkRecord
+from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkFate, LinkRecord
 from waypointctl.log.setting import IntArray, Span
-
-_NOT_ARRIVED = (LinkFate.LOST, LinkFate.QUEUE_FULL, LinkFate.NO_CONTACT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +83,7 @@ class WayTally:
     def add(self, record: LinkRecord) -> None:
         """Take a record."""
         self.fates[record.fate] += 1
-        if record.fate in _NOT_ARRIVED:
+        if record.fate in NOT_DELIVERED:
             self.not_arrived[record.what] += 1
             self.missing_ns.append(record.time_ns)
         if record.departs_ns > record.time_ns:

@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from waypointctl.cli.view.words import Happening, at
 from waypointctl.display_text import printable
 from waypointctl.log.messages import Clock, Mode, Severity
@@ -19,7 +17,6 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from waypointctl.log.messages import Telemetry
-    from waypointctl.log.setting import ContactWindows
     from waypointctl.replay.chronicle import Chronicle
 
 CLOCK_STYLES: Final = {Clock.ROBOT: "green", Clock.OPERATOR: "magenta"}
@@ -120,7 +117,7 @@ def _operator(chronicle: Chronicle) -> Rows:
 def _link(chronicle: Chronicle) -> Rows:
     """Return how the link is, which neither end is told: contact, and what was not delivered."""
     setting, link, now_ns = chronicle.setting, chronicle.link, chronicle.now_ns
-    contacts = {f"link {way}": _contact(windows, now_ns) for way, windows in setting.ways.items() if windows}
+    contacts = {f"link {way}": windows.state_text(now_ns) for way, windows in setting.ways.items() if windows}
     if len(contacts) == 2 and len(set(contacts.values())) == 1:
         contacts = {"link": contacts["link up"]}
     rows = [(label, "bold blue", text) for label, text in contacts.items()]
@@ -131,11 +128,6 @@ def _link(chronicle: Chronicle) -> Rows:
     if link.lost_since_ns is not None:
         rows.append(("link lost", "bold red", f"on board, at {at(link.lost_since_ns)}"))
     return rows
-
-
-def _contact(windows: ContactWindows, now_ns: int) -> str:
-    is_open, change_ns = bool(windows.is_open(np.array([now_ns]))[0]), windows.change_ns(now_ns)
-    return f"{'open' if is_open else 'closed'} {'from now on' if change_ns is None else f'until {at(change_ns)}'}"
 
 
 def _astray(chronicle: Chronicle, frame: Telemetry) -> str:

@@ -52,8 +52,9 @@ def scene(
     waypoints: Iterable[PlannedWaypoint],
     standings: dict[int, Standing],
     gone: Iterable[int] = (),
+    surroundings: Iterable[SceneEntity] = (),
 ) -> bytes:
-    """Return foxglove.SceneUpdate with the robot and `waypoints`, and without those of the indices in `gone`.
+    """Return foxglove.SceneUpdate with robot, `waypoints` and `surroundings`, and without the waypoints `gone`.
 
     All of them, each time: after a seek a viewer knows no more than the last message on the topic.
     """
@@ -67,6 +68,7 @@ def scene(
         entity = bodies.setdefault(geom.body, SceneEntity(id=f"body {geom.body}", frame_id=geom.body))
         _add_geom(entity, geom)
     update.entities.extend(bodies.values())
+    update.entities.extend(surroundings)
     for entity in update.entities:
         entity.timestamp.CopyFrom(timestamp(time_ns))
         entity.frame_locked = True

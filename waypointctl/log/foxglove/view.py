@@ -16,9 +16,22 @@ from waypointctl.log.foxglove.geometry import timestamp
 from waypointctl.log.foxglove.goal import GoalMarker
 from waypointctl.log.foxglove.motion import Motion
 from waypointctl.log.foxglove.scene import Standing, near, scene, waypoint_poses
+from waypointctl.log.foxglove.surroundings import Surroundings
 from waypointctl.log.foxglove.trail import Trail
 from waypointctl.log.kinematics import Kinematics
-from waypointctl.log.messages import Command, CommandStage, Event, EventKind, Message, PlannedWaypoint, Severity, State
+from waypointctl.log.messages import (
+    Command,
+    CommandStage,
+    Event,
+    EventKind,
+    LinkRecord,
+    Message,
+    PlannedWaypoint,
+    Severity,
+    State,
+    Telemetry,
+)
+from waypointctl.log.setting import MissionSetting
 from waypointctl.units import NS_PER_S
 
 VIEW_TOPICS: Final = {
@@ -33,6 +46,7 @@ VIEW_TOPICS: Final = {
 }
 MOTION_PERIOD_NS: Final = NS_PER_S // 25  # every second step of a 50 Hz controller: an eye sees no more
 TRAIL_PERIOD_NS: Final = NS_PER_S
+_NO_SETTING: Final = MissionSetting()
 
 _LEVELS: Final = {Severity.INFO: Log.INFO, Severity.WARNING: Log.WARNING, Severity.ERROR: Log.ERROR}
 _STANDINGS: Final = {
@@ -54,12 +68,15 @@ class Frame(NamedTuple):
 class FoxgloveView:
     """Follows one flight."""
 
-    def __init__(self, kinematics: Kinematics, waypoints: Sequence[PlannedWaypoint]) -> None:
-        """Know the robot, and the waypoints that the mission has from the start."""
+    def __init__(
+        self, kinematics: Kinematics, waypoints: Sequence[PlannedWaypoint], setting: MissionSetting = _NO_SETTING
+    ) -> None:
+        """Know the robot, and what the mission has from the start."""
         self._geoms = kinematics.geoms
         self._motion = Motion(kinematics)
         self._trail = Trail()
         self._goal = GoalMarker()
+        self._surroundings = Surroundings(setting, kinematics.body_names[0])
         self._waypoints = {waypoint.index: waypoint for waypoint in waypoints}
         self._standings: dict[int, Standing] = {}
         self._focus = -1  # the waypoint that the last event was about
@@ -82,6 +99,12 @@ class FoxgloveView:
                 return self._happened(message)
             case CommandStage():
                 return _if_any("/goal", message.time_ns, self._goal.advanced(message))
+            case LinkRecord():
+                self._surroundings.lost(message)
+                return ()
+            case Telemetry():  # while physics sleeps there are no states
+                is_due = self._surroundings.is_due(message.received_ns)
+                return (self._scene(message.received_ns),) if is_due else ()
             case _:
                 return ()
 
@@ -101,6 +124,8 @@ class FoxgloveView:
             frames.append(
                 Frame("/path", now, self._trail.extend(now, state.qpos[:3].tolist(), state.qpos[3:7].tolist()))
             )
+        if self._surroundings.moved(state):
+            frames.append(self._scene(now))
         return frames
 
     def _commanded(self, command: Command) -> Sequence[Frame]:
@@ -117,13 +142,14 @@ class FoxgloveView:
         )
         frames = [Frame("/log", event.time_ns, line.SerializeToString())]
         frames += _if_any("/goal", event.time_ns, self._goal.happened(event))
+        is_changed = self._surroundings.happened(event)
         standing = _STANDINGS.get(event.kind)
-        if standing is None or event.waypoint not in self._waypoints:
-            return frames
-        # A goal that is sent again and again draws the scene once.
-        if (self._focus, self._standings.get(event.waypoint)) != (event.waypoint, standing):
+        if standing is not None and event.waypoint in self._waypoints:
+            # A goal that is sent again and again draws the scene once.
+            is_changed |= (self._focus, self._standings.get(event.waypoint)) != (event.waypoint, standing)
             self._standings[event.waypoint] = standing
             self._focus = event.waypoint
+        if is_changed:
             frames.append(self._scene(event.time_ns))
         return frames
 
@@ -133,7 +159,8 @@ class FoxgloveView:
     def _scene(self, time_ns: int) -> Frame:
         waypoints = near(tuple(self._waypoints.values()), self._focus)
         drawn = {waypoint.index for waypoint in waypoints}
-        data = scene(time_ns, self._geoms, waypoints, self._standings, gone=sorted(self._drawn - drawn))
+        gone, around = sorted(self._drawn - drawn), self._surroundings.entities(time_ns)
+        data = scene(time_ns, self._geoms, waypoints, self._standings, gone, around)
         self._drawn = drawn
         return Frame("/scene", time_ns, data)
 
