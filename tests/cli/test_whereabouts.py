@@ -107,5 +107,5 @@ def test_the_live_view_tells_how_the_link_is() -> None:
     assert "link       closed from now on" in panels(list(flight()), MissionSetting(up=over, down=over))
     unheard = event(5, EventKind.LINK_LOST, "nothing heard for 4 s: hold")
     picture = panels([*flight(), lost("up"), lost("down"), lost("down"), unheard], MissionSetting())
-    assert "undelivered 1 up, 2 down" in picture
-    assert "link lost   on board, at 5.00 s" in picture
+    assert "losses     1 up, 2 down" in picture
+    assert "link lost  on board, at 5.00 s" in picture

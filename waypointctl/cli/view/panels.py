@@ -124,7 +124,7 @@ def _link(chronicle: Chronicle) -> Rows:
     missing = {"up": len(link.up.missing_ns), "down": len(link.down.missing_ns)}
     if any(missing.values()):
         text = ", ".join(f"{count} {way}" for way, count in missing.items() if count)
-        rows.append(("undelivered", "red", text))
+        rows.append(("losses", "red", text))
     if link.lost_since_ns is not None:
         rows.append(("link lost", "bold red", f"on board, at {at(link.lost_since_ns)}"))
     return rows
