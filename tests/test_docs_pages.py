@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import typer.main
 
-from waypointctl.cli.main import app
+from waypointctl.cli.app import app
 from waypointctl.cli.view.training_words import ENOUGH
 from waypointctl.errors import RecipeError, SuiteError
 from waypointctl.evaluation.suite import Suite

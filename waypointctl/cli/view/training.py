@@ -70,7 +70,6 @@ class PlainLines:
         self._trials = recipe.evaluation.trials
         self._next_s = 0.0
         self._unsaid: TrainingStatus | None = None
-        self._readers = True
 
     def __call__(self, news: News) -> None:
         """Take news of the training."""
@@ -105,12 +104,7 @@ class PlainLines:
             self._next_s = time.monotonic() + LINE_PERIOD_S
 
     def _say(self, text: str) -> None:
-        if not self._readers:
-            return
-        try:
-            print(printable(text), file=sys.stderr, flush=True)
-        except BrokenPipeError:
-            self._readers = False  # whoever read has gone; that is no reason to end the training
+        print(printable(text), file=sys.stderr, flush=True)
 
 
 class LivePanel:
