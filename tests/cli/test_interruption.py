@@ -8,12 +8,11 @@ import signal
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
-from time import sleep
 
 import pytest
 
 from tests.cli.flying import Program, start
-from waypointctl.cli.interruption import Ending, ended_by_signals, ending, interruption
+from waypointctl.cli.interruption import Ending, ending, interruption
 from waypointctl.log.reader import open_log
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
@@ -60,12 +59,6 @@ def test_a_signal_that_is_ignored_stays_ignored() -> None:
     with interruption() as interrupted:
         os.kill(os.getpid(), signal.SIGHUP)
         assert not interrupted()
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_is_raised_where_something_has_to_be_cleaned_up(number: signal.Signals) -> None:
-    with ended_by_signals(), pytest.raises(KeyboardInterrupt):
-        os.kill(os.getpid(), number)
 
 
 def test_what_an_interruption_breaks_on_its_way_is_exit_code_130(
@@ -120,16 +113,10 @@ def test_a_terminal_that_is_closed_ends_a_flight_with_its_log_whole(yard: Path) 
     assert open_log(yard / "log.mcap").is_complete
 
 
-def test_a_replay_that_is_ended_leaves_no_temporary_files(yard: Path, program: Program) -> None:
+def test_flying_and_replaying_put_nothing_into_the_folder_for_temporary_files(yard: Path) -> None:
+    """So that nothing is left there by a program that is killed."""
     (yard / "temporary").mkdir()
-    (yard / "standing.yaml").write_text(
-        "name: standing\npolicy: still\nwaypoints: [{position: [20 m, 0 m], timeout: 10 s}]\n"
-    )
-    assert program("run", "standing.yaml", "--out", "log.mcap")[0] == 1
-    replay = start(yard, "replay", "log.mcap", stdout=subprocess.PIPE, stderr=subprocess.PIPE, TMPDIR="temporary")
-    while replay.poll() is None and not list((yard / "temporary").glob("*/replay.mcap*")):
-        sleep(0.002)
-    replay.send_signal(signal.SIGTERM)
-    out, err = replay.communicate(timeout=LIMIT_S)
-    assert (replay.returncode, out, err) == (130, b"", b"")
-    assert list((yard / "temporary").iterdir()) == []
+    for arguments in (("run", "easy.yaml", "--out", "log.mcap"), ("replay", "log.mcap", "--png", "log.png")):
+        done = start(yard, *arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, TMPDIR="temporary")
+        _, err = done.communicate(timeout=LIMIT_S)
+        assert (done.returncode, list((yard / "temporary").iterdir())) == (0, []), err

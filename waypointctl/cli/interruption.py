@@ -1,7 +1,7 @@
 """Ctrl-C, SIGTERM and SIGHUP: the first asks a flight to end, the second ends the program.
 
 Outside a flight Ctrl-C ends the program with exit code 130 and no traceback, wherever it is, and SIGTERM and SIGHUP do
-what they do to any program, unless there is something to clean up (`ended_by_signals`).
+what they do to any program: nothing is kept in temporary files that would stay.
 """
 
 from __future__ import annotations
@@ -52,13 +52,6 @@ def handled(handler: Handler, signals: tuple[signal.Signals, ...]) -> Iterator[N
     finally:
         for number, previous in before.items():
             signal.signal(number, previous)
-
-
-@contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """Clean up in a `with` block when SIGTERM or SIGHUP ends the program, as after Ctrl-C."""
-    with handled(end_program, (signal.SIGTERM, signal.SIGHUP)):
-        yield
 
 
 @contextmanager
