@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import Any, Final
 
 from waypointctl.importers.json_source import Part, read_json
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Line, Shapes, Spot, too_many
+from waypointctl.importers.shapes import Shapes, Spot, too_many
 from waypointctl.importers.survey import MOST_STOPS, Survey
 from waypointctl.mission.wording import counted, shown
 
@@ -124,8 +125,12 @@ class _Reader:
         elif count > MOST_STOPS + 1:
             line.complain(too_many(count, "positions"))
         else:
-            spots = [self._spot(position, "") for position in line.elements()]
-            self.shapes.lines.append(Line(tuple(spot for spot in spots if spot is not None), name, line.at_text))
+            self.shapes.add_line(name, line.at_text, lambda: self._spots(line))
+
+    def _spots(self, line: Part) -> Iterator[Spot]:
+        for position in line.elements():
+            if (spot := self._spot(position, "")) is not None:
+                yield spot
 
     def _point(self, position: Part, name: str) -> None:
         if (spot := self._spot(position, name)) is not None:

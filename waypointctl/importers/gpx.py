@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import chain
 
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Line, Shapes, Spot, too_many
+from waypointctl.importers.shapes import Shapes, Spot, too_many
 from waypointctl.importers.survey import MOST_STOPS, Survey
 from waypointctl.importers.xml_source import Element, read_xml
 
@@ -42,7 +42,7 @@ def _add(shapes: Shapes, line: Element, points: list[Element]) -> None:
     elif len(points) > MOST_STOPS + 1:
         shapes.report.complain(line.at, too_many(len(points), "points"))
     else:
-        shapes.lines.append(Line(tuple(_spots(shapes.report, points)), line.text_of("name"), line.at))
+        shapes.add_line(line.text_of("name"), line.at, lambda: _spots(shapes.report, points))
 
 
 def _spots(report: Report, points: Iterable[Element]) -> Iterable[Spot]:

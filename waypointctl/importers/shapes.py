@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from waypointctl.importers.local_frame import Place
@@ -54,6 +54,10 @@ class Shapes:
     points: list[Spot] = field(default_factory=list)
     others: Counter[str] = field(default_factory=Counter)
 
+    def add_line(self, name: str, at: str, spots: Callable[[], Iterable[Spot]]) -> None:
+        """Take a line; of those after the first only their number and names matter, and their places are not read."""
+        self.lines.append(Line(() if self.lines else tuple(spots()), name, at))
+
     def survey(self, name: str) -> Survey:
         """Return the mission: the robot starts at the first place and walks to the others.
 
@@ -83,8 +87,8 @@ class Shapes:
             return self.lines[0].spots
         if self.lines:
             named = ", ".join(shown(line.name) if line.name else line.at for line in self.lines[:5])
-            more = f" and {len(self.lines) - 5} more" if len(self.lines) > 5 else ""
-            problem = f"has {len(self.lines)} lines ({named}{more}); a mission is one {self.line_word}: keep one"
+            more = f" and {len(self.lines) - 5:,} more" if len(self.lines) > 5 else ""
+            problem = f"has {len(self.lines):,} lines ({named}{more}); a mission is one {self.line_word}: keep one"
             self.report.complain("", problem)
         elif len(self.points) < 2:
             found = [counted(len(self.points), f"{self.point_word}s")] if self.points else []
