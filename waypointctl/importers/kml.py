@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from waypointctl.importers.report import Report
 from waypointctl.importers.shapes import Shapes, Spot, too_many
-from waypointctl.importers.survey import MOST_STOPS, Survey
+from waypointctl.importers.survey import MOST_POSITIONS, Survey
 from waypointctl.importers.xml_source import Element, read_xml
 from waypointctl.mission.wording import shown
 
@@ -62,7 +62,7 @@ def _take(shapes: Shapes, geometry: Element, name: str) -> None:
         texts = geometry.text_of("coordinates").split()
     if not texts:
         report.left_out[f"{geometry.name} without coordinates"] += 1
-    elif len(texts) > MOST_STOPS + 1:
+    elif len(texts) > MOST_POSITIONS:
         report.complain(geometry.at, too_many(len(texts), "positions"))
     elif geometry.name == "Point":
         shapes.points += _spots(report, texts[:1], separator, geometry, name)

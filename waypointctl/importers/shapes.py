@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.report import Report
-from waypointctl.importers.survey import MOST_STOPS, Stop, Survey, mission_name
+from waypointctl.importers.survey import MOST_POSITIONS, MOST_STOPS, Stop, Survey, mission_name
 from waypointctl.mission.wording import counted, shown
 
 
@@ -80,6 +80,7 @@ class Shapes:
             left_out=tuple(left_out),
             order=self.order,
             body=self.body,
+            is_line=bool(self.lines),
         )
 
     def _path(self) -> Sequence[Spot]:
@@ -99,11 +100,11 @@ class Shapes:
             )
             self.report.complain("", problem)
         elif len(self.points) > MOST_STOPS + 1:
-            self.report.complain("", too_many(len(self.points), f"{self.point_word}s"))
+            limit = f"at most {MOST_STOPS + 1:,} are allowed, the start and {MOST_STOPS:,} waypoints"
+            self.report.complain("", f"has {len(self.points):,} {self.point_word}s; {limit}: cut it into several")
         return self.points
 
 
 def too_many(count: int, things: str) -> str:
-    """Return the problem with more places than a mission has."""
-    limit = f"at most {MOST_STOPS + 1:,} are allowed, the start and {MOST_STOPS:,} waypoints"
-    return f"has {count:,} {things}; {limit}: simplify it, or cut it into several"
+    """Return the problem with more positions than a line may have."""
+    return f"has {count:,} {things}; at most {MOST_POSITIONS:,} are read: cut it into several"
