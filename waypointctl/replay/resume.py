@@ -20,9 +20,9 @@ from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.opening import PART, open_file
 from waypointctl.log.reader import Log, open_log
 from waypointctl.log.writer import LogWriter
-from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
 from waypointctl.ops.ground.line_source import QUIT, LineSource
+from waypointctl.ops.outcome import FlightResult
 from waypointctl.ops.record import Recording, recording_of
 from waypointctl.ops.shutter import Camera, with_pictures
 from waypointctl.ops.sink import Sink
