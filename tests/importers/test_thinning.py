@@ -29,7 +29,10 @@ def test_what_is_dropped_is_near_what_is_kept(
     points: list[tuple[float, float]], tolerance_m: float, data: st.DataObject
 ) -> None:
     needed = data.draw(st.lists(st.integers(0, len(points) - 1), max_size=3))
-    kept = thinned(points, needed, tolerance_m)
+    kept = thinned(points, needed, tolerance_m, len(points))
+    assert kept is not None
+    assert thinned(points, needed, tolerance_m, len(kept)) == kept
+    assert thinned(points, needed, tolerance_m, len(kept) - 1) is None
     assert kept == sorted(set(kept))
     assert {0, len(points) - 1, *needed} <= set(kept)
     for begin, end in pairwise(kept):
@@ -48,7 +51,7 @@ def test_what_is_dropped_is_near_what_is_kept(
     ],
 )
 def test_lines_keep_their_course(points: list[tuple[float, float]], kept: list[int]) -> None:
-    assert thinned(points, [], 0.5) == kept
+    assert thinned(points, [], 0.5, 9) == kept
 
 
 def test_a_long_track_is_thinned_and_says_so(tmp_path: Path) -> None:

@@ -108,14 +108,14 @@ def _in_frame(survey: Survey, where: str, frame: LocalFrame | None) -> Placed:
 def _thinned(stops: list[tuple[Stop, Point]], start: Point, where: str) -> tuple[list[tuple[Stop, Point]], str]:
     """Return as many places of a long line as its course needs, and what is left out, in words."""
     named = [place for place, (stop, _) in enumerate(stops, 1) if stop.name]
-    kept = thinned([start, *(point for _, point in stops)], named, _HERE_M)[1:]
-    dropped = f"{len(stops) - len(kept):,} of {len(stops) + 1:,} positions"
+    kept = thinned([start, *(point for _, point in stops)], named, _HERE_M, MOST_STOPS + 1)
     rule = f"within {_HERE_M:g} m of the straight way between the others"
-    if len(kept) > MOST_STOPS:
-        problem = f"has {len(stops) + 1:,} positions, {len(kept):,} even without those {rule}"
+    if kept is None:
+        problem = f"has {len(stops) + 1:,} positions, and more than {MOST_STOPS:,} even without those {rule}"
         limit = f"a mission has at most {MOST_STOPS:,} waypoints"
         raise MissionError(f"{problem}; {limit}", where=where, mend="Simplify it, or cut it into several.")
-    return [stops[place - 1] for place in kept], f"{dropped}: {rule}"
+    dropped = f"{len(stops) + 1 - len(kept):,} of {len(stops) + 1:,} positions"
+    return [stops[place - 1] for place in kept[1:]], f"{dropped}: {rule}"
 
 
 def _on_the_way(stops: list[tuple[Stop, Point]], start: Point) -> Iterator[tuple[Stop, Point]]:

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from waypointctl.importers.local_frame import Point
 
 
-def thinned(points: Sequence[Point], needed: Sequence[int], tolerance_m: float) -> list[int]:
-    """Return which places of a line to keep, by Douglas and Peucker's rule.
+def thinned(points: Sequence[Point], needed: Sequence[int], tolerance_m: float, most: int) -> list[int] | None:
+    """Return which places of a line to keep, by Douglas and Peucker's rule; None if they are too many.
 
     Args:
         points: x and y [m] along the line.
         needed: indices of those to keep whatever their place; the first and the last of the line are kept anyway.
         tolerance_m: no place that is dropped is further than this from the straight way between those kept around it.
+        most: places to keep.
 
     Returns:
         Indices in order.
@@ -25,7 +26,7 @@ def thinned(points: Sequence[Point], needed: Sequence[int], tolerance_m: float) 
     line = np.array(points, dtype=np.float64)  # (n, 2) [m]
     kept = sorted({0, len(line) - 1, *needed})
     spans = list(pairwise(kept))
-    while spans:
+    while spans and len(kept) <= most:
         begin, end = spans.pop()
         if end - begin < 2:
             continue
@@ -35,7 +36,7 @@ def thinned(points: Sequence[Point], needed: Sequence[int], tolerance_m: float) 
             middle = begin + 1 + farthest
             kept.append(middle)
             spans += [(begin, middle), (middle, end)]
-    return sorted(kept)
+    return sorted(kept) if len(kept) <= most else None
 
 
 def _away_m(points: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
