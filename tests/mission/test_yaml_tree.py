@@ -109,7 +109,7 @@ def test_a_second_key_is_listed_and_the_first_value_kept() -> None:
         (b"a: [1,", 1, 7, "is not YAML"),
         (b"a: b: c", 1, 5, "mapping values are not allowed here"),
         (b"a: 1\n\tb: 2", 2, 1, "is indented with a tab: YAML wants spaces"),
-        (b'a: "\\U00110000"', 1, 1, "is not YAML"),
+        (b'a: "\\U00110000"', 1, 5, "is not a character"),
         (b'a: "\\ud800"', 1, 4, "half of a surrogate pair"),
         (b"a: 1\nb: \xff", 2, 4, "is not UTF-8 text: byte 0xff"),
         (b"\xff\xfea\x00", 1, 1, "is not UTF-8 text"),
@@ -188,3 +188,39 @@ def test_a_tab_that_indents_is_named(source: bytes) -> None:
         read_tree(source)
     assert caught.value.mark is not None
     assert source.decode().splitlines()[caught.value.mark.line - 1][caught.value.mark.column - 1] == "\t"
+
+
+@pytest.mark.parametrize(
+    ("text", "escape", "column"),
+    [
+        (r'a: "\UFFFFFFFF"', r"\UFFFFFFFF", 5),  # beyond a C int
+        (r'a: "\U7FFFFFFF"', r"\U7FFFFFFF", 5),
+        (r'a: "x \U00110000"', r"\U00110000", 7),
+        (r'"\U80000000": 1', r"\U80000000", 2),
+        (r'[ok, "\U0010FFFF\Ufffffffe"]', r"\Ufffffffe", 17),
+    ],
+)
+def test_an_escape_beyond_the_last_character_is_told_where_it_stands(text: str, escape: str, column: int) -> None:
+    with pytest.raises(YamlFault) as caught:
+        read_tree(f"b:\n{text}".encode() if text.startswith("[") else f"b: 1\n{text}".encode())
+    assert caught.value.text == rf"{escape} is not a character: the last one is \U0010FFFF"
+    assert caught.value.mark == Mark(2, column)
+
+
+PIECES = st.sampled_from(
+    [
+        *"abc:,-?[]{}#&*!|>'\"%@`\\ \n\t\x85",
+        *("\\U", "\\u", "\\x", "FFFFFFFF", "D800", "%YAML ", "%TAG ", "---", "...", "!<", "1e9"),
+    ]
+)
+
+
+@given(st.lists(PIECES, max_size=30).map("".join))
+def test_any_text_is_data_or_one_fault_with_its_place(text: str) -> None:
+    places: list[Mark | None] = []
+    try:
+        places += read_tree(text.encode()).values.values()
+    except YamlFault as fault:
+        places.append(fault.mark)
+    assert places
+    assert None not in places

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from codecs import BOM_UTF8
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias
@@ -36,6 +37,7 @@ MAX_BYTES: Final = 1 << 20
 _MAX_DIGITS: Final = 400
 _NULLS: Final = frozenset({"", "~", "null", "Null", "NULL"})
 _BOOLEANS: Final = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_LONG_ESCAPE: Final = re.compile(r"\\U([0-9a-fA-F]{8})")
 _INT: Final = re.compile(r"[-+]?[0-9]+")
 _OCTAL_OR_HEX: Final = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT: Final = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -93,8 +95,10 @@ def read_tree(source: bytes) -> Tree:
         raise YamlFault(
             f"has the control character #x{error.character:02x}", _place_of(text, error.position)
         ) from error
-    except (YAMLError, ValueError, IndexError, AssertionError) as error:
+    except (YAMLError, ArithmeticError, ValueError, LookupError, AssertionError) as error:
         # The parser lets some malformed escapes and directives out as what they broke inside it.
+        if fault := _escape_fault(text, builder.last_index):
+            raise fault from error
         raise YamlFault(f"is not YAML: {_first_line(str(error))}", builder.last) from error
     if builder.tree.data is None:
         raise YamlFault("is empty", Mark(1, 1))
@@ -135,12 +139,14 @@ class _Builder:
     def __init__(self) -> None:
         self.tree = Tree()
         self.last = Mark(1, 1)
+        self.last_index = 0
         self._stack: list[_Frame] = []
         self._documents = 0
 
     def take(self, event: Event) -> None:
         """Add one event's part to the tree."""
         self.last = _mark(event.start_mark)
+        self.last_index = event.start_mark.index
         if isinstance(event, DocumentStartEvent):
             self._start_document(event)
         elif isinstance(event, AliasEvent):
@@ -225,6 +231,15 @@ def _decode(source: bytes) -> str:
     if not text.strip():
         raise YamlFault("is empty", Mark(1, 1))
     return text
+
+
+def _escape_fault(text: str, begin: int) -> YamlFault | None:
+    r"""Return what is wrong with the first escape from `begin` on that is beyond \U0010FFFF, None if there is none."""
+    for found in _LONG_ESCAPE.finditer(text, begin):
+        if int(found[1], 16) > sys.maxunicode:
+            place = _place_of(text, found.start())
+            return YamlFault(f"{found[0]} is not a character: the last one is \\U{sys.maxunicode:08X}", place)
+    return None
 
 
 def _syntax_fault(error: MarkedYAMLError) -> YamlFault:
