@@ -14,6 +14,7 @@ from waypointctl.units import bare_name
 
 _DAY_S: Final = 86_400.0
 _LONGEST_S: Final = 100 * _DAY_S
+LARGEST_NUMBER: Final = 1_000_000_000  # of a command or of waypoints: no flight has as many
 
 # What each command needs beside its time, and what it may have.
 _NEEDS: Final[dict[str, str]] = {
@@ -95,10 +96,10 @@ class ScheduledCommand(FileModel):
     hold_s: Annotated[float, Quantity("s", ge=0, le=_DAY_S)] | None = Field(
         None, description="go_to: how long to stand there"
     )
-    command: Annotated[int, Strict(), Field(ge=1)] | None = Field(
+    command: Annotated[int, Strict(), Field(ge=1, le=LARGEST_NUMBER)] | None = Field(
         None, description="cancel: the number of the command, from 1 in the order in which they were sent"
     )
-    released: Annotated[int, Strict(), Field(ge=-1)] | None = Field(
+    released: Annotated[int, Strict(), Field(ge=-1, le=LARGEST_NUMBER)] | None = Field(
         None, description="release: how many waypoints of the plan the robot may walk to; -1 for all"
     )
     not_before_s: Annotated[float, Quantity("s", ge=0, le=_LONGEST_S)] | None = Field(

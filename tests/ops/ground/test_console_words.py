@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 
 import pytest
@@ -7,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.ops.ground.missions import mission_of
-from waypointctl.log.messages import CommandKind
+from waypointctl.log.messages import Command, CommandKind
+from waypointctl.log.topics import BY_KIND
 from waypointctl.ops.executive.arguments import wrong_arguments
 from waypointctl.ops.executive.rules import rules_of
 from waypointctl.ops.ground.console import impossible, order_from
@@ -30,18 +32,53 @@ def test_each_command_becomes_its_order() -> None:
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("goto 7", "goto takes X Y, not '7'"),
-        ("goto a b", "goto takes X Y, not 'a b'"),
-        ("goto nan 1", "goto takes X Y"),
+        ("goto 7", "goto takes X m Y m, not '7'"),
+        ("goto a b", "goto takes X m Y m, not 'a b'"),
+        ("goto nan 1", "goto takes X m Y m"),
         ("goto 1e9 0", "further than 10000 m"),
         ("hold 3", "hold takes nothing after it"),
+        ("hold 5 s", "`goto X m Y m hold 5 s` holds at a place"),
+        ("goto 3 s 4 m", "has the unit 's'; allowed are mm, cm, m, km"),
+        ("goto 3 m 4 m 5 m", "goto takes X m Y m, not '3 m 4 m 5 m'"),
+        ("goto 3 m 4 m hold", "hold takes a time such as 5 s, not 'nothing'"),
+        ("goto 3 m 4 m hold 2 d", "goto: 172800 is not at least 0 s and at most 86400 s"),
+        ("goto 3 m 4 m tolerance 0 m", "goto: 0 is not more than 0 m and at most 100 m"),
+        ("tolerance 1 s", "has the unit 's'"),
+        ("timeout 1e999 s", "timeout takes a time such as 30 s"),
+        ("", "'' is no command here"),
+        ("cancel", "cancel takes a whole number, not 'nothing'"),
         ("cancel 1.5", "1.5 is not a whole number"),
-        ("jump", "'jump' is no command here; there are: goto X Y"),
+        ("cancel 9999999999999999999", "9999999999999999999 is beyond 1000000000"),
+        ("cancel -9999999999999999999", "is beyond 1000000000"),
+        ("release 9223372036854775808", "is beyond 1000000000"),
+        ("release 1e999", "is beyond 1000000000"),
+        ("jump", "'jump' is no command here; there are: goto X m Y m"),
     ],
 )
 def test_what_is_no_command_is_refused_with_what_there_is(line: str, said: str) -> None:
-    with pytest.raises(ValueError, match=said.replace("(", r"\(")):
+    with pytest.raises(ValueError, match=re.escape(said)):
         order_from(line, MISSION)
+
+
+@pytest.mark.parametrize(
+    ("line", "same"),
+    [
+        ("goto 3 m 4 m", "goto 3 4"),
+        ("goto 300cm 0.004km", "goto 3 4"),
+        ("goto 3 -4 m", "goto 3 -4"),
+        ("goto\t3  m   4", "goto 3 4"),
+        ("tolerance 50 cm", "tolerance 0.5"),
+        ("timeout 2 min", "timeout 120"),
+    ],
+)
+def test_quantities_are_written_as_in_mission_files(line: str, same: str) -> None:
+    assert order_from(line, MISSION) == order_from(same, MISSION)
+
+
+def test_a_place_may_have_its_own_hold_tolerance_and_timeout() -> None:
+    (place,) = order_from("goto 3 m 4 m tolerance 20 cm hold 5 s timeout 1 min", MISSION).waypoints
+    assert (place.x_m, place.y_m) == (3.0, 4.0)
+    assert (place.tolerance_m, place.hold_ns, place.timeout_ns) == (0.2, 5_000_000_000, 60_000_000_000)
 
 
 @given(st.text(min_size=1).filter(str.strip))
@@ -57,7 +94,7 @@ YARD = mission_of("onboard: {geofence: {keep_in: [{center: [0 m, 0 m], radius: 2
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("tolerance -1", "tolerance: -1 m is not more than 0 m and at most 100 m; type tolerance 0.5, for instance"),
+        ("tolerance -1", "tolerance: -1 m is not more than 0 m and at most 100 m; type tolerance 0.5 m, for instance"),
         ("tolerance 0", "tolerance: 0 m is not more than 0 m"),
         ("tolerance 101", "tolerance: 101 m is not"),
         ("timeout 0", "timeout: 0 s is not more than 0 s and at most 86400 s"),
@@ -89,3 +126,21 @@ def test_what_is_sent_is_not_rejected_for_its_arguments(word: str, value: float)
         order = order_from(f"{word} {value!r}", YARD)
         if not impossible(order, YARD):
             assert wrong_arguments(order.command(1, 1, 0, 0), rules_of(YARD).fence) == ""
+
+
+NUMBERS = st.one_of(
+    st.integers(), st.floats(), st.integers(-(2**70), 2**70), st.sampled_from(["1e400", "-1e-400", "9" * 400])
+)
+
+
+@given(
+    st.sampled_from(["cancel", "release", "tolerance", "timeout", "goto 1", "goto 1 2 hold", "goto 1 2 timeout"]),
+    NUMBERS,
+    st.sampled_from(["", " s", " m", "cm", " d", " km"]),
+)
+@settings(max_examples=300, deadline=None)
+def test_what_is_sent_fits_into_the_log(word: str, number: object, unit: str) -> None:
+    with suppress(ValueError):  # refused; nothing else may be raised
+        order = order_from(f"{word} {number}{unit}", YARD)
+        if not impossible(order, YARD):
+            assert BY_KIND[Command].encode(order.command(1, 1, 0, 0))
