@@ -35,6 +35,7 @@ OTHERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "terminal": (lambda path: path.symlink_to("/dev/tty"), "is a device, not a file|cannot be read"),
     "nothing": (lambda path: None, "there is no such file"),
     "dangling": (lambda path: path.symlink_to("nowhere"), "there is no such file"),
+    "memory": (lambda path: path.symlink_to("/proc/self/mem"), "cannot be read: Input/output error"),
     "loop": (lambda path: path.symlink_to(path.name), "cannot be read: Too many levels"),
     "pipe behind a link": (linked_fifo, "is a named pipe"),
 }

@@ -77,13 +77,28 @@ def read_input(
         InputError: of the type `error`: as for `open_input`, or it is larger.
     """
     with open_input(path, error, within=within) as file:
-        try:
-            content = file.read(most + 1)
-        except OSError as reason:
-            raise error(f"cannot be read: {reason.strerror}", where=str(path)) from reason
-    if len(content) > most:
+        is_larger = os.fstat(file.fileno()).st_size > most
+        content = b"" if is_larger else _read(file, most + 1, path, error)
+    if is_larger or len(content) > most:
         raise error(f"is larger than the {size_text(most)} that are read", where=str(path), mend=mend)
     return content
+
+
+def read_start(path: Path, count: int, error: type[InputError] = InputError, *, within: Path | None = None) -> bytes:
+    """Return the first `count` bytes of a regular file, or all that it has.
+
+    Raises:
+        InputError: of the type `error`: as for `open_input`.
+    """
+    with open_input(path, error, within=within) as file:
+        return _read(file, count, path, error)
+
+
+def _read(file: IO[bytes], count: int, path: Path, error: type[InputError]) -> bytes:
+    try:
+        return file.read(count)
+    except OSError as reason:
+        raise error(f"cannot be read: {reason.strerror}", where=str(path)) from reason
 
 
 def _kind(path: Path) -> str | None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from onnx import AttributeProto, GraphProto, ModelProto, NodeProto, SparseTensorProto, TensorProto, helper, numpy_helper
+from onnx import AttributeProto, GraphProto, ModelProto, NodeProto, SparseTensorProto, TensorProto, helper
 
+from tests.policy.hostile_networks import HOSTILE, INNER, LAST, model_of, network, node, sized
 from waypointctl.limits import VARIABLE, set_limits
 from waypointctl.policy.onnx_audit import ROWS, TooLarge, audit
 from waypointctl.policy.onnx_graph import read_graph
@@ -18,8 +18,6 @@ from waypointctl.policy.protobuf_fields import Refused
 
 ELSEWHERE = "a tensor kept in another file"
 FOREIGN = "operators of the domain 'com.example'"
-INNER = "a graph within a graph"
-Arrays = dict[str, Any]
 
 
 def outside() -> TensorProto:
@@ -31,10 +29,6 @@ def outside() -> TensorProto:
 
 def foreign(name: str = "Call") -> NodeProto:
     return helper.make_node(name, ["x"], ["y"], domain="com.example")
-
-
-def model_of(graph: GraphProto) -> ModelProto:
-    return ModelProto(ir_version=8, graph=graph, opset_import=[helper.make_opsetid("", 17)])
 
 
 def holding(attribute: AttributeProto) -> ModelProto:
@@ -85,89 +79,6 @@ def test_what_a_policy_must_not_have_is_found_wherever_onnx_can_hold_it(
 ) -> None:
     with pytest.raises(Refused, match=expected):
         read_graph(make().SerializeToString())
-
-
-def network(*nodes: NodeProto, **constants: Any) -> bytes:
-    """Return a model from "x", (n, 31), to "y", (n, 8); "w" is a matrix that leads there."""
-    arrays = {"w": np.full((31, 8), 0.1, np.float32)} | constants
-    graph = helper.make_graph(
-        nodes,
-        "g",
-        [helper.make_tensor_value_info("x", TensorProto.FLOAT, ["n", 31])],
-        [helper.make_tensor_value_info("y", TensorProto.FLOAT, ["n", 8])],
-        [numpy_helper.from_array(np.asarray(array), name) for name, array in arrays.items()],
-    )
-    return model_of(graph).SerializeToString()
-
-
-def node(operator: str, inputs: str, output: str, **attributes: Any) -> NodeProto:
-    return helper.make_node(operator, inputs.split(), output.split(), **attributes)
-
-
-LAST = node("MatMul", "x w", "y")
-
-
-def sized(*sides: int) -> np.ndarray[Any, Any]:
-    return np.array(sides, np.int64)
-
-
-HOSTILE: dict[str, tuple[bytes, str]] = {
-    "ConstantOfShape": (network(node("ConstantOfShape", "s", "c"), LAST, s=sized(2**20, 2**20)), "in a tensor"),
-    "many ConstantOfShape": (
-        network(*[node("ConstantOfShape", "s", f"c{n}") for n in range(5)], LAST, s=sized(2**24)),
-        "in all",
-    ),
-    "Expand": (network(node("Expand", "w s", "c"), LAST, s=sized(2**20, 31, 8)), "in a tensor"),
-    "Expand and reduce": (
-        network(node("Expand", "x s", "c"), node("ReduceMax", "c", "y", axes=[0]), s=sized(2**20, 1, 1)),
-        "in a tensor",
-    ),
-    "outer product": (
-        network(node("MatMul", "a b", "c"), LAST, a=np.ones((5000, 1), np.float32), b=np.ones((1, 5000), np.float32)),
-        "in a tensor",
-    ),
-    "broadcast": (
-        network(node("Add", "a b", "c"), LAST, a=np.ones((5000, 1), np.float32), b=np.ones((1, 5000), np.float32)),
-        "in a tensor",
-    ),
-    "concatenated again and again": (
-        network(
-            *[node("Concat", f"c{n} c{n}", f"c{n + 1}", axis=0) for n in range(40)], LAST, c0=np.ones(9, np.float32)
-        ),
-        "in a tensor|in all",
-    ),
-    "shape of the observation": (
-        network(node("Cast", "x", "s", to=7), node("ConstantOfShape", "s", "c"), LAST),
-        "a shape that is not known before it runs, in the operator 'ConstantOfShape'",
-    ),
-    "Tile": (network(node("Tile", "x s", "c"), LAST, s=sized(2**30, 1)), "the operator 'Tile'"),
-    "Pad": (network(node("Pad", "x s", "c"), LAST, s=sized(0, 0, 0, 2**40)), "the operator 'Pad'"),
-    "Range": (
-        network(node("Range", "a b c", "d"), LAST, a=0.0, b=1e12, c=1.0),
-        "numbers that are not|the operator 'Ran",
-    ),
-    "OneHot": (network(node("OneHot", "a b c", "d"), LAST, a=sized(1), b=sized(2**40), c=sized(0, 1)), "'OneHot'"),
-    "EyeLike": (network(node("EyeLike", "x", "d"), LAST), "the operator 'EyeLike'"),
-    "Loop": (network(node("Loop", "a ", "d", body=GraphProto(name="b")), LAST, a=sized(2**62)), INNER),
-    "Scan": (network(node("Scan", "x", "d", body=GraphProto(name="b"), num_scan_inputs=1), LAST), INNER),
-    "If": (network(node("If", "a", "d", then_branch=GraphProto(), else_branch=GraphProto()), LAST, a=True), INNER),
-    **{
-        name: (network(node(name, "x", "r"), node("MatMul", "r w", "y")), f"the operator '{name}'")
-        for name in ("RandomNormalLike", "RandomUniformLike", "Bernoulli", "Multinomial", "NonZero", "Conv", "Unique")
-    },
-    "RandomNormal": (network(node("RandomNormal", "", "r", shape=[1, 31]), LAST), "the operator 'RandomNormal'"),
-    "RandomUniform": (network(node("RandomUniform", "", "r", shape=[1, 31]), LAST), "the operator 'RandomUniform'"),
-    "Dropout in training": (network(node("Dropout", "x a b", "r"), LAST, a=np.float32(0.5), b=True), "training_mode"),
-    "text": (network(node("Cast", "x", "t", to=8), LAST), "numbers that are not float"),
-    "whole numbers divided": (
-        network(node("Cast", "x", "a", to=7), node("Div", "a a", "b"), LAST),
-        "a division of whole numbers",
-    ),
-    "very many operators": (
-        network(*[node("Relu", "x", f"r{n}") for n in range(2001)], LAST),
-        "more than 2,000 operat",
-    ),
-}
 
 
 @pytest.mark.parametrize("name", HOSTILE)

@@ -14,7 +14,7 @@ from typing import Generic, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from waypointctl.errors import InputError
-from waypointctl.input_file import open_input, read_input
+from waypointctl.input_file import read_input, read_start
 from waypointctl.mission.problems import Problem, duplicate_problems, problems_of
 from waypointctl.mission.yaml_tree import MAX_BYTES, Tree, YamlFault, read_tree
 from waypointctl.paths import MCAP, command_for_log
@@ -42,9 +42,8 @@ def read_source(path: Path, error: type[InputError], most: int = MAX_BYTES, *, w
     Raises:
         InputError: of the type `error`: it is not there, is no regular file, lies elsewhere, is too large or a log.
     """
-    with open_input(path, error, within=within) as file:
-        if file.read(len(MCAP)) == MCAP:
-            raise error(command_for_log(str(path)), where=str(path))
+    if read_start(path, len(MCAP), error, within=within) == MCAP:
+        raise error(command_for_log(str(path)), where=str(path))
     return read_input(path, most, error, within=within)
 
 

@@ -22,7 +22,6 @@ class GrowingCommand:
     attempts: int = 0
     losses: int = 0
     acks: list[Ack] = field(default_factory=list)
-    told: tuple[Stage, int] | None = None
 
     def story(self, command_id: int) -> CommandStory:
         """Return what is known of it."""
@@ -37,7 +36,6 @@ class GrowingCommand:
             attempts=self.attempts,
             losses=self.losses,
             acks=tuple(self.acks),
-            told=self.told,
         )
 
 

@@ -37,7 +37,6 @@ class GroupFile(BaseModel):
     recipe_sha256: str
     phase_steps: list[int]
     selection: SelectionRecipe | None
-    threads: int = 0  # that were asked for; 0 is the default
 
 
 def group_place(name: str, runs: Path, out: Path | None, *, resume: bool) -> Path:
@@ -83,14 +82,8 @@ def is_complete(run: Path) -> bool:
     return (run / EVALUATION).is_file()
 
 
-def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int], threads: int = 0) -> None:
+def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int]) -> None:
     """Write down what a group's runs are to do; none may have begun, nor may the folder be another training's.
-
-    Args:
-        recipe_file: the recipe of all runs.
-        group: the folder of the runs.
-        seeds: a run each.
-        threads: that were asked for; 0 is the default.
 
     Raises:
         OutputError: one has, the folder is of another training or a policy, or it cannot be written.
@@ -107,7 +100,6 @@ def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int], thre
         recipe_sha256=recipe_file.sha256,
         phase_steps=[phase.steps for phase in recipe.phases],
         selection=recipe.selection,
-        threads=threads,
     )
     try:
         group.mkdir(parents=True, exist_ok=True)
@@ -117,8 +109,8 @@ def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int], thre
     write_whole(group / RECIPE, recipe_file.source, "the recipe")
 
 
-def group_begun_as(recipe_file: RecipeFile, group: Path) -> tuple[RecipeFile, int]:
-    """Return the recipe with the steps and the selection that a group began with, and its number of threads.
+def group_begun_as(recipe_file: RecipeFile, group: Path) -> RecipeFile:
+    """Return the recipe with the steps and the selection that a group began with.
 
     Raises:
         RecipeError: the folder is no group, or one of another recipe.
@@ -132,4 +124,4 @@ def group_begun_as(recipe_file: RecipeFile, group: Path) -> tuple[RecipeFile, in
         mend = f"Resume with {group / RECIPE}, the recipe as it was when the group began, or begin another."
         raise RecipeError(f"the group was made by another recipe than {recipe_file.path}", where=str(group), mend=mend)
     recipe = recipe_file.recipe.with_phase_steps(plan.phase_steps).model_copy(update={"selection": plan.selection})
-    return replace(recipe_file, recipe=recipe), plan.threads
+    return replace(recipe_file, recipe=recipe)

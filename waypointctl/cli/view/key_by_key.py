@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import termios
 import tty
-from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
@@ -34,5 +33,4 @@ class KeyByKey:
     ) -> None:
         """Leave the terminal as it was."""
         if self._before is not None:
-            with suppress(termios.error):  # the terminal is gone
-                termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)

@@ -142,7 +142,7 @@ def _nothing_held(walk: Walk, command: Command) -> str:
 def _skip(walk: Walk, now_ns: int, command: Command) -> None:
     item = _meant(walk, command)
     assert item is not None
-    walk.pass_over(now_ns, item, by(command.id))
+    walk.pass_over(now_ns, item)
 
 
 def _meant(walk: Walk, command: Command) -> Item | None:
