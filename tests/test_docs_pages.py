@@ -10,14 +10,13 @@ from typing import Any
 import pytest
 import typer.main
 
-from waypointctl.cli.main import app
-from waypointctl.cli.view.training_words import ENOUGH
+from waypointctl.cli.app import app
 from waypointctl.errors import RecipeError, SuiteError
 from waypointctl.evaluation.suite import Suite
 from waypointctl.evaluation.track import NEAR_M, STILL_M, WINDOW_S
 from waypointctl.mission.yaml_source import read_model
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.watcher import WINDOW
+from waypointctl.training.status import ENOUGH, WINDOW
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 TRAINING, EVALUATION = ((DOCS / f"{name}.md").read_text(encoding="utf-8") for name in ("training", "evaluation"))

@@ -11,7 +11,7 @@ import pytest
 import typer.main
 from mujoco import MjModel
 
-from waypointctl.cli.main import app
+from waypointctl.cli.app import app
 from waypointctl.errors import MissionError, SuiteError
 from waypointctl.evaluation.suite import Suite
 from waypointctl.mission.files import parse_mission

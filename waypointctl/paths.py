@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import stat
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Final
+from typing import IO, Final
 
 from waypointctl.display_text import shell_word
 from waypointctl.errors import OutputError
@@ -61,6 +62,29 @@ def command_for_mission(path: str) -> str:
     return f"`waypointctl run {mission}` flies a mission and writes its log, `waypointctl validate {mission}` checks it"
 
 
+def lock(stream: IO[bytes]) -> bool:
+    """Lock an open file until it is closed, however the process ends; return False if it is locked already.
+
+    Where the file system knows no locks, everybody gets one.
+    """
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def is_being_written(path: Path) -> bool:
+    """Return whether a flight under way holds the file's lock; a file that cannot be opened is held by nobody."""
+    try:
+        with path.open("rb") as file:
+            return not lock(file)
+    except OSError:
+        return False
+
+
 def refuse_unwritable_file(path: Path, what: str) -> None:
     """Refuse a file that could not be written, before the work that it is for.
 
@@ -84,6 +108,8 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
             fault = "no permission"
         elif _is_standard_stream(path):
             fault = "standard output or error goes into this very file, and would be lost"
+        elif path.is_file() and is_being_written(path):
+            fault = "a flight under way is writing this file"
         elif path.exists() and not path.is_file():  # a device is written as it is
             return
         else:

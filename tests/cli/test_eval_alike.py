@@ -38,7 +38,7 @@ def test_copies_are_told_apart_by_their_folders_and_said_to_be_the_same(place: P
 def test_other_policies_of_the_same_name_are_told_apart_too(place: Path, program: Program) -> None:
     code, out, err = program("eval", "still", "namesake", *EASY, "--require", "0.5")
     assert (code, labels(out)) == (1, ["still", "namesake"])
-    assert out.splitlines()[-1] == "2 different policies are called 'tiny'"
+    assert out.splitlines()[-2] == "2 different policies are called 'tiny'"
     assert err == "below 50%: still far, namesake far\n"
 
 

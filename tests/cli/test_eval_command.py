@@ -60,7 +60,7 @@ def test_people_get_a_table_on_stdout(evaluated: Evaluated) -> None:
     assert " ".join(near.split()) == "near [m] (0.2, 0) (0.3, 0.1) 5/5 100.0% 56.6-100.0 40% 0 0 10/10 0.04 1.000 0.12"
     far = next(line for line in out.splitlines() if "far" in line)
     assert " ".join(far.split()) == "far (50, 0) 0/5 0.0% 0.0-43.4 0 5 0.000"
-    assert out.splitlines()[-1] == "5 of 10 trials failed: 0 falls, 5 time-outs (5 stuck)"
+    assert out.splitlines()[-2] == "5 of 10 trials failed: 0 falls, 5 time-outs (5 stuck)"
     assert "time [s]" in out
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from waypointctl.cli.main import app
+from waypointctl.cli.app import app
 
 GOOD = "name: n\npolicy: p\n\nwaypoints:\n  - [1, 2] # here\n"
 LOOSE = "policy: p\nname: n\nwaypoints: [[1, 2]] # here\n"

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.log.fake_flight import flight, header
-from waypointctl.cli.main import app
+from waypointctl.cli.app import app
 from waypointctl.errors import LogError
 from waypointctl.log.reader import open_log
 from waypointctl.log.writer import LogWriter

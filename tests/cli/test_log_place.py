@@ -7,6 +7,7 @@ import pytest
 
 from waypointctl.cli.log_place import claimed
 from waypointctl.errors import OutputError
+from waypointctl.paths import lock
 
 
 @pytest.fixture(autouse=True)
@@ -36,6 +37,48 @@ def test_what_has_been_written_stays(folder: Path) -> None:
     with claimed("m", folder / "log.mcap", force=False):
         (folder / "log.mcap.part").write_bytes(b"half a flight")
     assert [path.name for path in folder.iterdir()] == ["log.mcap.part"]
+
+
+def test_a_flight_that_was_killed_is_told_from_one_under_way(folder: Path) -> None:
+    (folder / "log.mcap.part").write_bytes(b"half a flight")
+    with pytest.raises(OutputError, match=r"a flight was killed\n  `waypointctl run --resume` goes on with it"):
+        claimed("m", folder / "log.mcap", force=False).__enter__()
+
+
+@pytest.mark.parametrize("name", ["log.mcap", "log.mcap.part"])
+def test_force_leaves_a_flight_that_is_under_way_alone(folder: Path, name: str) -> None:
+    (folder / name).write_bytes(b"\x89MCAP0\r\n half a flight")
+    with (folder / name).open("rb") as writer:
+        assert lock(writer)
+        for force in (True, False):
+            with pytest.raises(OutputError, match="another flight is writing it"):
+                claimed("m", folder / "log.mcap", force=force).__enter__()
+    assert (folder / name).read_bytes() == b"\x89MCAP0\r\n half a flight"
+    with claimed("m", folder / "log.mcap", force=True):
+        pass
+
+
+def test_force_leaves_a_place_that_is_claimed_alone(folder: Path) -> None:
+    out = folder / "log.mcap"
+    with claimed("m", out, force=False), pytest.raises(OutputError, match="another flight is writing it"):
+        claimed("m", out, force=True).__enter__()
+
+
+def test_a_log_keeps_its_place_until_its_flight_has_told_of_it(folder: Path) -> None:
+    out = folder / "log.mcap"
+    with claimed("m", out, force=False):
+        (folder / "log.mcap.part").write_bytes(b"\x89MCAP0\r\n a flight")
+        (folder / "log.mcap.part").replace(out)
+        with pytest.raises(OutputError, match="another flight is writing it"):
+            claimed("m", out, force=True).__enter__()
+
+
+def test_what_a_link_in_the_place_of_a_part_leads_to_is_left_alone(folder: Path) -> None:
+    (folder / "diary").write_text("dear diary")
+    (folder / "log.mcap.part").symlink_to(folder / "diary")
+    with pytest.raises(OutputError, match="cannot be written"):
+        claimed("m", folder / "log.mcap", force=True).__enter__()
+    assert (folder / "diary").read_text() == "dear diary"
 
 
 def test_force_replaces_what_a_killed_flight_left(folder: Path) -> None:

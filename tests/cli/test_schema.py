@@ -5,7 +5,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from waypointctl.cli.main import app
+from waypointctl.cli.app import app
 from waypointctl.errors import InputError
 from waypointctl.evaluation.suite import suite_schema
 from waypointctl.mission.files import mission_schema

@@ -52,6 +52,27 @@ def test_a_training_ends_with_its_table_and_a_policy_in_the_run(command: Command
     assert "checkpoint runs/tiny/checkpoints/step-0000001024" in err
     assert load_policy(Path("runs/tiny")).manifest.name == "tiny"
     assert "Traceback" not in out + err
+    assert "threads    1 of the physics, 1 of the network\n" in err
+    assert Path("runs/tiny/curves.png").read_bytes().startswith(b"\x89PNG")
+    assert Path("runs/tiny/curves.csv").read_text().startswith("steps,success_mean,")
+
+
+def test_resuming_a_complete_run_says_so_and_trains_nothing(command: Command) -> None:
+    _, out, _ = command("recipe.yaml", "--json")
+    before = json.loads(out)
+    written = {path: path.stat().st_mtime_ns for path in Path("runs/tiny/checkpoints").iterdir()}
+    code, out, err = command("recipe.yaml", "--resume")
+    assert code == 0
+    assert "resume     the training is complete at step 1024 of 1024; nothing is left to train" in err
+    assert out.splitlines()[-1] == "runs/tiny: the training was complete before; nothing was left to train"
+    after = json.loads(command("recipe.yaml", "--resume", "--json")[1])
+    assert (before["complete_before"], after["complete_before"]) == (False, True)
+    assert before["policy_sha256"] == after["policy_sha256"]
+    assert before["evaluation"] == after["evaluation"]
+    assert {path: path.stat().st_mtime_ns for path in Path("runs/tiny/checkpoints").iterdir()} == written
+    Path("runs/tiny/evaluation.json").unlink()  # a training that was ended in its evaluation has it still to do
+    again = json.loads(command("recipe.yaml", "--resume", "--json")[1])
+    assert (again["complete_before"], again["evaluation"]) == (True, before["evaluation"])
 
 
 def test_json_is_all_there_is_on_stdout(command: Command) -> None:
@@ -64,6 +85,8 @@ def test_json_is_all_there_is_on_stdout(command: Command) -> None:
     assert (policy.manifest.training.seed, policy.manifest.training.steps) == (12, 256)
     assert found["evaluation"] == json.loads(read_evaluation(Path("made/evaluation.json")).to_json())
     assert "tiny in the suite paper" in err
+    assert found["threads"] == {"physics": 1, "torch": 1}
+    assert (found["curves"], found["picture"]) == ("runs/tiny/curves.csv", "runs/tiny/curves.png")
 
 
 def test_merely_trying_it_never_overwrites_a_policy(command: Command) -> None:
@@ -143,7 +166,8 @@ def test_a_signal_stops_it_with_a_policy_and_the_commands_to_go_on(tmp_path: Pat
     out, err = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "Traceback" not in out + err
-    first, go_on, try_it = out.splitlines()
+    first, go_on, try_it, *curves = out.splitlines()
+    assert curves in ([], ["runs/tiny/curves.png: the learning curves; as numbers in curves.csv"])
     assert first.startswith("interrupted after ")
     assert go_on == "  to go on:   waypointctl train recipe.yaml --threads 1 --resume"
     newest = max(checkpoints.iterdir())

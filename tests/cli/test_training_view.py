@@ -12,7 +12,7 @@ from waypointctl.cli.view.training_words import count, line, percent, span, spar
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_source import read_model
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.status import CheckpointSaved, TrainingStatus
+from waypointctl.training.status import ENOUGH, CheckpointSaved, Resumed, Threads, TrainingStatus
 
 TINY = read_model(RECIPE.encode(), "tiny", Recipe, RecipeError)
 
@@ -26,8 +26,8 @@ def status(steps: int, success: float | None = 0.25, episodes: int = 40) -> Trai
         phase=0 if steps < 640 else 1,
         episodes=episodes,
         success_rate=success,
-        fall_rate=0.5,
-        timeout_rate=0.25,
+        fall_rate=0.5 if episodes >= ENOUGH else None,
+        timeout_rate=0.25 if episodes >= ENOUGH else None,
         mean_reward=0.517,
         learning_rate=5.9e-4,
         entropy=0.01,
@@ -68,7 +68,7 @@ def test_a_line_says_where_it_is() -> None:
 @pytest.mark.parametrize("episodes", [0, 1, 19, 20])
 def test_a_rate_that_rests_on_few_episodes_is_not_shown(episodes: int) -> None:
     enough = episodes == 20
-    early = status(640, 0.25 if episodes else None, episodes)
+    early = status(640, 0.25 if enough else None, episodes)
     shown = "success 25%  fall 50%  timeout 25%" if enough else f"success -  fall -  timeout -  of {episodes} episodes"
     assert f"phase 2/2  {shown}  reward 0.52" in line(early, 2)
     people = Console(file=io.StringIO(), width=80)
@@ -80,6 +80,29 @@ def test_a_rate_that_rests_on_few_episodes_is_not_shown(episodes: int) -> None:
     text = "25% success, 50% fall, 25% timeout of the last 20" if enough else f"{episodes} lately; rates are shown fr"
     assert text in capture.get()
     assert any(block in capture.get() for block in "▁▂▃▄▅▆▇█") is enough
+
+
+@pytest.mark.parametrize(
+    ("threads", "text"),
+    [
+        (Threads(2, 1, asked=False), "2 of the physics, 1 of the network, the default"),
+        (Threads(3, 3, asked=True), "3 of the physics, 3 of the network"),
+        (Threads(2, 3, asked=False, began=3), "2 of the physics, 3 of the network, as the run began"),
+        (Threads(3, 3, asked=True, began=3), "3 of the physics, 3 of the network"),
+        (Threads(1, 1, asked=True, began=3), "1 of the network; the run began with 3, so its weights will not be bit-"),
+    ],
+)
+def test_the_threads_are_told(threads: Threads, text: str) -> None:
+    assert line(threads, 1).startswith("threads    ")
+    assert text in line(threads, 1)
+    people = Console(file=io.StringIO(), width=120)
+    panel = LivePanel(people, TINY, "tiny", lambda: False)
+    panel(threads)
+    panel(Resumed(1024, 1024, complete=True))
+    with people.capture() as capture:
+        people.print(panel.picture())
+    assert text[:55] in capture.get()
+    assert "the training is complete at step 1024 of 1024" in capture.get()
 
 
 def test_the_last_update_overshoots_and_is_all_of_it_with_no_time_left() -> None:

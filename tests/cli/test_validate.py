@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from waypointctl.cli.main import app
+from waypointctl.cli.app import app
 from waypointctl.mission.link import Way
 
 ROOT = Path(__file__).parents[2]
@@ -235,7 +235,7 @@ def test_no_content_leads_to_a_traceback(tmp_path: Path, content: bytes) -> None
 
 def test_validating_loads_no_simulator(tmp_path: Path) -> None:
     code = (
-        "import sys; from waypointctl.cli.main import app\n"
+        "import sys; from waypointctl.cli.app import app\n"
         f"app(['validate', {SHIPPED[0]!r}], standalone_mode=False)\n"
         "print([name for name in ('mujoco', 'onnxruntime', 'torch', 'rich') if name in sys.modules])"
     )

@@ -170,10 +170,17 @@ def test_a_byte_order_mark_is_no_content(tmp_path: Path) -> None:
             r"has 2 lines \('a', features\[1\]\.geometry\.coordinates\); a mission is one LineString: keep one",
         ),
         ({"type": "LineString", "coordinates": [[1, 2]]}, r"coordinates: has 1 position; a line has 2 and more"),
-        ({"type": "LineString", "coordinates": [[1, 2]] * 1002}, r"coordinates: has 1,002 positions; at most 1,001"),
+        (
+            {"type": "LineString", "coordinates": [[1, 2]] * 20_001},
+            r"coordinates: has 20,001 positions; at most 20,000",
+        ),
+        (
+            {"type": "LineString", "coordinates": [[25 + at * 1e-5, 60 + at % 2 * 1e-3] for at in range(3000)]},
+            r"has 3,000 positions, and more than 1,000 even without those within 0\.5 m of the straight way",
+        ),
         (
             collection(*[feature(POINT)] * 1002),
-            r"has 1,002 Points; at most 1,001 are allowed, the start and 1,000 waypoints: simplify it",
+            r"has 1,002 Points; at most 1,001 are allowed, the start and 1,000 waypoints: cut it",
         ),
         (collection(*[feature(POINT)] * 20_001), r"features: has 20,001 entries; at most 20,000 are read"),
         ({"type": "LineString", "coordinates": [[1, 2], [3]]}, r"coordinates\[1\]: has 1 number; \[longitude, lat"),

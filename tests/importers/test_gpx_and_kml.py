@@ -123,9 +123,9 @@ FETCH = '<!DOCTYPE gpx [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
             r"has 2 lines \('the yard', line 1 \(trk\)\); a mission is one route or track: keep",
         ),
         (
-            gpx(f"<rte>{points('rtept', *PLACES * 334)}</rte>"),
+            gpx(f"<rte>{points('rtept', *PLACES * 6_667)}</rte>"),
             "m.gpx",
-            r"line 1 \(rte\): has 1,002 points; at most 1,001",
+            r"line 1 \(rte\): has 20,001 points; at most 20,000",
         ),
         (gpx(ROUTE).replace('lat="60.0"', ""), "m.gpx", r"line 1 \(rtept\): '' is not a finite number of degrees"),
         (gpx(ROUTE).replace('lat="60.0"', 'lat="91"'), "m.gpx", r"line 1 \(rtept\): 91, 25 is not a latitude"),
@@ -150,9 +150,9 @@ FETCH = '<!DOCTYPE gpx [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
             r"'abc' is not a finite number of degrees \(and 1 more of the kind",
         ),
         (
-            kml(placemark(f"<LineString>{coordinates(*PLACES * 334)}</LineString>")),
+            kml(placemark(f"<LineString>{coordinates(*PLACES * 6_667)}</LineString>")),
             "m.kml",
-            "has 1,002 positions; at most 1,001",
+            "has 20,001 positions; at most 20,000",
         ),
         ("<osm/>", "m.gpx", "is XML, and neither GPX nor KML"),
     ],

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import struct
 import zlib
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from io import BytesIO
 from typing import Any
 
 import zstandard
 from mcap import records as mcap
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
 from waypointctl.log.chunk import SealedChunk, encoded
@@ -118,12 +121,8 @@ class Forgery:
                 sealed = seal(part, offset)
                 out += sealed.data
                 for opcode, body in part.inner:
-                    if opcode == Opcode.SCHEMA:
-                        schema = mcap.Schema.read(body_stream(body))
-                        summary.schemas = [*(it for it in summary.schemas if it.id != schema.id), schema]
-                    elif opcode == Opcode.CHANNEL:
-                        channel = mcap.Channel.read(body_stream(body))
-                        summary.channels = [*(it for it in summary.channels if it.id != channel.id), channel]
+                    with suppress(McapError, ValueError, struct.error):  # one that is damaged is listed nowhere
+                        _list(summary, opcode, body)
                 if part.is_indexed:
                     summary.add_chunk(replace(sealed, index=replace(sealed.index, **part.index_lies)))
             case mcap.Attachment():
@@ -146,6 +145,16 @@ class Forgery:
         assert isinstance(footer, mcap.Footer)
         footer.summary_crc = zlib.crc32(section + encoded(footer)[:-4])
         return section + encoded(footer)
+
+
+def _list(summary: Summary, opcode: int, body: bytes) -> None:
+    """List a definition, in the place of an earlier one."""
+    if opcode == Opcode.SCHEMA:
+        schema = mcap.Schema.read(body_stream(body))
+        summary.schemas = [*(it for it in summary.schemas if it.id != schema.id), schema]
+    elif opcode == Opcode.CHANNEL:
+        channel = mcap.Channel.read(body_stream(body))
+        summary.channels = [*(it for it in summary.channels if it.id != channel.id), channel]
 
 
 SUMMARY_TYPES: dict[int, Any] = {

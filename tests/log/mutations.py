@@ -18,7 +18,7 @@ from waypointctl.log.records import Record
 from waypointctl.replay.carried import PROGRAM
 
 Random = np.random.Generator
-FilesBytes = Callable[[bytes, Random], bytes]
+FileMutation = Callable[[bytes, Random], bytes]
 Mutation = Callable[[Forgery, Random], None]
 
 TIMES_AT: Final = 6  # of a message's body, after channel and sequence
@@ -35,17 +35,12 @@ def mutated(bases: list[bytes], rng: Random) -> tuple[str, bytes]:
             base = FILE_MUTATIONS[name](base, rng)
         return "+".join(names), base
     forgery = Forgery.of(base)
-    names = []
-    for _ in range(rng.choice([1, 1, 1, 2, 3])):
-        name = str(rng.choice([*MUTATIONS]))
+    names = [str(name) for name in rng.choice([*MUTATIONS], size=int(rng.choice([1, 1, 1, 2, 3])))]
+    for name in [*names, *(["claim"] if rng.random() < 0.3 else [])]:
         try:
             MUTATIONS[name](forgery, rng)
-        except (StopIteration, IndexError, LookupError, ValueError):
-            continue  # what an earlier mutation has taken away
-        names.append(name)
-    if rng.random() < 0.3:
-        claim(forgery, rng)
-        names.append("claim")
+        except (StopIteration, LookupError, ValueError):
+            continue  # an earlier mutation has taken away what this one changes
     return "+".join(names), forgery.file()
 
 
@@ -160,7 +155,9 @@ def swap_payloads(forgery: Forgery, rng: Random) -> None:
 
 
 def change_definition(forgery: Forgery, rng: Random) -> None:
-    chunk, at = _inner(forgery, rng, (Opcode.SCHEMA, Opcode.CHANNEL))
+    kinds = (Opcode.SCHEMA, Opcode.CHANNEL)
+    places = [(chunk, at) for chunk in forgery.chunks for at, record in enumerate(chunk.inner) if record[0] in kinds]
+    chunk, at = places[rng.integers(len(places))]
     opcode, body = chunk.inner[at]
     chunk.inner[at] = (opcode, _changed(body, rng))
 
@@ -305,24 +302,17 @@ def _attachment(forgery: Forgery, rng: Random) -> mcap.Attachment:
 
 
 def _message(forgery: Forgery, rng: Random) -> tuple[Chunk, int]:
-    return _inner(forgery, rng, (Opcode.MESSAGE,))
-
-
-def _inner(forgery: Forgery, rng: Random, opcodes: tuple[int, ...]) -> tuple[Chunk, int]:
-    places = [
-        (chunk, at)
-        for chunk in forgery.chunks
-        for at, (opcode, body) in enumerate(chunk.inner)
-        if _is(opcode, body, opcodes)
-    ]
+    """Return the place of a message: any of any channel, however few messages that has."""
+    by_channel: dict[bytes, list[tuple[Chunk, int]]] = {}
+    for chunk in forgery.chunks:
+        for at, (opcode, body) in enumerate(chunk.inner):
+            if opcode == Opcode.MESSAGE and len(body) >= PAYLOAD_AT:
+                by_channel.setdefault(body[:2], []).append((chunk, at))
+    places = [*by_channel.values()][rng.integers(len(by_channel))]
     return places[rng.integers(len(places))]
 
 
-def _is(opcode: int, body: bytes, opcodes: tuple[int, ...]) -> bool:
-    return opcode in opcodes and (opcode != Opcode.MESSAGE or len(body) >= PAYLOAD_AT)
-
-
-FILE_MUTATIONS: Final[dict[str, FilesBytes]] = {
+FILE_MUTATIONS: Final[dict[str, FileMutation]] = {
     each.__name__: each for each in (flip_bits, overwrite, write_number, delete, repeat, truncate, append)
 }
 MUTATIONS: Final[dict[str, Mutation]] = {
@@ -339,6 +329,7 @@ MUTATIONS: Final[dict[str, Mutation]] = {
         change_number,
         change_payload,
         change_summary,
+        claim,
         comment_in_mission,
         drop_message,
         drop_record,

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from waypointctl.log.messages import Event, EventKind, Message
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
+from waypointctl.ops.outcome import FlightResult
 from waypointctl.policy.protocol import Policy
 
 FloatArray = NDArray[np.float64]

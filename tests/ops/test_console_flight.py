@@ -17,8 +17,8 @@ from waypointctl.log.messages import (
     State,
 )
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
+from waypointctl.ops.outcome import FlightResult
 from waypointctl.units import NS_PER_S, ns
 
 

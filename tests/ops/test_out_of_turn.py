@@ -19,7 +19,7 @@ from waypointctl.log.messages import (
     Stage,
     Telemetry,
 )
-from waypointctl.ops.flight import FlightResult
+from waypointctl.ops.outcome import FlightResult
 
 FAR = {"name": "far", "position_m": [500.0, 0.0], "timeout_s": 60.0}
 SEED = 0  # the link up, which loses half, loses the plan the first time

@@ -44,6 +44,7 @@ def test_heartbeats_neither_silence_the_beacon_nor_keep_a_flight_alive() -> None
         operator={"heartbeat_s": 1.0},
         telemetry={"rate_hz": 2.0, "beacon_s": 10.0},
         delay_ms=100.0,
+        schedule=[{"at_s": 40.0, "do": "hold"}],
     )
     result, messages = flown(mission)
     assert result.outcome == "failure"
@@ -53,7 +54,13 @@ def test_heartbeats_neither_silence_the_beacon_nor_keep_a_flight_alive() -> None
 
 
 def test_the_longest_time_ends_a_flight_while_physics_sleeps() -> None:
-    mission = mission_of(OUT_OF_REACH, on_failure="hold", operator={"heartbeat_s": 30.0}, expect={"max_time_s": 25.0})
+    mission = mission_of(
+        OUT_OF_REACH,
+        on_failure="hold",
+        operator={"heartbeat_s": 30.0},
+        expect={"max_time_s": 25.0},
+        schedule=[{"at_s": 60.0, "do": "resume"}],
+    )
     result, _ = flown(mission)
     assert result.reason.startswith("longer than 25 s")
     assert result.sim_time_ns <= 25 * NS_PER_S + 2 * 20_000_000

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import random
 import re
 from collections.abc import Callable
@@ -14,11 +16,12 @@ from tests.log.fake_flight import bits
 from tests.ops.scripted_lines import ScriptedLines
 from tests.replay.rewriting import Flown, altered
 from tests.replay.test_verify_console import LINES, session
-from waypointctl.errors import LogError
-from waypointctl.log.lock import lock
+from waypointctl.errors import LogError, OutputError
+from waypointctl.log.channels import ChannelWriter
 from waypointctl.log.messages import ConsoleInput, Message, State
 from waypointctl.log.reader import open_log
 from waypointctl.ops.sink import Sink
+from waypointctl.paths import lock
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.resume import Interrupted, go_on, unfinished
 from waypointctl.replay.verdict import Verdict
@@ -249,6 +252,38 @@ def test_a_flight_killed_just_before_its_first_message_is_flown(flown: Flown, tm
 def test_a_log_that_is_not_there_is_said(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="no such log"):
         resumed(tmp_path / "nowhere.mcap")
+
+
+def full_from(flush: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the disk be full from a flush of a log on."""
+    number = 0
+    own = ChannelWriter.flush
+
+    def flushed(writer: ChannelWriter) -> None:
+        nonlocal number
+        number += 1
+        if number >= flush:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        own(writer)
+
+    monkeypatch.setattr(ChannelWriter, "flush", flushed)
+
+
+@pytest.mark.parametrize("flush", [1, 2, 3])
+def test_on_a_full_disk_only_files_that_are_there_are_named(
+    whole: Whole, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, flush: int
+) -> None:
+    part = whole.cut_at(tmp_path, 1.0)
+    with monkeypatch.context() as patched:
+        full_from(flush, patched)
+        with pytest.raises(OutputError, match="No space left") as caught:
+            resumed(part, *LINES[1:])
+    assert [path.name for path in tmp_path.iterdir()] == ["flight.mcap.part"]
+    assert str(part) in str(caught.value)
+    assert "resumed.part" not in str(caught.value)
+    kept = open_log(part, allow_truncated=True).messages()
+    resumed(part, *LINES[sum(isinstance(message, ConsoleInput) for message in kept) :])
+    assert (tmp_path / "flight.mcap").read_bytes() == whole.data
 
 
 def test_nobody_goes_on_with_a_flight_that_is_under_way(whole: Whole, tmp_path: Path) -> None:

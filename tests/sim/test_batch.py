@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from tests.sim.bare import BareWorld, random_start
+from waypointctl.sim import batch
 from waypointctl.sim.batch import RobotBatch
 from waypointctl.sim.robots import load_robot
 
@@ -62,3 +65,25 @@ def test_a_step_moves_only_the_robots_that_are_named() -> None:
                 world.step(applied[i])
             np.testing.assert_array_equal(batch.qpos[i], world.data.qpos)
             np.testing.assert_array_equal(batch.qvel[i], world.data.qvel)
+
+
+@pytest.mark.parametrize(
+    ("cores", "quota", "expected"),
+    [
+        (1, None, 1),
+        (2, None, 2),
+        (64, None, 8),
+        (64, "max 100000", 8),
+        (64, "200000 100000", 2),
+        (4, "50000 100000", 1),
+        (4, "broken", 4),
+    ],
+)
+def test_the_default_threads_are_the_cores_that_may_be_used(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cores: int, quota: str | None, expected: int
+) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(cores)))
+    monkeypatch.setattr(batch, "_QUOTA", tmp_path / "cpu.max")
+    if quota is not None:
+        (tmp_path / "cpu.max").write_text(f"{quota}\n")
+    assert batch.default_threads() == expected

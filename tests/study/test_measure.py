@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from waypointctl.log.messages import Ack, Clock, Event, EventKind, Severity, Stage, State
-from waypointctl.ops.flight import FlightResult
+from waypointctl.ops.outcome import FlightResult
 from waypointctl.study.case import Case
 from waypointctl.study.measure import Measure
 
 S = 1_000_000_000
-DONE = FlightResult("success", "2 of 2", 2, 2, 10 * S)
+DONE = FlightResult("success", "2 of 2", 2, 2, 10 * S, 10 * S)
 
 
 def state(time_s: float, x_m: float, y_m: float, vx_mps: float, vy_mps: float = 0.0) -> State:
@@ -60,5 +60,5 @@ def test_falls_are_counted_and_failures_are_failures() -> None:
     measure = Measure()
     for kind in (EventKind.FALL, EventKind.WAYPOINT_REACHED):
         measure(Event(0, kind, Clock.ROBOT, Severity.ERROR, ""))
-    flown = measure.flown(case(), FlightResult("failure", "fall", 0, 2, S))
+    flown = measure.flown(case(), FlightResult("failure", "fall", 0, 2, S, S))
     assert (flown.falls, flown.succeeded, flown.reason) == (1, False, "fall")

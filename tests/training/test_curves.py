@@ -2,13 +2,15 @@ from __future__ import annotations
 
 import csv
 from io import StringIO
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from waypointctl.training.curves import WINDOW, curves, curves_csv
+from waypointctl.training.curves import curves, curves_csv, write_curves
 from waypointctl.training.curves_picture import HEIGHT, WIDTH, draw_curves
 from waypointctl.training.progress_file import ProgressRow
+from waypointctl.training.status import ENOUGH, WINDOW
 
 
 def run_of(seed: int, rollouts: int) -> list[ProgressRow]:
@@ -32,7 +34,7 @@ def naive(rows: list[ProgressRow], quantity: str, steps: int) -> float | None:
         return None
     window = [row for row in rows if steps - 100 * WINDOW < row.steps <= steps]
     episodes = sum(row.episodes for row in window)
-    return sum(getattr(row, NAMES[quantity]) for row in window) / episodes if episodes else None
+    return sum(getattr(row, NAMES[quantity]) for row in window) / episodes if episodes >= ENOUGH else None
 
 
 @pytest.mark.parametrize("quantity", NAMES)
@@ -45,8 +47,8 @@ def test_each_rate_is_that_of_the_last_rollouts(quantity: str) -> None:
             expected = naive(rows, quantity, int(steps))
             value = found.rates[quantity][number, place]
             assert np.isnan(value) if expected is None else value == pytest.approx(expected, rel=1e-12)
-    # Nobody had an episode in the first 3 rollouts, and one seed's training ended after 35.
-    assert np.flatnonzero(found.shared(quantity)).tolist() == list(range(3, 35))
+    # In the first 6 rollouts not all had 20 episodes that ended, and one seed's training ended after 35.
+    assert np.flatnonzero(found.shared(quantity)).tolist() == list(range(6, 35))
 
 
 def test_the_table_has_means_of_all_seeds_or_none() -> None:
@@ -99,3 +101,17 @@ def test_a_name_in_another_script_is_drawn() -> None:
 
 def test_a_run_without_an_episode_can_be_drawn() -> None:
     assert draw_curves(curves({1: RUNS[4][:2], 2: RUNS[0][:2]}), "short")
+
+
+@pytest.mark.parametrize("each", [1, 3, 19, 20, 50])
+def test_no_rate_is_of_fewer_than_twenty_episodes(each: int) -> None:
+    rows = [ProgressRow(100 * (i + 1), 0.0, 0, each, each, 0, 0, 0, 0.0, 0.0, 0.0) for i in range(30)]
+    first = -(-ENOUGH // each)  # the rollout in which the twentieth ends
+    has = ~np.isnan(curves({1: rows}).rates["success"][0])
+    assert has.tolist() == [False] * (first - 1) + [True] * (30 - first + 1)
+
+
+def test_one_run_has_curves_too(tmp_path: Path) -> None:
+    write_curves(tmp_path, "a name", {4: RUNS[4]})
+    assert (tmp_path / "curves.csv").read_text() == curves_csv(curves({4: RUNS[4]}))
+    assert (tmp_path / "curves.png").read_bytes() == draw_curves(curves({4: RUNS[4]}), "a name, seed 4")

@@ -11,11 +11,12 @@ from tests.training.tiny import RECIPE, ROLLOUT, after, tiny_recipe, trained, we
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.evaluation.result import read_evaluation
 from waypointctl.policy.bundle import load_policy
+from waypointctl.training.curves import CURVES, PICTURE
 from waypointctl.training.progress_file import PROGRESS
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.seed_group import GROUP, begin_group, group_begun_as, group_place, is_complete, run_of
 from waypointctl.training.seed_result import Spread
-from waypointctl.training.seeds import CURVES, PICTURE, RESULTS, compare, train_seeds
+from waypointctl.training.seeds import RESULTS, compare, train_seeds
 from waypointctl.training.train import train
 
 SHORT = RECIPE.replace("steps: 640", "steps: 128").replace("steps: 384", "steps: 128")
@@ -82,8 +83,9 @@ def test_a_spread_is_that_of_a_sample() -> None:
 def test_a_group_goes_on_as_it_began(recipe_file: RecipeFile, tmp_path: Path) -> None:
     asked = replace(recipe_file, recipe=recipe_file.recipe.scaled_to(1000).stopping_at(0.5))
     group = tmp_path / "group"
-    begin_group(asked, group, [0])
-    assert group_begun_as(recipe_file, group).recipe == asked.recipe
+    begin_group(asked, group, [0], threads=3)
+    began, threads = group_begun_as(recipe_file, group)
+    assert (began.recipe, threads) == (asked.recipe, 3)
     assert (group / "train.yaml").read_text() == SHORT
     (tmp_path / "other").mkdir()
     other = tiny_recipe(tmp_path / "other", SHORT + "description: other\n")

@@ -49,7 +49,7 @@ def evaluate_policy(
     markdown: Annotated[Path | None, typer.Option(help="Write the tables to this file.", show_default=False)] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the paths to this PNG.", show_default=False)] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace files of another kind, too.")] = False,
-    threads: Annotated[int, typer.Option(min=0, max=1024, help="For the physics; 0 is one a core.")] = 0,
+    threads: Annotated[int, typer.Option(min=0, max=1024, help="For the physics; 0 is one a core, 8 at most.")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
     """Walk each path of a suite many times with deterministic actions and count successes, falls and time-outs.
@@ -73,10 +73,17 @@ def evaluate_policy(
     evaluations = [one.evaluation for one in found]
     names = names_of(evaluations, policies)
     _print_tables(tables(chosen.own, evaluations, names), to_stderr=json)
+    typer.echo(f"threads: {_threads_text(threads)}", err=json)
     files.write(found)
     if json:
         sys.stdout.write(evaluations_json(evaluations))
     _require(names, evaluations, require)
+
+
+def _threads_text(threads: int) -> str:
+    from waypointctl.sim.batch import default_threads
+
+    return f"{threads} of the physics" if threads else f"{default_threads()} of the physics, the default"
 
 
 def _print_tables(grids: Sequence[Grid], *, to_stderr: bool) -> None:

@@ -80,7 +80,7 @@ def evaluate_loaded(
         suite: the paths.
         trials: of each case; None: as many as the suite says.
         seed: of the starts and of random paths.
-        threads: of the physics; 0 is one a core.
+        threads: of the physics; 0 is one a core, 8 at most.
         progress: told of every policy's trials.
 
     Raises:

@@ -97,13 +97,12 @@ def _show(log: Log) -> None:
 
 def _ending(log: Log) -> tuple[str, str]:
     """Return what to say of an outcome that the log does not tell, and of the file's end."""
-    from waypointctl.log.lock import lock
+    from waypointctl.paths import is_being_written
 
     if log.is_complete:
         return "not said: the log has no such event", "complete"
-    with log.path.open("rb") as stream:
-        if not lock(stream):
-            return "not said yet: the flight is under way", "being written"
+    if is_being_written(log.path):
+        return "not said yet: the flight is under way", "being written"
     return "not said: the flight was killed", "cut short: its writer was killed, or it was not copied to its end"
 
 

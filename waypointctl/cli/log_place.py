@@ -3,77 +3,101 @@
 from __future__ import annotations
 
 import itertools
+import os
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Final
+from typing import IO, Final
 
 from waypointctl.errors import OutputError
-from waypointctl.paths import MCAP, begins
+from waypointctl.paths import MCAP, begins, is_being_written, lock
 
 FOLDER: Final = Path("logs")
+
+_WAIT: Final = "Wait for its end, or give another --out."
 
 
 @contextmanager
 def claimed(mission: str, out: Path | None, *, force: bool) -> Iterator[Path]:
-    """Yield the path of the new log; until it is written, an empty `.part` beside it keeps others away.
+    """Yield the path of the new log; until it is written, a locked `.part` beside it keeps others away.
 
     Args:
         mission: its name, which is the log's where none is asked for: logs/<mission>.mcap, then -2, -3, ...
         out: the path that is asked for.
-        force: replace a log that stands there; nothing but a log or an empty file is ever replaced.
+        force: replace a log that stands there; nothing but a log or an empty file is ever replaced, and no log that a
+            flight under way is writing.
 
     Raises:
-        OutputError: it cannot be written, or is there already.
+        OutputError: it cannot be written, is there already, or is being written.
     """
     try:
-        path = _free(mission) if out is None else _asked(out, force)
+        path, claim = _free(mission) if out is None else _asked(out, force)
     except OSError as error:
         where = str(out or FOLDER / f"{mission}.mcap")
         raise OutputError(f"cannot be written: {error.strerror}", where=where, mend=_mend(error)) from error
     part = _part(path)
-    try:
-        yield path
-    finally:
-        if part.exists() and part.stat().st_size == 0:
-            part.unlink()
+    with claim:
+        try:
+            yield path
+        finally:
+            if _stands_at(claim, part) and part.stat().st_size == 0:
+                part.unlink()
 
 
-def _free(mission: str) -> Path:
+def _free(mission: str) -> tuple[Path, IO[bytes]]:
     FOLDER.mkdir(exist_ok=True)
     names = itertools.chain([mission], (f"{mission}-{number}" for number in itertools.count(2)))
     paths = (FOLDER / f"{name}.mcap" for name in names)
-    return next(path for path in paths if not path.exists() and _claim(path))
+    claims = ((path, _claim(path)) for path in paths if not path.exists())
+    return next((path, claim) for path, claim in claims if claim is not None)
 
 
-def _asked(path: Path, force: bool) -> Path:
+def _asked(path: Path, force: bool) -> tuple[Path, IO[bytes]]:
     if path.is_dir():
         raise OutputError("is a folder; a log is a file", where=str(path), mend="Name the file, such as flight.mcap.")
     if path.exists() and not path.is_file():
         problem = "is not a regular file, and a log would take its place"
         raise OutputError(problem, where=str(path), mend="Name another file, such as flight.mcap.")
+    for taken in (path, _part(path)):
+        if taken.is_file() and is_being_written(taken):
+            raise OutputError(f"another flight is writing it, into {taken}", where=str(path), mend=_WAIT)
     if path.exists() and not begins(path, MCAP):
         problem = "is not a log; --force replaces only logs" if force else "is there already, and is not a log"
         raise OutputError(problem, where=str(path), mend="Give another --out.")
-    if force:
-        _part(path).unlink(missing_ok=True)
-    elif path.exists():
+    if path.exists() and not force:
         raise OutputError("is there already", where=str(path), mend="--force replaces it; or give another --out.")
-    if not _claim(path):
-        problem = f"{_part(path)} is there already: another flight is writing it, or one was killed"
-        mend = (
-            "`waypointctl run --resume` goes on with one that was killed, --force replaces it; or give another --out."
-        )
-        raise OutputError(problem, where=str(path), mend=mend)
-    return path
+    claim = _claim(path, replace=force)
+    if claim is not None:
+        return path, claim
+    if force:
+        problem = f"another flight has begun to write {_part(path)}, or it is not a regular file"
+        raise OutputError(problem, where=str(path), mend=_WAIT)
+    mend = "`waypointctl run --resume` goes on with it, --force replaces it; or give another --out."
+    raise OutputError(f"{_part(path)} is there already: a flight was killed", where=str(path), mend=mend)
 
 
-def _claim(path: Path) -> bool:
+def _claim(path: Path, *, replace: bool = False) -> IO[bytes] | None:
+    """Return the empty and locked `.part` of a log; None if somebody else has it, or it is not to be replaced."""
+    part = _part(path)
     try:
-        _part(path).touch(exist_ok=False)
+        descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | (0 if replace else os.O_EXCL), 0o666)
     except FileExistsError:
+        return None
+    claim = open(descriptor, "r+b")  # noqa: SIM115 the caller closes it
+    if stat.S_ISREG(os.fstat(descriptor).st_mode) and lock(claim) and _stands_at(claim, part):
+        claim.truncate(0)
+        return claim
+    claim.close()
+    return None
+
+
+def _stands_at(claim: IO[bytes], part: Path) -> bool:
+    """Return whether an open file is the one at a path: another process may have moved or removed it."""
+    try:
+        return os.path.samestat(os.fstat(claim.fileno()), part.stat())
+    except OSError:
         return False
-    return True
 
 
 def _mend(error: OSError) -> str:

@@ -1,117 +1,24 @@
-"""The `waypointctl` program: its commands, and the one place where errors become exit codes."""
+"""Where the `waypointctl` program begins. Little is imported before Ctrl-C has its meaning: modules take their time."""
 
-from __future__ import annotations
-
+import os
+import signal
 import sys
-from typing import Annotated
 
-import typer
-
-from waypointctl import __version__
-from waypointctl.cli.eval import evaluate_policy
-from waypointctl.cli.fmt import fmt
-from waypointctl.cli.import_mission import import_mission
-from waypointctl.cli.import_policy import import_policy
-from waypointctl.cli.info import info
-from waypointctl.cli.init import init
-from waypointctl.cli.policies import policies
-from waypointctl.cli.replay import replay
-from waypointctl.cli.run import run
-from waypointctl.cli.schema import schema
-from waypointctl.cli.standard_streams import display_streams
-from waypointctl.cli.study import study
-from waypointctl.cli.train import train_policy
-from waypointctl.cli.validate import validate
-from waypointctl.errors import WaypointctlError
-
-app = typer.Typer(
-    name="waypointctl",
-    help="Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log.",
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-
-def _version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"waypointctl {__version__}")
-        raise typer.Exit
-
-
-def _limits(texts: list[str] | None) -> None:
-    from waypointctl.limits import set_limits
-
-    try:
-        set_limits(texts or ())
-    except ValueError as error:
-        raise typer.BadParameter(f"{error}.") from error
-
-
-@app.callback()
-def _options(
-    version: bool = typer.Option(False, "--version", callback=_version, is_eager=True, help="Print the version."),
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            callback=_limits,
-            show_default=False,
-            help="Change a limit on what is read from files, such as policy-file=256MiB; docs/limits.md lists them.",
-        ),
-    ] = None,
-) -> None:
-    """Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log."""
-
-
-app.command()(run)
-app.command()(replay)
-app.command()(info)
-app.command()(validate)
-app.command()(init)
-app.command()(fmt)
-app.command("import")(import_mission)
-app.command()(schema)
-app.command("train")(train_policy)
-app.command("eval")(evaluate_policy)
-policies.command("import")(import_policy)
-app.add_typer(policies, name="policies")
-app.add_typer(study, name="study")
+INTERRUPTED = 130
 
 
 def main() -> None:
-    """Run the command line; print what waypointctl refuses as one message and exit with its code.
+    """Run the command line and exit.
 
-    Under --json the message stands on stdout too, as an object: a program that reads one has one in any case. A reader
-    that goes away changes neither what is done nor the exit code; an answer that cannot be written is exit code 2.
+    While it loads its modules, Ctrl-C ends the program at once with exit code 130; when its work is done it changes
+    nothing any more.
     """
-    with display_streams() as out:
-        code = _run()
-        out.flush()
-        if out.failure is not None:
-            print(f"error: the answer cannot be written: {out.failure.strerror}", file=sys.stderr)
-            code = 2
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, lambda number, frame: os._exit(INTERRUPTED))
+    from waypointctl.cli.program import run_program
+
+    code = run_program()
+    # The interpreter takes its handlers away before it ends: another signal of the same kind would be the exit code.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if code == INTERRUPTED else (signal.SIGINT,):
+        signal.signal(number, signal.SIG_IGN)
     sys.exit(code)
-
-
-def _run() -> int | str | None:
-    """Run the command; return what to exit with."""
-    try:
-        app()
-    except SystemExit as end:
-        return end.code
-    except WaypointctlError as error:
-        print(f"error: {error}", file=sys.stderr)
-        if "--json" in sys.argv[1:]:
-            _print_refusal(error)
-        return error.exit_code
-    return 0
-
-
-def _print_refusal(error: WaypointctlError) -> None:
-    import json
-
-    parts = {name: getattr(error, name, None) for name in ("problem", "where", "mend")}
-    lines = [parts["problem"] or str(error), *getattr(error, "details", ())]
-    print(json.dumps({"error": parts | {"problem": "\n".join(lines)}, "exit_code": error.exit_code}))

@@ -95,7 +95,7 @@ def _say_complete(asked: Resumption) -> int:
     from waypointctl.cli.flight_answer import answer
     from waypointctl.log.opening import PART
     from waypointctl.log.reader import open_log
-    from waypointctl.ops.flight import FlightResult
+    from waypointctl.ops.outcome import FlightResult
     from waypointctl.ops.record import recording_of
     from waypointctl.replay.logged import mission_name, story_of
 
@@ -104,7 +104,8 @@ def _say_complete(asked: Resumption) -> int:
     story = story_of(log)
     typer.echo(printable(f"{path} is complete: {story.outcome}: {story.reason}"), err=True)
     if asked.json:
-        result = FlightResult(story.outcome, story.reason, story.learned, len(story.waypoints), story.ended_ns)
+        reached, total, ended_ns = story.learned, len(story.waypoints), story.ended_ns
+        result = FlightResult(story.outcome, story.reason, reached, total, ended_ns, ended_ns)
         recording = recording_of(result, path, int(log.metadata["seed"]), log.count("/camera"))
         sys.stdout.write(answer(mission_name(log), recording, story))
     return 0

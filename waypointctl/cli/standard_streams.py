@@ -5,6 +5,7 @@ A reader that goes away, a full disk, a stream that is closed or not UTF-8: none
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import sys
@@ -29,6 +30,7 @@ class StyledStream(io.TextIOBase):
     def __init__(self, stream: IO[str] | None) -> None:
         """Stand in front of a stream; None for one that was closed before the program began."""
         self._stream = stream
+        self._is_terminal = self.isatty()
         self.error: OSError | None = None
 
     @property
@@ -100,7 +102,9 @@ class DisplayStream(StyledStream):
     def failure(self) -> OSError | None:
         """Why something of either kind could not be written; None if all was, or whoever read it has gone."""
         error = self.error or self.styled.error
-        return None if isinstance(error, BrokenPipeError) else error
+        if error is None or error.errno == errno.EPIPE or (self._is_terminal and error.errno == errno.EIO):
+            return None
+        return error
 
     def write(self, text: str) -> int:
         """Write a text with its line breaks and no other control character."""

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
 from waypointctl.cli.options import rate_from
+
+THREADS_HELP: Final = (
+    "For physics and network; 0 is the default: one a core, 8 at most, for the physics and 1 for the network, or those "
+    "that a resumed run was trained with."
+)
 
 
 def train_policy(
@@ -58,7 +63,7 @@ def train_policy(
             show_default=False,
         ),
     ] = None,
-    threads: Annotated[int, typer.Option(min=0, max=1024, help="For physics and network; 0 is one a core.")] = 0,
+    threads: Annotated[int, typer.Option(min=0, max=1024, help=THREADS_HELP)] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
 ) -> None:
     """Train a policy with PPO and evaluate it on the paper's paths.

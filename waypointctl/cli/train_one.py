@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from waypointctl.cli.training_asked import TrainingAsked
     from waypointctl.training.recipe_file import RecipeFile
@@ -24,10 +25,22 @@ def train_one(asked: TrainingAsked) -> int:
         title = f"{recipe_file.recipe.name} in {place.run}"
         resume = asked.resume or asked.extend is not None
         trained = train_watched(recipe_file, place, title, interrupted, threads=asked.threads, resume=resume)
-    tell_trained(trained, recipe_file, asked.go_on, stderr=asked.json)
+        drawn = _draw_curves(recipe_file, place.run)
+    tell_trained(trained, recipe_file, place.run if drawn else None, asked.go_on, stderr=asked.json)
     if asked.json:
-        sys.stdout.write(trained_json(trained, recipe_file, place.run))
+        sys.stdout.write(trained_json(trained, recipe_file, place.run, drawn=drawn))
     return 0 if trained.evaluation else 130
+
+
+def _draw_curves(recipe_file: RecipeFile, run: Path) -> bool:
+    """Write a run's learning curves into its folder, if it has come to a rollout; return whether it has."""
+    from waypointctl.training.curves import write_curves
+    from waypointctl.training.progress_file import read_progress
+
+    rows = read_progress(run)
+    if rows:
+        write_curves(run, recipe_file.recipe.name, {recipe_file.recipe.seed: rows})
+    return bool(rows)
 
 
 def train_watched(

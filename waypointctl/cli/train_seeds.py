@@ -32,11 +32,11 @@ def train_with_seeds(asked: TrainingAsked, seeds_text: str) -> int:
     with interruption() as interrupted:
         own = asked.load()
         seeds = seeds_of(seeds_text, own.recipe.seed)
-        group, recipe_file = _place(asked, own)
+        group, recipe_file, threads = _place(asked, own)
         with held(group):
             if not asked.resume:
-                begin_group(recipe_file, group, seeds)
-            trained = _train(recipe_file, seeds, group, asked.threads, interrupted)
+                begin_group(recipe_file, group, seeds, threads)
+            trained = _train(recipe_file, seeds, group, threads, interrupted)
     tell_seeds(trained, asked.go_on, stderr=asked.json)
     if asked.json:
         sys.stdout.write(seeds_json(trained))
@@ -59,8 +59,8 @@ def seeds_of(text: str, first: int) -> list[int]:
     return seeds
 
 
-def _place(asked: TrainingAsked, own: RecipeFile) -> tuple[Path, RecipeFile]:
-    """Return the group's folder and the recipe as its runs follow it.
+def _place(asked: TrainingAsked, own: RecipeFile) -> tuple[Path, RecipeFile, int]:
+    """Return the group's folder, the recipe as its runs follow it, and how many threads they are to be trained with.
 
     Raises:
         InputError: there is no such group, it cannot be written, or it began with other steps than asked for.
@@ -68,13 +68,13 @@ def _place(asked: TrainingAsked, own: RecipeFile) -> tuple[Path, RecipeFile]:
     from waypointctl.training.seed_group import group_begun_as, group_place
 
     group = group_place(own.recipe.name, asked.runs, asked.out, resume=asked.resume)
-    began = group_begun_as(own, group) if asked.resume else own
+    began, threads = group_begun_as(own, group) if asked.resume else (own, 0)
     recipe_file = asked.applied_to(own, began)
     if asked.resume and recipe_file.recipe.phases != began.recipe.phases:
         found = [[phase.steps for phase in one.recipe.phases] for one in (began, recipe_file)]
         problem = f"the group began with steps {found[0]}, not {found[1]}"
         raise InputError(problem, where=str(group), mend="Resume it as it began, or begin another group.")
-    return group, recipe_file
+    return group, recipe_file, asked.threads or threads
 
 
 def _train(
@@ -86,6 +86,7 @@ def _train(
     from waypointctl.cli.train_one import train_watched
     from waypointctl.cli.view.trained_seeds import SeedsTrained
     from waypointctl.training.run_folder import Places
+    from waypointctl.training.seed_group import is_complete, run_of
     from waypointctl.training.seeds import compare, train_seeds
 
     def train_seed(one: RecipeFile, run: Path, resume: bool) -> bool:
@@ -96,6 +97,7 @@ def _train(
         trained = train_watched(one, Places(run, run), title, interrupted, threads=threads, resume=resume)
         return trained.evaluation is not None
 
+    complete_before = all(is_complete(run_of(group, seed)) for seed in seeds)
     complete = train_seeds(recipe_file, seeds, group, train_seed, interrupted)
     compared = compare(recipe_file, seeds, group) if len(complete) == len(seeds) else None
-    return SeedsTrained(recipe_file, seeds, group, complete, compared)
+    return SeedsTrained(recipe_file, seeds, group, complete, compared, complete_before)

@@ -28,7 +28,7 @@ class TrainingAsked:
         seed: in place of the recipe's.
         seeds: how many, or which.
         stop_at: the success rate in a checkpoint's test that ends the training.
-        threads: of physics and network; 0 is one a core.
+        threads: of physics and network; 0 is the default, or those of the run that is gone on from.
         json: whether the answer is for machines.
     """
 

@@ -42,7 +42,7 @@ def evaluate(
         suite: the paths.
         trials: of each case, > 0; they are walked side by side. None: as many as the suite says.
         seed: of the starts and of random paths, not negative.
-        threads: of the physics; 0 is one a core. The result does not depend on it.
+        threads: of the physics; 0 is one a core, 8 at most. The result does not depend on it.
         progress: called whenever trials have ended.
         watch: given the trials of each case, for those who want more than the counts.
 

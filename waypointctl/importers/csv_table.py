@@ -31,6 +31,7 @@ _COLUMNS: Final = {
 }
 _COORDINATES: Final = (("latitude", "longitude"), ("x", "y"))
 _UNIT: Final = re.compile(r"(?:[\s_]+|[\s_]*[(\[])(?:deg|degrees|m|s)[)\]]?$")
+_MOST_COLUMNS: Final = 1000
 _MOST_HEADER: Final = 1000  # characters that are looked at to see whether it is one
 _DELIMITERS: Final = ",;\t"
 _DAY_S: Final = 86_400.0
@@ -57,6 +58,8 @@ def read_csv(source: bytes, report: Report, name: str) -> Survey:
         MissionError: it has no columns of coordinates, or something is wrong with its rows.
     """
     header, rows, delimiter = _rows(text_of(source, report), report)
+    if len(header) > _MOST_COLUMNS:
+        raise MissionError(f"has {len(header):,} columns; at most {_MOST_COLUMNS:,} are read", where=report.where)
     table = _Table(_columns(header), len(header), delimiter, report)
     if table.keys is None:
         found = ", ".join(map(shown, header[:12]))

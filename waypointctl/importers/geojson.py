@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import Any, Final
 
 from waypointctl.importers.json_source import Part, read_json
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Line, Shapes, Spot, too_many
-from waypointctl.importers.survey import MOST_STOPS, Survey
+from waypointctl.importers.shapes import Shapes, Spot, too_many
+from waypointctl.importers.survey import MOST_POSITIONS, Survey
 from waypointctl.mission.wording import counted, shown
 
 # Latitude and longitude by the names that GeoServer, GDAL and others give them; of other bodies those of the IAU.
@@ -121,11 +122,15 @@ class _Reader:
         count = len(line.value) if isinstance(line.value, list) else 0
         if isinstance(line.value, list) and count < 2:
             line.complain(f"has {counted(count, 'positions')}; a line has 2 and more")
-        elif count > MOST_STOPS + 1:
+        elif count > MOST_POSITIONS:
             line.complain(too_many(count, "positions"))
         else:
-            spots = [self._spot(position, "") for position in line.elements()]
-            self.shapes.lines.append(Line(tuple(spot for spot in spots if spot is not None), name, line.at_text))
+            self.shapes.add_line(name, line.at_text, lambda: self._spots(line))
+
+    def _spots(self, line: Part) -> Iterator[Spot]:
+        for position in line.elements():
+            if (spot := self._spot(position, "")) is not None:
+                yield spot
 
     def _point(self, position: Part, name: str) -> None:
         if (spot := self._spot(position, name)) is not None:

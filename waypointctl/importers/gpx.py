@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from itertools import chain
 
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Line, Shapes, Spot, too_many
-from waypointctl.importers.survey import MOST_STOPS, Survey
+from waypointctl.importers.shapes import Shapes, Spot, too_many
+from waypointctl.importers.survey import MOST_POSITIONS, Survey
 from waypointctl.importers.xml_source import Element, read_xml
 
 
@@ -39,10 +39,10 @@ def read_gpx(source: bytes, report: Report, name: str) -> Survey:
 def _add(shapes: Shapes, line: Element, points: list[Element]) -> None:
     if not points:
         shapes.report.left_out[f"{line.name} without points"] += 1
-    elif len(points) > MOST_STOPS + 1:
+    elif len(points) > MOST_POSITIONS:
         shapes.report.complain(line.at, too_many(len(points), "points"))
     else:
-        shapes.lines.append(Line(tuple(_spots(shapes.report, points)), line.text_of("name"), line.at))
+        shapes.add_line(line.text_of("name"), line.at, lambda: _spots(shapes.report, points))
 
 
 def _spots(report: Report, points: Iterable[Element]) -> Iterable[Spot]:

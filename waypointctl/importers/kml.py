@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Line, Shapes, Spot, too_many
-from waypointctl.importers.survey import MOST_STOPS, Survey
+from waypointctl.importers.shapes import Shapes, Spot, too_many
+from waypointctl.importers.survey import MOST_POSITIONS, Survey
 from waypointctl.importers.xml_source import Element, read_xml
 from waypointctl.mission.wording import shown
 
@@ -55,24 +55,26 @@ def _take(shapes: Shapes, geometry: Element, name: str) -> None:
     if geometry.name not in ("LineString", "Track", "Point"):
         shapes.others[geometry.name] += 1
         return
-    if geometry.name == "Track":
-        texts = [coord.text.split() for coord in geometry.each("coord")]
+    separator = None if geometry.name == "Track" else ","
+    if separator is None:
+        texts = [coord.text for coord in geometry.each("coord")]
     else:
-        texts = [tuple_text.split(",") for tuple_text in geometry.text_of("coordinates").split()]
+        texts = geometry.text_of("coordinates").split()
     if not texts:
         report.left_out[f"{geometry.name} without coordinates"] += 1
-    elif len(texts) > MOST_STOPS + 1:
+    elif len(texts) > MOST_POSITIONS:
         report.complain(geometry.at, too_many(len(texts), "positions"))
     elif geometry.name == "Point":
-        shapes.points += _spots(report, texts[:1], geometry, name)
+        shapes.points += _spots(report, texts[:1], separator, geometry, name)
     else:
-        shapes.lines.append(Line(tuple(_spots(report, texts, geometry, "")), name, geometry.at))
+        shapes.add_line(name, geometry.at, lambda: _spots(report, texts, separator, geometry, ""))
 
 
-def _spots(report: Report, texts: list[list[str]], geometry: Element, name: str) -> Iterator[Spot]:
+def _spots(report: Report, texts: list[str], separator: str | None, geometry: Element, name: str) -> Iterator[Spot]:
     for number, text in enumerate(texts, 1):
         at = geometry.at if len(texts) == 1 else f"{geometry.at}, position {number}"
-        if len(text) < 2:
-            report.complain(at, f"{shown(' '.join(text))} is not longitude,latitude", "not longitude,latitude")
-        elif (place := report.place(at, text[1], text[0])) is not None:
+        longitude, *others = text.split(separator, 2)
+        if not others:
+            report.complain(at, f"{shown(text)} is not longitude,latitude", "not longitude,latitude")
+        elif (place := report.place(at, others[0], longitude)) is not None:
             yield Spot(place, name, at)

@@ -98,7 +98,8 @@ class _Way:
             name, why = INSTEAD[number]
             self.report.complain(f"{item.at}.command", f"{number} is {name}: {why}")
         elif number not in FOLLOWED:
-            self.report.complain(f"{item.at}.command", f"{number} is not a mission command of MAVLink that is known")
+            problem = f"{number} is not a mission command of MAVLink that is known"
+            self.report.complain(f"{item.at}.command", problem, "unknown command")
 
     def walked(self, items: Sequence[Item]) -> tuple[Stop, ...]:
         """Return the stops of items that can be followed, their jumps unrolled."""

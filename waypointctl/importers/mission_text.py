@@ -14,7 +14,7 @@ from waypointctl.importers.local_frame import BODIES, EARTH, Body, Place, Point
 from waypointctl.importers.placed import Placed, placed
 from waypointctl.importers.survey import Stop, Survey, Zone
 from waypointctl.mission.files import parse_mission
-from waypointctl.mission.layout.layout import laid_out
+from waypointctl.mission.layout.layout import written_again
 from waypointctl.mission.layout.write import quoted
 
 _TIMEOUT_S: Final = 30.0
@@ -44,7 +44,7 @@ def mission_text(
         raise MissionError("has no waypoint to walk to: all it holds is where the robot starts", where=where)
     text = "".join(f"{line}\n" for line in _lines(survey.name, ground, where, policy))
     parse_mission(text.encode(), f"{where} as a mission")
-    return laid_out(text.encode(), where).decode(), ground
+    return written_again(text), ground
 
 
 def _lines(name: str, ground: Placed, where: str, policy: str) -> Iterator[str]:
@@ -95,7 +95,7 @@ def _fence(ground: Placed) -> Iterator[str]:
 def _area(zone: Zone, points: tuple[Point, ...]) -> str:
     if zone.radius_m is not None:
         return f"{{center: {_pair(points[0])}, radius: {zone.radius_m:.10g} m}}"
-    return f"{{corners: [{', '.join(f'{{position: {_pair(point)}}}' for point in points)}]}}"
+    return f"{{corners: [{', '.join(f'[{x_m:.10g}, {y_m:.10g}]' for x_m, y_m in points)}]}}"
 
 
 def _stop(stop: Stop, point: Point, name: str) -> str:

@@ -13,10 +13,11 @@ from pydantic import ValidationError
 from waypointctl.errors import MissionError
 from waypointctl.importers.local_frame import Body, LocalFrame, Place, Point, span_m
 from waypointctl.importers.report import Report
-from waypointctl.importers.survey import Stop, Survey, Zone
+from waypointctl.importers.survey import MOST_STOPS, Stop, Survey, Zone
+from waypointctl.importers.thinning import thinned
 from waypointctl.mission.onboard import Area
 
-_HERE_M: Final = 0.5  # a take-off this near is where the robot stands already: as near as a waypoint is reached
+_HERE_M: Final = 0.5  # as near as a waypoint is reached: a take-off this near is where the robot stands already
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +88,10 @@ def _in_frame(survey: Survey, where: str, frame: LocalFrame | None) -> Placed:
 
     start = (0.0, 0.0) if survey.start is None else point(survey.start)
     stops = [(stop, start if stop.place is None else point(stop.place)) for stop in survey.stops]
+    left_out = survey.left_out
+    if survey.is_line and len(stops) > MOST_STOPS:
+        stops, note = _thinned(stops, start, where)
+        left_out = (*left_out, note)
     zones = tuple((zone, tuple(map(point, zone.corners))) for zone in survey.zones)
     _refuse_wrong_zones(zones, where)
     return Placed(
@@ -96,8 +101,21 @@ def _in_frame(survey: Survey, where: str, frame: LocalFrame | None) -> Placed:
         zones,
         None if survey.return_to is None else point(survey.return_to),
         0.0 if frame is None else frame.error_m(place for _, places in _named(survey) for place in places),
-        survey.left_out,
+        left_out,
     )
+
+
+def _thinned(stops: list[tuple[Stop, Point]], start: Point, where: str) -> tuple[list[tuple[Stop, Point]], str]:
+    """Return as many places of a long line as its course needs, and what is left out, in words."""
+    named = [place for place, (stop, _) in enumerate(stops, 1) if stop.name]
+    kept = thinned([start, *(point for _, point in stops)], named, _HERE_M, MOST_STOPS + 1)
+    rule = f"within {_HERE_M:g} m of the straight way between the others"
+    if kept is None:
+        problem = f"has {len(stops) + 1:,} positions, and more than {MOST_STOPS:,} even without those {rule}"
+        limit = f"a mission has at most {MOST_STOPS:,} waypoints"
+        raise MissionError(f"{problem}; {limit}", where=where, mend="Simplify it, or cut it into several.")
+    dropped = f"{len(stops) + 1 - len(kept):,} of {len(stops) + 1:,} positions"
+    return [stops[place - 1] for place in kept[1:]], f"{dropped}: {rule}"
 
 
 def _on_the_way(stops: list[tuple[Stop, Point]], start: Point) -> Iterator[tuple[Stop, Point]]:

@@ -20,7 +20,7 @@ _AREAS: Final = ("circles", "polygons", "circle", "polygon")  # the last two are
 _MOST_RADIUS_M: Final = 20_000.0
 _MOST_AREAS: Final = 100  # as many as a mission's geofence holds
 _MOST_CORNERS: Final = 1000
-_MOST_CORNERS_IN_ALL: Final = 10_000
+_MOST_CORNERS_IN_ALL: Final = 3_000
 
 
 def read_fence(root: Part, report: Report) -> tuple[tuple[Zone, ...], Place | None]:

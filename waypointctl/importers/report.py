@@ -118,4 +118,4 @@ def _with_count(cause: _Cause) -> str:
     others = cause.count - 1
     if not others:
         return cause.text
-    return f"{cause.text} (and {others} more of the kind, the last {'is' if others == 1 else 'at'} {cause.last})"
+    return f"{cause.text} (and {others:,} more of the kind, the last {'is' if others == 1 else 'at'} {cause.last})"

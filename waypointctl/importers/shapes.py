@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.report import Report
-from waypointctl.importers.survey import MOST_STOPS, Stop, Survey, mission_name
+from waypointctl.importers.survey import MOST_POSITIONS, MOST_STOPS, Stop, Survey, mission_name
 from waypointctl.mission.wording import counted, shown
 
 
@@ -54,6 +54,10 @@ class Shapes:
     points: list[Spot] = field(default_factory=list)
     others: Counter[str] = field(default_factory=Counter)
 
+    def add_line(self, name: str, at: str, spots: Callable[[], Iterable[Spot]]) -> None:
+        """Take a line; of those after the first only their number and names matter, and their places are not read."""
+        self.lines.append(Line(() if self.lines else tuple(spots()), name, at))
+
     def survey(self, name: str) -> Survey:
         """Return the mission: the robot starts at the first place and walks to the others.
 
@@ -76,6 +80,7 @@ class Shapes:
             left_out=tuple(left_out),
             order=self.order,
             body=self.body,
+            is_line=bool(self.lines),
         )
 
     def _path(self) -> Sequence[Spot]:
@@ -83,8 +88,8 @@ class Shapes:
             return self.lines[0].spots
         if self.lines:
             named = ", ".join(shown(line.name) if line.name else line.at for line in self.lines[:5])
-            more = f" and {len(self.lines) - 5} more" if len(self.lines) > 5 else ""
-            problem = f"has {len(self.lines)} lines ({named}{more}); a mission is one {self.line_word}: keep one"
+            more = f" and {len(self.lines) - 5:,} more" if len(self.lines) > 5 else ""
+            problem = f"has {len(self.lines):,} lines ({named}{more}); a mission is one {self.line_word}: keep one"
             self.report.complain("", problem)
         elif len(self.points) < 2:
             found = [counted(len(self.points), f"{self.point_word}s")] if self.points else []
@@ -95,11 +100,11 @@ class Shapes:
             )
             self.report.complain("", problem)
         elif len(self.points) > MOST_STOPS + 1:
-            self.report.complain("", too_many(len(self.points), f"{self.point_word}s"))
+            limit = f"at most {MOST_STOPS + 1:,} are allowed, the start and {MOST_STOPS:,} waypoints"
+            self.report.complain("", f"has {len(self.points):,} {self.point_word}s; {limit}: cut it into several")
         return self.points
 
 
 def too_many(count: int, things: str) -> str:
-    """Return the problem with more places than a mission has."""
-    limit = f"at most {MOST_STOPS + 1:,} are allowed, the start and {MOST_STOPS:,} waypoints"
-    return f"has {count:,} {things}; {limit}: simplify it, or cut it into several"
+    """Return the problem with more positions than a line may have."""
+    return f"has {count:,} {things}; at most {MOST_POSITIONS:,} are read: cut it into several"

@@ -9,6 +9,7 @@ from typing import Final
 from waypointctl.importers.local_frame import Place
 
 MOST_STOPS: Final = 1000  # waypoints of a mission
+MOST_POSITIONS: Final = 20_000  # of a line, which is thinned where it has more than a mission
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +61,7 @@ class Survey:
         remarks: what else the user should know.
         order: how the file's format writes a place, where it is easily written the other way round.
         body: that the places are on, by its name in local_frame.BODIES.
+        is_line: whether the stops are places along a line, of which some can be dropped, and not places to stop at.
         is_metric: whether places are x and y [m] instead of latitude and longitude [deg].
     """
 
@@ -74,6 +76,7 @@ class Survey:
     remarks: tuple[str, ...] = ()
     order: str = ""
     body: str = "earth"
+    is_line: bool = False
     is_metric: bool = False
 
 

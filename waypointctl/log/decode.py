@@ -20,6 +20,7 @@ from waypointctl.log.messages import (
     Command,
     CommandKind,
     CommandStage,
+    CommandStatus,
     ConsoleInput,
     Event,
     EventKind,
@@ -127,6 +128,8 @@ def telemetry(data: bytes) -> Telemetry:
         reached=tuple(it.reached),
         issued_ns=it.issued_ns,
         received_ns=it.received_ns,
+        commands=tuple(CommandStatus(each.command_id, Stage(each.stage), each.reason) for each in it.commands),
+        cause=it.cause,
     )
 
 

@@ -94,6 +94,11 @@ def telemetry(message: Telemetry) -> bytes:
         issued_ns=message.issued_ns,
         received_ns=message.received_ns,
         delay_s=seconds(message.received_ns - message.issued_ns),
+        commands=[
+            pb.Telemetry.CommandStatus(command_id=each.command_id, stage=each.stage, reason=each.reason)
+            for each in message.commands
+        ],
+        cause=message.cause,
     ).SerializeToString()
 
 

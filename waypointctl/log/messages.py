@@ -107,6 +107,7 @@ class EventKind(StrEnum):
     CONSOLE_OPENED = "console_opened"  # operator: a person commands too
     CONSOLE_CLOSED = "console_closed"  # operator: nothing more will be typed
     COMMAND_SENT = "command_sent"  # operator
+    COMMAND_KNOWN = "command_known"  # operator: telemetry told of its end, and no acknowledgement came
     COMMAND_RECEIVED = "command_received"  # robot
     LEG_STARTED = "leg_started"  # robot
     WAYPOINT_REACHED = "waypoint_reached"  # robot
@@ -133,6 +134,7 @@ class EventKind(StrEnum):
     FALL = "fall"  # robot
     PLAN_COMPLETED = "plan_completed"  # robot
     PLAN_FAILED = "plan_failed"  # robot
+    RETURN_FAILED = "return_failed"  # robot: the way home is given up
     MISSION_ENDED = "mission_ended"  # operator: the last record of a flight that was not killed
 
 
@@ -234,6 +236,15 @@ class Ack:
 
 
 @dataclass(frozen=True, slots=True)
+class CommandStatus:
+    """What a command had come to on board when a frame of telemetry was sampled."""
+
+    command_id: int
+    stage: Stage
+    reason: str = ""  # empty, or why it was rejected or failed
+
+
+@dataclass(frozen=True, slots=True)
 class Telemetry:
     """A frame of telemetry that has arrived at the operator: all that the operator knows."""
 
@@ -248,6 +259,8 @@ class Telemetry:
     reached: tuple[int, ...]  # indices of the waypoints reached so far
     issued_ns: int  # sampled by the robot
     received_ns: int  # by the operator
+    commands: tuple[CommandStatus, ...] = ()  # those that have not ended and those that ended last, three at most
+    cause: str = ""  # why it stands or walks home, where a rule or a command says so
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,8 @@ from waypointctl.errors import OutputError
 from waypointctl.log.channels import ChannelWriter
 from waypointctl.log.encoder import LogEncoder
 from waypointctl.log.header import LogHeader
-from waypointctl.log.lock import lock
 from waypointctl.log.messages import Message
+from waypointctl.paths import lock
 
 
 class LogWriter:
@@ -103,11 +103,12 @@ class LogWriter:
             raise self._refusal(error) from error
 
     def _refusal(self, error: OSError) -> OutputError:
-        return OutputError(
-            f"cannot be written: {error.strerror}",
-            where=str(self.path),
-            mend=f"What was written so far is in {self.part}.",
-        )
+        with suppress(OSError):
+            if self.part.stat().st_size:
+                mend = f"What was written so far is in {self.part}."
+                return OutputError(f"cannot be written: {error.strerror}", where=str(self.path), mend=mend)
+        mend = "Make room on the disk, or choose another place."
+        return OutputError(f"cannot be written: {error.strerror}", where=str(self.path), mend=mend)
 
 
 def _create(path: Path, part: Path) -> IO[bytes]:

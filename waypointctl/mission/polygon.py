@@ -19,10 +19,12 @@ def crossing_sides(corners: Sequence[Point]) -> tuple[int, int] | None:
     sides = [(a, b, at) for at, (a, b) in enumerate(zip(corners, (*corners[1:], corners[0]), strict=True))]
     sides.sort(key=lambda side: min(side[0][0], side[1][0]))
     for place, (a, b, at) in enumerate(sides):
-        right = max(a[0], b[0])
+        right, top, bottom = max(a[0], b[0]), max(a[1], b[1]), min(a[1], b[1])
         for c, d, other in sides[place + 1 :]:
             if min(c[0], d[0]) > right:  # this one and all after it lie to the right
                 break
+            if min(c[1], d[1]) > top or max(c[1], d[1]) < bottom:
+                continue
             if _cross(a, b, c, d):
                 return min(at, other), max(at, other)
     return None

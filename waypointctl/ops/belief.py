@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from waypointctl.log.messages import FINAL_STAGES, Ack, Stage, Telemetry
+from waypointctl.log.messages import FINAL_STAGES, Ack, Mode, Stage, Telemetry
+from waypointctl.ops.executive.rules import AT_HOME
 
 
 @dataclass(slots=True)
@@ -15,12 +16,14 @@ class Belief:
         telemetry: the newest frame that has arrived; None before the first.
         stages: of each command sent, the last stage heard of.
         reasons: why a command failed or was rejected.
+        went_home: whether the robot has told of a way home.
         ended_ns: when, on the robot's clock, the command ended of whose end was heard last; -1 before the first.
     """
 
     telemetry: Telemetry | None = None
     stages: dict[int, Stage] = field(default_factory=dict)
     reasons: dict[int, str] = field(default_factory=dict)
+    went_home: bool = False
     ended_ns: int = -1
     _reached: set[int] = field(default_factory=set)
 
@@ -44,6 +47,7 @@ class Belief:
             if self.telemetry is None or message.frame >= self.telemetry.frame:  # one that was overtaken is no news
                 self.telemetry = message
                 self._reached.update(message.reached[len(self._reached) :])  # what is reached stays so, in its order
+            self.went_home = self.went_home or message.mode is Mode.RETURNING or message.cause.startswith(AT_HOME)
             return
         if self.stages.get(message.command_id) in FINAL_STAGES:
             return

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 from waypointctl.log.messages import Ack, Clock, Command, ConsoleInput, Event, EventKind, Severity, Telemetry
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.executive.rules import FALL, rules_of
-from waypointctl.ops.ground.build import answer_time, patience_ns, station_for
+from waypointctl.ops.closing import Closing
+from waypointctl.ops.executive.rules import rules_of
+from waypointctl.ops.ground.build import answer_time, leaving_time, patience_ns, station_for
 from waypointctl.ops.ground.console import order_from
 from waypointctl.ops.ground.line_source import QUIT, LineSource, Nobody
-from waypointctl.ops.ground.standstill import why_it_stands
 from waypointctl.ops.link.build import direction
 from waypointctl.ops.link.direction import Direction
 from waypointctl.ops.link.frames import BodyFrame, ControlFrame, Heartbeat
 from waypointctl.ops.link.in_flight import link_state
 from waypointctl.ops.link.logged import DOWN, UP, LoggedDirection
+from waypointctl.ops.outcome import FlightResult, result_of
 from waypointctl.ops.reporter import Downlink, Reporter
 from waypointctl.ops.sink import Sink
 from waypointctl.ops.vehicle import Vehicle
@@ -26,30 +26,9 @@ from waypointctl.seeding import stream
 from waypointctl.sim.robots import Robot
 from waypointctl.task.observation import NOISE_SIZE
 from waypointctl.task.start import Start
-from waypointctl.units import NS_PER_S, ns, seconds
+from waypointctl.units import NS_PER_S, ns
 
 CHECKPOINT_PERIOD_NS: Final = 10 * NS_PER_S
-SILENT: Final = "the robot rests, and nothing is left that the operator could hear or send"
-UNTOLD: Final = ", and nobody tells it to go on"
-
-
-@dataclass(frozen=True, slots=True)
-class FlightResult:
-    """How a flight ended, as the operator knows it.
-
-    Attributes:
-        outcome: "success", "failure" or "interrupted".
-        reason: why, in a few words.
-        waypoints_reached: that the operator has heard of.
-        waypoints_total: in the mission.
-        sim_time_ns: on the operator's clock, from mission start.
-    """
-
-    outcome: str
-    reason: str
-    waypoints_reached: int
-    waypoints_total: int
-    sim_time_ns: int
 
 
 class Flight:
@@ -71,40 +50,27 @@ class Flight:
         patience = patience_ns(down, ns(mission.commands.margin_s))
         answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
         self._station = station_for(
-            mission, policy, noise, sink, self._uplink.send, self._uplink.send, answer_by, patience
+            mission, policy, noise, sink, self._uplink.send, self._uplink.send, answer_by, patience, leaving_time(up)
         )
-        self._vehicle = Vehicle(robot, policy, sink, _reporter(mission, self._downlink), rules_of(mission))
+        reporter = _reporter(mission, self._downlink)
+        self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission))
+        self._closing = Closing(self._station, self._vehicle.executive, reporter.news, up, down, self._vehicle.is_still)
         self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
         self._checkpoint_ns = 0
         self._ground_ns = 0  # when the operator last heard or did anything
+        self._known_ns: int | None = None  # when the operator ended the mission
 
     @property
     def over(self) -> bool:
-        """Whether the operator has ended the mission, its time is up, or nothing is left that could happen."""
-        return self._station.finished or self._out_of_time or self._is_silent
+        """Whether all that was begun is over, the mission's time is up, or nothing can happen any more."""
+        now_ns = self._now_ns
+        return self._closing.is_done(now_ns) or self._out_of_time or self._closing.is_silent(now_ns)
 
     @property
     def _out_of_time(self) -> bool:
         limit_s = self._mission.expect.max_time_s
         return limit_s is not None and self._now_ns > ns(limit_s)
-
-    @property
-    def _is_silent(self) -> bool:
-        """Whether the robot rests for good, and the operator waits for what will never come: an answer was lost."""
-        if not self._vehicle.plans_nothing or self._station.console_is_open:
-            return False
-        if self._downlink.direction.next_arrival_ns is not None and not self._heard_of_rest:
-            return False
-        return self._station.plans_nothing and all(
-            isinstance(one, Heartbeat) for _, one in self._uplink.direction.under_way
-        )
-
-    @property
-    def _heard_of_rest(self) -> bool:
-        """Whether a frame has arrived that was sent while the robot rested."""
-        frame = self._station.belief.telemetry
-        return frame is not None and frame.issued_ns > self._vehicle.rests_since_ns
 
     def begin(self) -> None:
         """Let the operator send what it sends at mission start."""
@@ -124,13 +90,15 @@ class Flight:
                 self._announce(self._now_ns, EventKind.CONSOLE_CLOSED, "console closed")
             else:
                 self._station.issue(self._now_ns, [order_from(text, self._mission)])
+            self._note_end()
 
     def exchange(self) -> None:
         """Let the ground live up to now, and the robot obey what has arrived, until there is silence."""
-        while not self._station.finished:
+        while not self._closing.is_done(self._now_ns):
             at_ns = self._next_on_ground_ns
             if at_ns is not None and at_ns <= self._now_ns:
                 self._live_on_ground(at_ns)
+                self._note_end()
                 continue
             arrived = next(self._uplink.due(self._now_ns), None)
             if arrived is None:
@@ -138,6 +106,13 @@ class Flight:
             if isinstance(arrived, Command):
                 self._sink(arrived)
             self._vehicle.obey(self._now_ns, arrived)
+
+    def _note_end(self) -> None:
+        """Keep when the operator ended the mission, as far as it has."""
+        if not self._station.finished:
+            self._known_ns = None
+        elif self._known_ns is None:
+            self._known_ns = self._ground_ns
 
     @property
     def _next_on_ground_ns(self) -> int | None:
@@ -201,36 +176,25 @@ class Flight:
 
     def end(self) -> FlightResult:
         """Close the flight with the outcome that the operator's belief gives it."""
-        expect = self._mission.expect
-        total = self._mission.num_legs
-        reached = len(self._station.reached)
-        wanted = total if expect.reached == "all" else expect.reached
-        ended_ns = self._ground_ns if self._station.finished else self._now_ns
-        facts = f"{reached} of {total} waypoints reached in {seconds(ended_ns):.2f} s"
-        stands = why_it_stands(self._mission, self._station.belief.telemetry)
-        if self._is_silent and not self._station.operator.finished:
-            return self._close("failure", f"{stands + UNTOLD if stands else SILENT}: {facts}", ended_ns)
-        if not self._station.operator.finished or (expect.max_time_s is not None and ended_ns > ns(expect.max_time_s)):
-            late = f"longer than {expect.max_time_s:g} s" + (f"; {stands}" if stands else "")
-            return self._close("failure", f"{late}: {facts}", ended_ns)
-        if reached < wanted or self._station.verdict == FALL:
-            return self._close(
-                "failure", f"{self._station.verdict or 'not all reached'}: {facts}, {wanted} expected", ended_ns
-            )
-        return self._close("success", facts, ended_ns)
+        done = self._closing.is_done(self._now_ns)
+        heard = done and self._now_ns - self._ground_ns < self._period_ns  # what was waited for has just been heard
+        ended_ns = self._ground_ns if heard else self._now_ns
+        late = self._out_of_time and not done
+        return self._close(result_of(self._mission, self._station, ended_ns, self._known_ns, late=late))
 
     def interrupt(self) -> FlightResult:
         """Close the flight because somebody asked for it."""
-        reached = len(self._station.reached)
-        total = self._mission.num_legs
-        return self._close("interrupted", f"{reached} of {total} waypoints reached", self._now_ns)
+        reached, total, now_ns = len(self._station.reached), self._mission.num_legs, self._now_ns
+        facts = f"{reached} of {total} waypoints reached"
+        return self._close(FlightResult("interrupted", facts, reached, total, now_ns, now_ns))
 
-    def _close(self, outcome: str, reason: str, ended_ns: int) -> FlightResult:
+    def _close(self, result: FlightResult) -> FlightResult:
         self._vehicle.close(self._now_ns)
         self._vehicle.log_state(self._now_ns)
-        severity = Severity.INFO if outcome == "success" else Severity.ERROR
-        self._announce(ended_ns, EventKind.MISSION_ENDED, f"{outcome}: {reason}", severity)
-        return FlightResult(outcome, reason, len(self._station.reached), self._mission.num_legs, ended_ns)
+        severity = Severity.INFO if result.outcome == "success" else Severity.ERROR
+        text = f"{result.outcome}: {result.reason}"
+        self._announce(result.sim_time_ns, EventKind.MISSION_ENDED, text, severity)
+        return result
 
     def _announce(
         self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO, command_id: int = -1

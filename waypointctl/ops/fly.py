@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.flight import Flight, FlightResult
+from waypointctl.ops.flight import Flight
 from waypointctl.ops.ground.line_source import LineSource
+from waypointctl.ops.outcome import FlightResult
 from waypointctl.ops.sink import Sink
 from waypointctl.policy.protocol import Policy
 from waypointctl.sim.robots import Robot, load_robot

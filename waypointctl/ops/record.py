@@ -10,11 +10,11 @@ from pathlib import Path
 from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile
 from waypointctl.ops.camera import OnboardCamera
-from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
 from waypointctl.ops.ground.line_source import LineSource
 from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.ops.header import flight_header
+from waypointctl.ops.outcome import FlightResult
 from waypointctl.ops.shutter import with_pictures
 from waypointctl.ops.sink import Sink, tee
 from waypointctl.policy.bundle import LoadedPolicy

@@ -11,6 +11,7 @@ from waypointctl.log.messages import Ack, CommandStage, Telemetry
 from waypointctl.ops.executive.executive import Executive
 from waypointctl.ops.link.frames import BodyFrame
 from waypointctl.ops.link.logged import LoggedDirection
+from waypointctl.ops.news import News
 from waypointctl.sim.single import SingleRobot
 from waypointctl.task.body import Body
 
@@ -23,12 +24,14 @@ class Reporter:
     Attributes:
         next_ns: when the next frame is due [ns].
         frames: how many have been sent.
+        news: which frame was the first to tell how the robot stands.
     """
 
     def __init__(self, downlink: Downlink, period_ns: int, beacon_ns: int, *, every_state: bool) -> None:
         """Report every `period_ns`, at rest every `beacon_ns`; with `every_state` each control step's state too."""
         self.next_ns = 0
         self.frames = 0
+        self.news = News()
         self._downlink = downlink
         self._period_ns = period_ns
         self._beacon_ns = max(beacon_ns, period_ns)
@@ -66,8 +69,11 @@ class Reporter:
             reached=executive.reached,
             issued_ns=now_ns,
             received_ns=now_ns,
+            commands=executive.statuses,
+            cause=executive.cause,
         )
         self.frames += 1
+        self.news.sent(frame)
         self._downlink.send(now_ns, lambda arrives_ns: replace(frame, received_ns=arrives_ns))
 
     def acknowledge(self, it: CommandStage) -> None:

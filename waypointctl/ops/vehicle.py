@@ -81,8 +81,6 @@ class Vehicle:
         self._control_ns = 0  # when it arrived
         self._moved_ns = 0  # when it last did
         self._rests = False
-        self.rests_since_ns = 0  # when it began to rest last
-        self._beacons = 0  # frames sent in this rest
         self._body: Body = body_of(self.plant.qpos, self.plant.qvel)
         self._fell = False
         self._closed = False
@@ -109,45 +107,39 @@ class Vehicle:
         self._reporter.frame(now_ns, self.executive, self._body)
 
     def sense(self, now_ns: int) -> None:
-        """Let the executive look at the world; report at the telemetry rate and whenever its mode changes."""
+        """Let the executive look at the world; report at the telemetry rate and whenever how it stands changes."""
         if self.executive.mode is Mode.STEERED and now_ns - self._control_ns >= PILOT_GONE_NS:
             self.executive.release()
-        before = (self.executive.mode, self.executive.leg, len(self.executive.reached))
         self.executive.sense(now_ns, self._body.position, self._fell, float(self._body.yaw[0]))
-        after = (self.executive.mode, self.executive.leg, len(self.executive.reached))
         if self._reporter.frame_if_due(now_ns, self.executive, self._body):
             if self._rests:
-                self._beacons += 1
                 self._reporter.put_off(now_ns)
-        elif before != after:
+        elif self._reporter.news.differ(self.executive):
             self._reporter.frame(now_ns, self.executive, self._body)
         self._reporter.state(now_ns, self.step, self.plant)
 
     def rests(self, now_ns: int) -> bool:
         """Tell whether the robot has stood still for so long that its physics can sleep until something happens."""
-        still = not self._driven and now_ns - self._moved_ns >= REST_AFTER_NS
-        if self._reporter.every_state and now_ns - self._control_ns < PILOT_GONE_NS:
-            still = False  # a pilot lives on the states that it is sent
+        still = self.is_still(now_ns)
         if still != self._rests:
             self._rests = still
-            self.rests_since_ns = now_ns
             kind, text = (
                 (EventKind.REST_STARTED, "standing still: physics sleeps until something happens")
                 if still
                 else (EventKind.REST_ENDED, "physics wakes")
             )
             self._sink(Event(now_ns, kind, Clock.ROBOT, Severity.INFO, text))
-            self._beacons = 0
             if still:
                 self._reporter.put_off(now_ns)
             else:
                 self._reporter.go_on(now_ns)
         return still
 
-    @property
-    def plans_nothing(self) -> bool:
-        """Whether a robot at rest, which has said so twice, does nothing more by itself as long as nothing arrives."""
-        return self._rests and self._beacons > 1 and not self.executive.plans
+    def is_still(self, now_ns: int) -> bool:
+        """Tell the same, and take no note of it."""
+        if self._reporter.every_state and now_ns - self._control_ns < PILOT_GONE_NS:
+            return False  # a pilot lives on the states that it is sent
+        return not self._driven and now_ns - self._moved_ns >= REST_AFTER_NS
 
     @property
     def _driven(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -82,6 +83,7 @@ def _audited(model: bytes, where: str) -> Audited:
 
 
 def _session(model: bytes, where: str, threads: int) -> InferenceSession:
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")  # on, it leaves a file in the folder for temporary files
     import onnxruntime
 
     options = onnxruntime.SessionOptions()

@@ -213,6 +213,10 @@ class Chronicle:
             self._belief.add(frame.issued_ns, frame.received_ns, frame.x_m, frame.y_m, frame.speed_mps)
         else:
             self._frames_off_map += 1
+        for it in frame.commands:
+            command = self._command(it.command_id)
+            if it.stage in FINAL_STAGES and command.told is None:
+                command.told = it.stage, frame.received_ns
         for index in frame.reached[self._learned :]:
             waypoint = self._waypoints.get(index)
             if waypoint is not None and waypoint.learned_ns is None:

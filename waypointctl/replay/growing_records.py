@@ -22,6 +22,7 @@ class GrowingCommand:
     attempts: int = 0
     losses: int = 0
     acks: list[Ack] = field(default_factory=list)
+    told: tuple[Stage, int] | None = None
 
     def story(self, command_id: int) -> CommandStory:
         """Return what is known of it."""
@@ -36,6 +37,7 @@ class GrowingCommand:
             attempts=self.attempts,
             losses=self.losses,
             acks=tuple(self.acks),
+            told=self.told,
         )
 
 

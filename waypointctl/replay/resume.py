@@ -15,18 +15,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from waypointctl.errors import InputError, LogError
-from waypointctl.log.lock import lock
+from waypointctl.errors import InputError, LogError, OutputError
 from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.opening import PART, open_file
 from waypointctl.log.reader import Log, open_log
 from waypointctl.log.writer import LogWriter
-from waypointctl.ops.flight import FlightResult
 from waypointctl.ops.fly import fly
 from waypointctl.ops.ground.line_source import QUIT, LineSource
+from waypointctl.ops.outcome import FlightResult
 from waypointctl.ops.record import Recording, recording_of
 from waypointctl.ops.shutter import Camera, with_pictures
 from waypointctl.ops.sink import Sink
+from waypointctl.paths import lock
 from waypointctl.replay.audited_camera import AuditedCamera
 from waypointctl.replay.carried import Carried, altered, carried_by, made_elsewhere, unverifiable
 from waypointctl.replay.logged_lines import LoggedLines
@@ -128,6 +128,11 @@ def go_on(
             _require_all_seen(witness, result)
     except Diverged as error:
         raise _not_the_same(flight.log, error.where) from None
+    except OutputError as error:
+        if not beside.exists():  # it has taken the old one's place, and has all that the old one had
+            raise
+        mend = f"Make room on the disk and resume it again: {flight.log.path} is as it was."
+        raise OutputError(error.problem, where=error.where, mend=mend) from error
     finally:
         beside.unlink(missing_ok=True)  # after an error in the first part; later it has its place
     taken = audited.handed_on + camera.taken

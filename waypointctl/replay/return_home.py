@@ -34,6 +34,7 @@ class ReturnEnding(StrEnum):
 
 _ENDINGS: Final = {
     EventKind.HOME_REACHED: ReturnEnding.REACHED,
+    EventKind.RETURN_FAILED: ReturnEnding.FAILED,
     EventKind.PLAN_FAILED: ReturnEnding.FAILED,
     EventKind.FALL: ReturnEnding.FALLEN,
     EventKind.LEG_STARTED: ReturnEnding.CALLED_OFF,

@@ -41,6 +41,7 @@ class CommandStory:
         attempts: how often it was sent.
         losses: how often the link lost it, which the operator is not told.
         acks: what has arrived of it at the operator, in order.
+        told: its end as telemetry told it first, and when, on the operator's clock [ns]; None where it never did.
     """
 
     id: int
@@ -53,6 +54,7 @@ class CommandStory:
     attempts: int
     losses: int
     acks: tuple[Ack, ...]
+    told: tuple[Stage, int] | None = None
 
     @property
     def downlink_ns(self) -> int | None:
@@ -72,12 +74,14 @@ class CommandStory:
     @property
     def heard(self) -> Stage:
         """The last stage that the operator has heard of; SENT before the first acknowledgement."""
-        return self.acks[-1].stage if self.acks else Stage.SENT
+        heard = self.acks[-1].stage if self.acks else Stage.SENT
+        return heard if heard in FINAL_STAGES or self.told is None else self.told[0]
 
     @property
     def concluded_ns(self) -> int | None:
         """When the operator heard that it had ended, on the operator's clock."""
-        return next((ack.received_ns for ack in self.acks if ack.stage in FINAL_STAGES), None)
+        ended_ns = next((ack.received_ns for ack in self.acks if ack.stage in FINAL_STAGES), None)
+        return self.told[1] if ended_ns is None and self.told is not None else ended_ns
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+from typing import Final
+
 import mjbatch
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +16,22 @@ FloatArray = NDArray[np.float64]
 Ids = NDArray[np.intp]
 
 
+MOST_THREADS: Final = 8  # by default; a control step of some hundred robots is too short to be shared by more
+
+_QUOTA: Final = Path("/sys/fs/cgroup/cpu.max")  # of a container: microseconds of processor time, of each period
+
+
+def default_threads() -> int:
+    """Return how many threads step a batch unless told: one for each core that this process may use, 8 at most."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    try:
+        quota, period = _QUOTA.read_text().split()
+        cores = min(cores, int(quota) // int(period))
+    except (OSError, ValueError):  # no container, or no limit: "max"
+        pass
+    return max(1, min(cores, MOST_THREADS))
+
+
 class RobotBatch:
     """N robots, each in a world of its own. Arrays are live views of the N states.
 
@@ -20,9 +40,9 @@ class RobotBatch:
     """
 
     def __init__(self, robot: Robot, num_robots: int, threads: int = 0) -> None:
-        """Make N worlds, stepped on `threads` threads (0: one a core)."""
+        """Make N worlds, stepped on `threads` threads (0: `default_threads()`); the states do not depend on it."""
         self.robot = robot
-        self._batch = mjbatch.Batch(robot.model, num_robots, num_threads=threads)
+        self._batch = mjbatch.Batch(robot.model, num_robots, num_threads=threads or default_threads())
         self.integration: FloatArray = self._batch.bind("state")  # (n, size of mjSTATE_INTEGRATION)
         self.qpos: FloatArray = self._batch.bind("qpos")  # (n, nq)
         self.qvel: FloatArray = self._batch.bind("qvel")  # (n, nv)

@@ -8,7 +8,7 @@ from typing import Final, Literal
 from pydantic import BaseModel, ConfigDict
 
 from waypointctl.log.messages import FINAL_STAGES, Ack, Event, EventKind, Message, State
-from waypointctl.ops.flight import FlightResult
+from waypointctl.ops.outcome import FlightResult
 from waypointctl.study.autonomy import AUTONOMIES
 from waypointctl.study.case import Case
 from waypointctl.units import seconds
@@ -68,7 +68,7 @@ class Measure:
 
     def flown(self, case: Case, result: FlightResult) -> Flown:
         """Return what has been measured of a flight that has ended as `result` says."""
-        time_s = seconds(result.sim_time_ns)
+        time_s = seconds(result.known_ns)
         return Flown(
             route=case.route,
             autonomy=case.autonomy,

@@ -84,7 +84,7 @@ class BatchedWaypointEnv:
             config: the task.
             num_robots: how many.
             seed: of every random stream.
-            threads: physics threads; 0 is one a core.
+            threads: physics threads; 0 is one a core, 8 at most.
             max_waypoints: the longest course that `begin` will be given; the config's count unless told.
             autoreset: begin a new episode in the step that ends one; without it ended robots are left to walk on.
         """

@@ -1,1 +1,7 @@
 """Training on stable-baselines3: recipes, the batched env as a VecEnv, checkpoints, export."""
+
+import os
+
+# OpenMP reads it once, when torch is imported. Without it a thread that waits for the others keeps its core, and beside
+# other work a training takes several times as long (bench/threads.py).
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")

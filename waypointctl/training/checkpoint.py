@@ -41,6 +41,7 @@ class Facts(BaseModel):
         wall_time_s: spent on training until then.
         selection: of the run, which need not be the file's.
         start: the policy that the run began with the weights of, which need not be there any more.
+        torch_threads: of the run, on which the weights depend; None of a version that did not record it.
         learner: its state.
     """
 
@@ -52,6 +53,7 @@ class Facts(BaseModel):
     wall_time_s: float
     selection: SelectionRecipe | None = None
     start: StartRecord | None = None
+    torch_threads: int | None = None
     learner: LearnerFacts
 
 
@@ -122,6 +124,8 @@ def load_checkpoint(learner: Learner, recipe_file: RecipeFile, folder: Path) -> 
         problem = f"the checkpoint does not fit this version of waypointctl: {error}"
         raise RecipeError(problem, where=str(folder), mend="Resume with the version it was made by.") from error
     learner.start = facts.start
+    if facts.torch_threads is not None:
+        learner.use_torch_threads(facts.torch_threads)
     return facts.wall_time_s
 
 
@@ -134,6 +138,7 @@ def _facts(learner: Learner, recipe_file: RecipeFile, wall_time_s: float, snapsh
         wall_time_s=wall_time_s,
         selection=recipe.selection,
         start=learner.start,
+        torch_threads=learner.threads.torch,
         learner=snapshot.facts,
     )
     return Facts.model_validate(facts.model_dump())  # with every field set, those at their defaults too

@@ -1,4 +1,4 @@
-"""Learning curves of one recipe trained with several seeds."""
+"""Learning curves of one recipe, trained with one seed or several."""
 
 from __future__ import annotations
 
@@ -6,15 +6,19 @@ import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.paths import write_whole
 from waypointctl.training.progress_file import ProgressRow
+from waypointctl.training.status import ENOUGH, WINDOW
 
 QUANTITIES: Final = ("success", "fall", "timeout")
-WINDOW: Final = 20  # rollouts that a rate is taken over, as "lately" in the training's own view
+CURVES: Final = "curves.csv"
+PICTURE: Final = "curves.png"
 
 _COUNTS: Final = {"success": "successes", "fall": "falls", "timeout": "timeouts"}
 
@@ -26,8 +30,8 @@ class Curves:
     Attributes:
         seeds: (n,)
         steps: (m,) control steps of all robots, at the end of each rollout that a seed came to.
-        rates: by quantity (n, m): of the episodes that ended in the last WINDOW rollouts; nan where none did, and
-            after a seed's training had ended.
+        rates: by quantity (n, m): of the episodes that ended in the last WINDOW rollouts; nan where fewer than ENOUGH
+            did, and after a seed's training had ended.
     """
 
     seeds: tuple[int, ...]
@@ -48,8 +52,22 @@ def curves(progress: Mapping[int, Sequence[ProgressRow]]) -> Curves:
         episodes = _windowed([row.episodes for row in rows])
         for quantity, name in _COUNTS.items():
             ended = _windowed([getattr(row, name) for row in rows])
-            rates[quantity][number, places] = np.where(episodes > 0, ended / np.maximum(episodes, 1), np.nan)
+            rates[quantity][number, places] = np.where(episodes >= ENOUGH, ended / np.maximum(episodes, 1), np.nan)
     return Curves(tuple(progress), steps, rates)
+
+
+def write_curves(folder: Path, recipe: str, progress: Mapping[int, Sequence[ProgressRow]]) -> None:
+    """Write the curves of runs, by seed, into a folder: CURVES and PICTURE.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    from waypointctl.training.curves_picture import draw_curves
+
+    found = curves(progress)
+    title = f"{recipe}, seed {found.seeds[0]}" if len(found.seeds) == 1 else f"{recipe}, {len(found.seeds)} seeds"
+    write_whole(folder / CURVES, curves_csv(found).encode(), "the curves")
+    write_whole(folder / PICTURE, draw_curves(found, title), "the picture")
 
 
 def curves_csv(found: Curves) -> str:

@@ -1,4 +1,4 @@
-"""Learning curves of several seeds as a picture."""
+"""Learning curves as a picture."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, PercentFormatter
 
 from waypointctl.figure import GREEN, VERMILION, picture
-from waypointctl.training.curves import WINDOW, Curves
+from waypointctl.training.curves import Curves
+from waypointctl.training.status import ENOUGH, WINDOW
 
 WIDTH: Final = 1600  # pixels
 HEIGHT: Final = 720
@@ -60,7 +61,11 @@ def _draw(axes: Axes, found: Curves, quantity: str) -> None:
     axes.xaxis.set_major_formatter(EngFormatter(sep=" "))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.grid(alpha=0.2)
-    axes.legend(loc="best", frameon=False)
+    if np.isnan(rates).all():
+        note = f"no rate: in no {WINDOW} rollouts did {ENOUGH} episodes end"
+        axes.text(0.5, 0.5, note, transform=axes.transAxes, ha="center", va="center")
+    else:
+        axes.legend(loc="best", frameon=False)
 
 
 def _once(label: str, seed: int, found: Curves) -> str:

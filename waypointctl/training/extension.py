@@ -37,7 +37,7 @@ def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -
         recipe_file: the longer recipe.
         source: the run to go on from; it stays as it is.
         run: the new run's folder, without checkpoints.
-        threads: of physics and of torch; 0 is one a core.
+        threads: of physics and of torch; 0 is the default, or those of the run that is gone on from.
 
     Raises:
         RecipeError: `source` is no run, or its recipe is not this one's beginning, or it has no checkpoint in the part

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import torch
@@ -12,10 +13,14 @@ from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
 from waypointctl.policy.manifest import StartRecord
+from waypointctl.sim.batch import default_threads
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.training.recipe import Recipe
+from waypointctl.training.status import Threads
 from waypointctl.training.vec_env import BatchedVecEnv
 
+# Layers of 128 gain little from more than one thread, and lose much beside other work (bench/threads.py).
+TORCH_THREADS: Final = 1
 ACTIVATIONS: Final = {"elu": nn.ELU, "tanh": nn.Tanh, "relu": nn.ReLU}
 
 
@@ -29,16 +34,22 @@ class Learner:
         normaliser: of the observations, around `robots`.
         ppo: the algorithm, with policy and optimiser.
         start: the policy that it began with the weights of, if it did.
+        threads: that it is trained with.
     """
 
     def __init__(self, recipe: Recipe, threads: int) -> None:
-        """Begin a training. threads: of physics and of torch; 0 is one a core."""
-        if threads:
-            torch.set_num_threads(threads)
+        """Begin a training.
+
+        Args:
+            recipe: what to follow.
+            threads: of physics and of torch; 0 is the default: `default_threads()` of physics, TORCH_THREADS of torch.
+        """
+        self.threads = Threads(threads or default_threads(), threads or TORCH_THREADS, asked=threads > 0)
+        torch.set_num_threads(self.threads.torch)
         self.recipe = recipe
         self.start: StartRecord | None = None
         ppo, net = recipe.ppo, recipe.network
-        self.env = BatchedWaypointEnv(recipe.task(0), ppo.robots, recipe.seed, threads=threads)
+        self.env = BatchedWaypointEnv(recipe.task(0), ppo.robots, recipe.seed, threads=self.threads.physics)
         self.robots = BatchedVecEnv(self.env, ppo.reward_scale)
         self.normaliser = VecNormalize(self.robots, norm_reward=False, clip_obs=ppo.clip_observation)
         self.ppo = PPO(
@@ -63,6 +74,11 @@ class Learner:
             device="cpu",
             verbose=0,
         )
+
+    def use_torch_threads(self, number: int) -> None:
+        """Go on with as many threads of the network as the run began with, unless another number was asked for."""
+        self.threads = replace(self.threads, began=number, torch=self.threads.torch if self.threads.asked else number)
+        torch.set_num_threads(self.threads.torch)
 
     @property
     def steps(self) -> int:

@@ -37,6 +37,7 @@ class GroupFile(BaseModel):
     recipe_sha256: str
     phase_steps: list[int]
     selection: SelectionRecipe | None
+    threads: int = 0  # that were asked for; 0 is the default
 
 
 def group_place(name: str, runs: Path, out: Path | None, *, resume: bool) -> Path:
@@ -82,8 +83,14 @@ def is_complete(run: Path) -> bool:
     return (run / EVALUATION).is_file()
 
 
-def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int]) -> None:
+def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int], threads: int = 0) -> None:
     """Write down what a group's runs are to do; none may have begun, nor may the folder be another training's.
+
+    Args:
+        recipe_file: the recipe of all runs.
+        group: the folder of the runs.
+        seeds: a run each.
+        threads: that were asked for; 0 is the default.
 
     Raises:
         OutputError: one has, the folder is of another training or a policy, or it cannot be written.
@@ -100,6 +107,7 @@ def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int]) -> N
         recipe_sha256=recipe_file.sha256,
         phase_steps=[phase.steps for phase in recipe.phases],
         selection=recipe.selection,
+        threads=threads,
     )
     try:
         group.mkdir(parents=True, exist_ok=True)
@@ -109,8 +117,8 @@ def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int]) -> N
     write_whole(group / RECIPE, recipe_file.source, "the recipe")
 
 
-def group_begun_as(recipe_file: RecipeFile, group: Path) -> RecipeFile:
-    """Return the recipe with the steps and the selection that a group began with.
+def group_begun_as(recipe_file: RecipeFile, group: Path) -> tuple[RecipeFile, int]:
+    """Return the recipe with the steps and the selection that a group began with, and its number of threads.
 
     Raises:
         RecipeError: the folder is no group, or one of another recipe.
@@ -124,4 +132,4 @@ def group_begun_as(recipe_file: RecipeFile, group: Path) -> RecipeFile:
         mend = f"Resume with {group / RECIPE}, the recipe as it was when the group began, or begin another."
         raise RecipeError(f"the group was made by another recipe than {recipe_file.path}", where=str(group), mend=mend)
     recipe = recipe_file.recipe.with_phase_steps(plan.phase_steps).model_copy(update={"selection": plan.selection})
-    return replace(recipe_file, recipe=recipe)
+    return replace(recipe_file, recipe=recipe), plan.threads

@@ -10,16 +10,13 @@ from typing import Any, Final, TypeAlias
 
 from waypointctl.errors import RecipeError
 from waypointctl.paths import write_whole
-from waypointctl.training.curves import curves, curves_csv
-from waypointctl.training.curves_picture import draw_curves
+from waypointctl.training.curves import write_curves
 from waypointctl.training.progress_file import PROGRESS, ProgressRow, read_progress
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.run_folder import newest_checkpoint
 from waypointctl.training.seed_group import is_complete, run_of
 from waypointctl.training.seed_result import SeedResult, Spread, seed_result, spreads
 
-CURVES: Final = "curves.csv"
-PICTURE: Final = "curves.png"
 RESULTS: Final = "seeds.json"
 
 TrainOne: TypeAlias = Callable[[RecipeFile, Path, bool], bool]  # (recipe, run, resume) -> whether it came to its end
@@ -81,11 +78,7 @@ def compare(recipe_file: RecipeFile, seeds: Sequence[int], group: Path) -> Seeds
         OutputError: the files cannot be written.
     """
     results = tuple(seed_result(run_of(group, seed), seed) for seed in seeds)
-    found = curves({seed: _rows(run_of(group, seed)) for seed in seeds})
-    name = recipe_file.recipe.name
-    title = f"{name}, seed {seeds[0]}" if len(seeds) == 1 else f"{name}, {len(seeds)} seeds"
-    write_whole(group / CURVES, curves_csv(found).encode(), "the curves")
-    write_whole(group / PICTURE, draw_curves(found, title), "the picture")
+    write_curves(group, recipe_file.recipe.name, {seed: _rows(run_of(group, seed)) for seed in seeds})
     compared = SeedsResult(results, spreads(results))
     write_whole(group / RESULTS, f"{json.dumps(compared.to_dict(), indent=2)}\n".encode(), "the results")
     return compared

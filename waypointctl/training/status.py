@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import Final, TypeAlias
+
+WINDOW: Final = 20  # rollouts that a rate is taken over
+ENOUGH: Final = 20  # episodes; of fewer, most of them short because they failed, a rate says little
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +21,8 @@ class TrainingStatus:
         elapsed_s: wall time of training so far, earlier sessions of a resumed one counted in.
         steps_per_s: lately.
         phase: number of the recipe's phase, from 0.
-        episodes: that ended lately; the rates are of these and None where there were none.
+        episodes: that ended in the last WINDOW rollouts; the rates are of these, and None as long as they are fewer
+            than ENOUGH.
         success_rate: of whole courses walked, actions drawn at random as training does.
         fall_rate: of episodes.
         timeout_rate: of episodes.
@@ -101,5 +105,39 @@ class StartedFrom:
     others: tuple[tuple[str, str], ...]
 
 
-News: TypeAlias = TrainingStatus | CheckpointSaved | CheckpointTesting | CheckpointTested | StartedFrom
+@dataclass(frozen=True, slots=True)
+class Threads:
+    """How many threads a training uses.
+
+    Attributes:
+        physics: of the simulation; the weights do not depend on it.
+        torch: of the network; the weights depend on it in their last bits.
+        asked: whether somebody asked for this number; otherwise it is the default, or the resumed run's.
+        began: `torch` of the run that is resumed; None for a new run, and where its checkpoint does not say.
+    """
+
+    physics: int
+    torch: int
+    asked: bool
+    began: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Resumed:
+    """Training goes on from a checkpoint.
+
+    Attributes:
+        steps: of the checkpoint.
+        total_steps: in the recipe.
+        complete: whether nothing is left to train.
+    """
+
+    steps: int
+    total_steps: int
+    complete: bool
+
+
+News: TypeAlias = (
+    Threads | Resumed | TrainingStatus | CheckpointSaved | CheckpointTesting | CheckpointTested | StartedFrom
+)
 Watch: TypeAlias = Callable[[News], None]

@@ -87,7 +87,7 @@ class Tester:
         Args:
             selection: what is found goes there.
             suite: the paths.
-            threads: of the physics; 0 is one a core.
+            threads: of the physics; 0 is one a core, 8 at most.
             begun_s: when training began, on the clock of time.monotonic, earlier sessions counted in.
             watch: told how it goes.
             interrupted: asked while testing; True ends it.

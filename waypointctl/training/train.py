@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from waypointctl.errors import OutputError
+from waypointctl.errors import InputError, OutputError
 from waypointctl.evaluation.evaluate import Progress
-from waypointctl.evaluation.result import EVALUATION, Evaluation
+from waypointctl.evaluation.result import EVALUATION, Evaluation, read_evaluation
 from waypointctl.evaluation.saved import remove_outdated
 from waypointctl.evaluation.suite import load_suite
 from waypointctl.paths import refuse_unwritable_folder, write_whole
@@ -25,7 +25,7 @@ from waypointctl.training.run_folder import RECIPE, checkpoint_at, held, newest_
 from waypointctl.training.scalars import scalar_logger
 from waypointctl.training.selection import Selection, with_record
 from waypointctl.training.start_from import start_from
-from waypointctl.training.status import CheckpointSaved, Watch
+from waypointctl.training.status import CheckpointSaved, Resumed, Threads, Watch
 from waypointctl.training.testing import Tester, evaluate_unless, selection_suite
 from waypointctl.training.watcher import Watcher
 
@@ -41,6 +41,8 @@ class Trained:
         steps: that training went on for; the policy's own are fewer if an earlier checkpoint was selected.
         wall_time_s: of all sessions, without the evaluation.
         selection: the checkpoints that were tested, where the recipe wants that.
+        threads: that were used.
+        complete_before: a training was resumed that had come to its end already.
     """
 
     policy: LoadedPolicy
@@ -49,6 +51,8 @@ class Trained:
     steps: int
     wall_time_s: float
     selection: Selection | None
+    threads: Threads
+    complete_before: bool
 
 
 def train(
@@ -71,7 +75,7 @@ def train(
         recipe_file: what to do.
         out: where the finished bundle goes, with its recipe and evaluation; what is there is replaced.
         run: the run's folder, for checkpoints, progress and TensorBoard scalars.
-        threads: of physics and of torch; 0 is one a core.
+        threads: of physics and of torch; 0 is the default, or those that the resumed run was trained with.
         resume: go on from the newest checkpoint in `run`.
         watch: told how it goes.
         evaluating: told how the evaluation goes.
@@ -87,21 +91,29 @@ def train(
     with held(run):
         learner = Learner(recipe_file.recipe, threads)
         begun_s = time.monotonic() - _begin(learner, recipe_file, run, resume, watch)
+        watch(learner.threads)
         tester = None
+        complete = resume and learner.steps >= recipe_file.recipe.total_steps
         if (suite := selection_suite(recipe_file, run, resume=resume)) and (plan := recipe_file.recipe.selection):
             selection = Selection(plan, run, learner.steps, suite.name)
+            complete = complete or (resume and selection.met)
             tester = Tester(selection, suite, threads=threads, begun_s=begun_s, watch=watch, interrupted=interrupted)
+        if resume:
+            watch(Resumed(learner.steps, recipe_file.recipe.total_steps, complete))
         watcher = _learn(learner, recipe_file, run, begun_s, tester, watch, interrupted)
         wall_time_s = time.monotonic() - begun_s
         folder, policy, steps = _chosen(watcher, tester, run)
         evaluation = None
         if not watcher.interrupted:
-            evaluation = _evaluate(policy, recipe_file, threads, evaluating, interrupted)
+            kept = _kept_evaluation(policy, recipe_file, out) if complete else None
+            evaluation = kept or _evaluate(policy, recipe_file, threads, evaluating, interrupted)
         tested = tester.selection if tester else None
         if evaluation is None:
-            return Trained(load_policy(folder), folder, None, steps, wall_time_s, tested)
-        _finish(policy, recipe_file, evaluation, out)
-        return Trained(policy, out, evaluation, steps, wall_time_s, tested)
+            policy = load_policy(folder)
+        else:
+            _finish(policy, recipe_file, evaluation, out)
+            folder = out
+        return Trained(policy, folder, evaluation, steps, wall_time_s, tested, learner.threads, complete)
 
 
 def _begin(learner: Learner, recipe_file: RecipeFile, run: Path, resume: bool, watch: Watch) -> float:
@@ -177,6 +189,18 @@ def _evaluate(
     """Return how the policy does on the paper's cases, None if that was interrupted."""
     plan = recipe_file.recipe.evaluation
     return evaluate_unless(interrupted, policy, load_suite("paper"), plan.trials, plan.seed, threads, evaluating)
+
+
+def _kept_evaluation(policy: LoadedPolicy, recipe_file: RecipeFile, out: Path) -> Evaluation | None:
+    """Return the evaluation that a complete training left in `out`, None if it is not this policy's in these trials."""
+    plan = recipe_file.recipe.evaluation
+    try:
+        found = read_evaluation(out / EVALUATION)
+    except InputError:
+        return None
+    asked = ("paper", plan.seed, policy.sha256, {plan.trials})
+    kept = (found.suite, found.seed, found.policy_sha256, {case.trials for case in found.cases})
+    return found if kept == asked else None
 
 
 def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluation, out: Path) -> None:

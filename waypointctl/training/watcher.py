@@ -6,17 +6,14 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from typing import Final
 
 from stable_baselines3.common.callbacks import BaseCallback
 
 from waypointctl.training.learner import Learner
 from waypointctl.training.progress_file import ProgressFile, ProgressRow
-from waypointctl.training.status import CheckpointSaved, TrainingStatus, Watch
+from waypointctl.training.status import ENOUGH, WINDOW, CheckpointSaved, TrainingStatus, Watch
 from waypointctl.training.testing import Tester
 from waypointctl.training.vec_env import Tally
-
-WINDOW: Final = 20  # rollouts that "lately" looks back on
 
 
 @dataclass(slots=True)
@@ -153,17 +150,17 @@ class Watcher(BaseCallback):
     def _status(self, entropy: float) -> TrainingStatus:
         learner, tally = self._learner, self._recent.sum()
         phase, _ = learner.recipe.phase_at(learner.steps)
-        episodes = tally.episodes
+        enough = tally.episodes >= ENOUGH
         return TrainingStatus(
             steps=learner.steps,
             total_steps=learner.recipe.total_steps,
             elapsed_s=time.monotonic() - self._begun_s,
             steps_per_s=self._recent.steps_per_s,
             phase=phase,
-            episodes=episodes,
-            success_rate=tally.successes / episodes if episodes else None,
-            fall_rate=tally.falls / episodes if episodes else None,
-            timeout_rate=tally.timeouts / episodes if episodes else None,
+            episodes=tally.episodes,
+            success_rate=tally.successes / tally.episodes if enough else None,
+            fall_rate=tally.falls / tally.episodes if enough else None,
+            timeout_rate=tally.timeouts / tally.episodes if enough else None,
             mean_reward=tally.reward / tally.steps,
             learning_rate=learner.recipe.learning_rate_at(learner.steps),
             entropy=entropy,

@@ -201,6 +201,7 @@ def test_its_state_is_plain_data_and_says_all_of_it(rig: Rig) -> None:
         "on_failure": "skip",
         "released": True,
         "over": False,
+        "alone": False,
     }
     del state["plan"]
     assert state == {
@@ -219,6 +220,7 @@ def test_its_state_is_plain_data_and_says_all_of_it(rig: Rig) -> None:
         "suspended_ns": 0,
         "cause": "",
         "home_id": None,
+        "home_cause": "",
         "commands": {
             "records": {"1": {"stage": "started", "reason": "", "attempt": 1, "expires_ns": -1}},
             "pending": [],

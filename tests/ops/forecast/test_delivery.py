@@ -58,7 +58,7 @@ def test_what_is_likely_to_be_lost_is_found_with_a_number_of_retries_that_helps(
     (found,) = delivery_findings(mission, *asked(mission))
     assert (found.kind, found.path) == ("loss", ("commands", "retries"))
     assert found.text == (
-        "the plan and its answers get through with a probability of 40% at 0 retries, else the operator gives the "
+        "the plan gets through and is heard of with a probability of 40% at 0 retries, else the operator gives the "
         "mission up; with 8 it is 99.0%"
     )
     better = over(0.6, 0.0, 8, "mission")

@@ -48,7 +48,7 @@ def test_a_flight_takes_as_long_as_is_told(
     told = expected(mission, walking_speed(POLICY).mps, traffic_of(mission), "heading")
     flown = fly(mission, load_policy(POLICY), lambda _: None)
     assert flown.outcome == "success"
-    assert told.time_s == pytest.approx(flown.sim_time_ns / 1e9, rel=band)
+    assert told.time_s == pytest.approx(flown.known_ns / 1e9, rel=band)
 
 
 def test_a_thought_makes_the_pose_behind_a_goal_older() -> None:
@@ -59,7 +59,7 @@ def test_a_thought_makes_the_pose_behind_a_goal_older() -> None:
     assert quick is not None
     assert slow is not None
     assert slow > 1.2 * quick
-    assert seconds(fly(thinking, load_policy(POLICY), lambda _: None).sim_time_ns) == pytest.approx(slow, rel=0.15)
+    assert seconds(fly(thinking, load_policy(POLICY), lambda _: None).known_ns) == pytest.approx(slow, rel=0.15)
 
 
 def test_each_goal_of_move_and_wait_costs_a_round_trip_and_setting_out() -> None:

@@ -42,7 +42,7 @@ def test_contacts_that_are_too_short_are_found(up: str, found: list[str]) -> Non
     ("down", "found"),
     [
         ("queue: 10 B", []),  # what need not wait needs no queue
-        ("queue: 70 B, rate: 9600 bit/s", ["a frame of telemetry has 7\\d: what"]),
+        ("queue: 70 B, rate: 9600 bit/s", ["a frame of telemetry has 8\\d: what"]),
         ("queue: 60 B, windows: [{from: 1 s, to: 50 s}]", ["an acknowledgement has 64, a frame of telemetry has"]),
         (
             "rate: 1 kbit/s, windows: [{from: 0 s, to: 0.52 s}], windows_every: 1 s",

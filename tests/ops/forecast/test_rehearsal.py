@@ -70,7 +70,7 @@ def test_what_is_expected_never_to_succeed_fails_when_it_is_flown(text: str, sai
     assert not rehearsed.good
     assert rehearsed.reached == result.waypoints_reached
     if rehearsed.ends:
-        assert rehearsed.time_s == pytest.approx(seconds(result.sim_time_ns), rel=BAND, abs=0.9)
+        assert rehearsed.time_s == pytest.approx(seconds(result.known_ns), rel=BAND, abs=0.9)
 
 
 # What a schedule makes longer or shorter, and good all the same.
@@ -93,7 +93,7 @@ def test_what_a_schedule_adds_is_counted(text: str, policy: LoadedPolicy) -> Non
     assert found.not_counted == ()
     result = fly(mission, policy, lambda _: None)
     assert result.outcome == "success", result.reason
-    assert found.own.time_s == pytest.approx(seconds(result.sim_time_ns), rel=BAND)
+    assert found.own.time_s == pytest.approx(seconds(result.known_ns), rel=BAND)
 
 
 @pytest.mark.parametrize("name", ["hold-and-resume", "released-in-stages"])
@@ -102,7 +102,7 @@ def test_the_shipped_schedules_are_counted(name: str, policy: LoadedPolicy) -> N
     result = fly(mission, policy, lambda _: None)
     found = told(mission)
     assert found.findings == ()
-    assert found.own.time_s == pytest.approx(seconds(result.sim_time_ns), rel=BAND)
+    assert found.own.time_s == pytest.approx(seconds(result.known_ns), rel=BAND)
 
 
 def test_the_first_command_after_which_nothing_helps_is_to_blame() -> None:

@@ -19,7 +19,8 @@ from waypointctl.log.messages import (
     Stage,
     Telemetry,
 )
-from waypointctl.ops.ground.dispatcher import UNANSWERED, Dispatcher, Insistence
+from waypointctl.ops.ground.dispatcher import UNANSWERED, Dispatcher
+from waypointctl.ops.ground.insistence import Insistence
 from waypointctl.ops.ground.order import Order
 from waypointctl.ops.link.direction import NEVER, NOISE, QUEUE_FULL, Fate
 
@@ -100,10 +101,9 @@ def test_a_lost_command_is_sent_again_under_its_id_and_the_loss_is_on_the_links_
 def test_a_command_is_given_up_after_its_retries() -> None:
     dispatcher, told = ground(Channel(lose=[True] * 9), retries=2)
     dispatcher.issue(0, HOLD)
-    given_up: list[int] = []
     while dispatcher.wake_ns is not None:
-        given_up += dispatcher.wake(dispatcher.wake_ns)
-    assert given_up == [1]
+        dispatcher.wake(dispatcher.wake_ns)
+    assert dispatcher.unanswered == (1,)
     assert [attempt for _, stage, attempt in stages(told) if stage is Stage.QUEUED] == [1, 2, 3]
     unknown = [one.reason for one in told if isinstance(one, CommandStage) and one.stage is Stage.UNKNOWN]
     assert unknown == [UNANSWERED] * 3
@@ -112,10 +112,9 @@ def test_a_command_is_given_up_after_its_retries() -> None:
 def test_an_expired_command_is_not_sent_again() -> None:
     dispatcher, told = ground(Channel(lose=[True] * 9))
     dispatcher.issue(0, Order(CommandKind.HOLD, expires_ns=ROUND_TRIP_NS))
-    given_up: list[int] = []
     while dispatcher.wake_ns is not None:
-        given_up += dispatcher.wake(dispatcher.wake_ns)
-    assert given_up == [1]
+        dispatcher.wake(dispatcher.wake_ns)
+    assert dispatcher.unanswered == (1,)
     assert max(attempt for _, _, attempt in stages(told)) == 1
 
 
@@ -210,7 +209,6 @@ def test_each_command_ends_acknowledged_or_given_up(
     dispatcher, told = ground(channel, retries)
     due = [sum(gaps[: i + 1]) for i in range(len(gaps))]
     answers: list[tuple[int, Ack]] = []
-    given_up: list[int] = []
     heard: set[int] = set()
     read = 0
     while due or answers or dispatcher.wake_ns is not None:
@@ -227,15 +225,15 @@ def test_each_command_ends_acknowledged_or_given_up(
         while due and due[0] == now:
             due.pop(0)
             dispatcher.issue(now, HOLD)
-        given_up += dispatcher.wake(now)
+        dispatcher.wake(now)
         for command in channel.arrived[read:]:
             if not (lost_down and lost_down.pop(0)):
                 answers.append((command.received_ns + DELAY_NS, ack(Stage.COMPLETED, command.id)))
         read = len(channel.arrived)
     times = [one.time_ns for one in told]
     assert times == sorted(times), "told in the order of time"
-    assert heard | set(given_up) == set(range(1, len(gaps) + 1))
-    for command_id in given_up:
+    assert heard | set(dispatcher.unanswered) == set(range(1, len(gaps) + 1))
+    for command_id in dispatcher.unanswered:
         assert (
             sum(
                 one.command_id == command_id and one.stage is Stage.QUEUED

@@ -84,7 +84,7 @@ def test_where_nothing_is_told_the_ground_waits_for_as_long_as_an_answer_takes()
 
 def test_the_link_takes_nothing_of_the_time_of_a_leg_that_is_steered_continuously() -> None:
     text = "autonomy: heading\ndefaults: {timeout: 30 s}\noperator: {steering: continuous, update_rate: 1 Hz}"
-    operator = HeadingOperator(mission_text(text), answer_by)
+    operator = HeadingOperator(mission_text(text), LegClock(answer_by))
     operator.issued(1, operator.begin()[0])
     for second in range(1, 70):
         if second == 40:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from tests.ops.flying import OUT_OF_REACH, UNDER_FOOT, flown, mission_of
+from tests.ops.flying import OUT_OF_REACH, UNDER_FOOT, flown, mission_of, only
 from tests.ops.ground.missions import frame
-from waypointctl.log.messages import Mode
-from waypointctl.ops.ground.standstill import why_it_stands
+from waypointctl.log.messages import Mode, Telemetry
+from waypointctl.ops.ground.standstill import where_it_is, why_it_stands
 
 FAR = OUT_OF_REACH | {"name": "far"}
-YARD = {"keep_in": [{"center_m": [0.0, 0.0], "radius_m": 20.0}]}
 
 
 @pytest.mark.parametrize("autonomy", ["mission", "waypoint", "heading"])
@@ -40,46 +40,68 @@ def test_a_mission_whose_time_is_over_first_says_it_too() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "place", "said"),
+    ("cause", "said"),
     [
-        ({"onboard": {"geofence": YARD}}, (25.0, 0.0), "the robot stands where it is outside keep-in"),
+        ("geofence: the robot is outside keep-in", "the robot holds by its geofence: the robot is outside keep-in"),
+        ("link lost", "the robot holds because it hears nothing from the ground"),
+        ("leg failed: far timeout", "the robot holds after a failed leg at far"),
+        ("at home: stuck", "the robot is at home, where a rule on board has sent it (stuck)"),
+        ("", "the robot stands by a rule on board"),
+    ],
+)
+def test_each_rule_has_its_words(cause: str, said: str) -> None:
+    assert why_it_stands(mission_of(FAR), replace(frame(mode=Mode.SAFE), cause=cause)) == said
+
+
+@pytest.mark.parametrize(
+    ("changes", "cause", "ends"),
+    [
+        ({"on_failure": "hold"}, "leg failed: far timeout", "after a failed leg at far, and nobody tells it to go on"),
+        ({"on_failure": "return_home"}, "at home: timeout", "the robot is at home, at"),
         (
-            {"onboard": {"link_loss": {"after_s": 5.0, "do": "hold"}}},
-            (3.0, 0.0),
-            "the robot holds because it hears nothing from the ground",
+            {"onboard": {"link_loss": {"after_s": 0.5, "do": "hold"}}},
+            "link lost",
+            "the robot holds because it hears nothing from the ground, and nobody tells it to go on",
         ),
         (
-            {"on_failure": {"then": "return_home"}},
-            (0.3, 0.2),
-            "the robot is at home, where a rule on board has sent it",
-        ),
-        (
-            {"on_failure": {"then": "return_home"}},
-            (9.0, 0.0),
-            "the robot stands by a rule on board (on_failure: return_home)",
-        ),
-        (
-            {"onboard": {"geofence": {"keep_out": [{"name": "rock", "center_m": [5.0, 0.0], "radius_m": 1.0}]}}},
-            (6.4, 0.0),
-            "the robot holds by the fence, just beside a place that is inside keep-out rock",
-        ),
-        (
-            {"onboard": {"geofence": YARD}, "on_failure": {"then": "hold"}},
-            (19.5, 0.0),
-            "the robot holds after a failed leg at far, or by the fence, just beside a place that is outside keep-in",
-        ),
-        (
-            {"onboard": {"geofence": YARD}},
-            (3.0, 0.0),
-            "the robot stands by a rule on board (onboard.geofence.do: hold)",
+            {"onboard": {"link_loss": {"after_s": 0.5, "do": "return_home"}}},
+            "at home: link lost",
+            "the robot is at home",
         ),
     ],
 )
-def test_each_rule_has_its_words(changes: dict[str, Any], place: tuple[float, float], said: str) -> None:
-    assert why_it_stands(mission_of(FAR, **changes), frame(*place, mode=Mode.SAFE)) == said
+def test_telemetry_tells_which_rule_acted_although_several_might_have(
+    changes: dict[str, Any], cause: str, ends: str
+) -> None:
+    yard = {"geofence": {"keep_in": [{"center_m": [0.0, 0.0], "radius_m": 600.0}]}}
+    onboard = yard | changes.get("onboard", {})
+    result, messages = flown(mission_of(FAR, **(changes | {"onboard": onboard}), delay_ms=200))
+    assert only(Telemetry, messages)[-1].cause == cause
+    assert ends in result.reason
+    assert result.outcome == "failure"
 
 
 @pytest.mark.parametrize("mode", sorted(set(Mode) - {Mode.SAFE, Mode.PAUSED, Mode.WAITING}))
 def test_one_that_has_nothing_to_go_on_with_needs_no_words(mode: Mode) -> None:
     assert why_it_stands(mission_of(FAR), frame(mode=mode)) == ""
     assert why_it_stands(mission_of(FAR), None) == ""
+
+
+@pytest.mark.parametrize(
+    ("mode", "place", "cause", "went_home", "said"),
+    [
+        (Mode.FALLEN, (1.0, 2.0), "", True, "the robot has fallen at (1.00, 2.00) m"),
+        (Mode.WALKING, (1.0, 2.0), "", False, "the robot walks, at (1.00, 2.00) m"),
+        (Mode.RETURNING, (1.0, 2.0), "timeout", True, "the robot walks home, at (1.00, 2.00) m"),
+        (Mode.SAFE, (0.6, 0.1), "at home: stuck", True, "the robot is at home, at (0.60, 0.10) m"),
+        (Mode.IDLE, (0.6, 0.1), "", True, "the robot is at home, at (0.60, 0.10) m"),
+        (Mode.IDLE, (0.6, 0.1), "", False, "the robot stands at (0.60, 0.10) m"),
+        (Mode.PAUSED, (9.0, 0.1), "by command 3", True, "the robot stands at (9.00, 0.10) m"),
+    ],
+)
+def test_the_ground_says_where_the_robot_is(
+    mode: Mode, place: tuple[float, float], cause: str, went_home: bool, said: str
+) -> None:
+    told = replace(frame(*place, mode=mode), cause=cause)
+    assert where_it_is(mission_of(FAR), told, went_home=went_home) == said
+    assert where_it_is(mission_of(FAR), None, went_home=went_home) == ""

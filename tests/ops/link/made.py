@@ -23,6 +23,8 @@ ROUNDS = 60  # of windows that come again, in the oracle; more than any example 
 class Told:
     """Decides what it is told, in place of chance."""
 
+    loses_all = False
+
     def __init__(self, values: list[bool]) -> None:
         self._values = iter(values)
 

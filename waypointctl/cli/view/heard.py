@@ -6,7 +6,18 @@ import math
 from dataclasses import dataclass
 
 from waypointctl.display_text import printable
-from waypointctl.log.messages import Ack, Clock, CommandStage, Event, EventKind, Message, Stage, Telemetry
+from waypointctl.log.messages import (
+    FINAL_STAGES,
+    Ack,
+    Clock,
+    CommandStage,
+    CommandStatus,
+    Event,
+    EventKind,
+    Message,
+    Stage,
+    Telemetry,
+)
 from waypointctl.units import seconds
 
 
@@ -33,6 +44,8 @@ class Heard:
             case Telemetry():
                 if self._frame is None or message.issued_ns >= self._frame.issued_ns:
                     self._frame = message
+                for it in message.commands:
+                    self._learn(it, message.issued_ns)
             case Event(kind=EventKind.COMMAND_SENT):
                 what = printable(message.text.partition(": ")[2])
                 self._sent.setdefault(message.command_id, _Sent(what, message.time_ns))
@@ -40,6 +53,12 @@ class Heard:
                 self._reach(message.command_id, message.stage, message.reason, message.time_ns)
             case Ack():
                 self._reach(message.command_id, message.stage, message.reason, message.issued_ns)
+
+    def _learn(self, it: CommandStatus, issued_ns: int) -> None:
+        """Take what a frame of telemetry tells of a command, unless an acknowledgement of its end has come."""
+        sent = self._sent.get(it.command_id)
+        if sent is not None and sent.stage not in FINAL_STAGES and issued_ns > sent.told_ns and it.stage != sent.stage:
+            self._reach(it.command_id, it.stage, it.reason, issued_ns)
 
     def status(self, now_ns: int) -> list[str]:
         """Return what is known at a time on the operator's clock [ns], a line each."""

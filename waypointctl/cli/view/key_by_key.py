@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import termios
 import tty
+from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
@@ -33,4 +34,5 @@ class KeyByKey:
     ) -> None:
         """Leave the terminal as it was."""
         if self._before is not None:
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
+            with suppress(termios.error):  # the terminal is gone
+                termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from types import TracebackType
 from typing import Final, Self
 
+from waypointctl.cli.standard_streams import styled
 from waypointctl.cli.view.heard import Heard
 from waypointctl.cli.view.pace import Pace
 from waypointctl.cli.view.typed_lines import TypedLines
@@ -55,7 +56,6 @@ class Prompt:
         self._interrupted = interrupted
         self._taken: deque[str] = deque()
         self._has_begun = self._has_quit = False
-        self._readers = True
         self.restart()
 
     def __call__(self, message: Message) -> None:
@@ -160,10 +160,6 @@ class Prompt:
         self._taken.append(line)
 
     def _write(self, text: str) -> None:
-        if not self._readers:
-            return
-        try:
-            sys.stderr.write(text)
-            sys.stderr.flush()
-        except BrokenPipeError:
-            self._readers = False  # whoever read has gone; that is no reason to end the flight
+        stream = styled(sys.stderr)
+        stream.write(text)
+        stream.flush()

@@ -11,24 +11,28 @@ from typing import TYPE_CHECKING, Final, Protocol, Self
 
 from waypointctl.cli.console import console, is_live
 from waypointctl.cli.view.training_words import (
-    ENOUGH,
     count,
     done,
     lately,
     line,
     percent,
+    resumed_text,
     span,
     sparkline,
     started,
     tested,
+    threads_text,
 )
 from waypointctl.display_text import printable
 from waypointctl.training.status import (
+    ENOUGH,
     CheckpointSaved,
     CheckpointTested,
     CheckpointTesting,
     News,
+    Resumed,
     StartedFrom,
+    Threads,
     TrainingStatus,
 )
 
@@ -70,7 +74,6 @@ class PlainLines:
         self._trials = recipe.evaluation.trials
         self._next_s = 0.0
         self._unsaid: TrainingStatus | None = None
-        self._readers = True
 
     def __call__(self, news: News) -> None:
         """Take news of the training."""
@@ -105,12 +108,7 @@ class PlainLines:
             self._next_s = time.monotonic() + LINE_PERIOD_S
 
     def _say(self, text: str) -> None:
-        if not self._readers:
-            return
-        try:
-            print(printable(text), file=sys.stderr, flush=True)
-        except BrokenPipeError:
-            self._readers = False  # whoever read has gone; that is no reason to end the training
+        print(printable(text), file=sys.stderr, flush=True)
 
 
 class LivePanel:
@@ -127,7 +125,7 @@ class LivePanel:
         self._ascii_only = not people.encoding.lower().startswith("utf")
         self._status: TrainingStatus | None = None
         self._saved: CheckpointSaved | None = None
-        self._start = ""
+        self._start = self._threads = self._resumed = ""
         self._tested = ""
         self._testing = ""
         self._evaluation = ""
@@ -138,6 +136,10 @@ class LivePanel:
     def __call__(self, news: News) -> None:
         """Take news of the training."""
         match news:
+            case Threads():
+                self._threads = threads_text(news)
+            case Resumed():
+                self._resumed = resumed_text(news)
             case StartedFrom():
                 self._start = started(news)
             case CheckpointSaved():
@@ -198,11 +200,14 @@ class LivePanel:
         from rich.progress_bar import ProgressBar
 
         status = self._status
+        ahead = [(label, value) for label, value in (("resume", self._resumed), ("threads", self._threads)) if value]
         if status is None:
-            return [("", "making the robots")]
+            last = self._evaluation and [("evaluation", self._evaluation)]
+            return [*ahead, *(last or [("", "making the robots")])]
         bar = ProgressBar(status.total_steps, status.steps, width=columns)
         rows: list[tuple[str, RenderableType]] = [
             ("", bar),
+            *ahead,
             ("steps", f"{count(status.steps)} of {count(status.total_steps)}, {done(status):.1%}"),
             ("speed", f"{count(status.steps_per_s)} steps/s"),
             ("time", f"{span(status.elapsed_s)} elapsed, {span(status.remaining_s)} left"),

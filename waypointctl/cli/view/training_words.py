@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from waypointctl.training.status import CheckpointSaved, CheckpointTested, StartedFrom, TrainingStatus
+from waypointctl.training.status import (
+    ENOUGH,
+    CheckpointSaved,
+    CheckpointTested,
+    Resumed,
+    StartedFrom,
+    Threads,
+    TrainingStatus,
+)
 
 if TYPE_CHECKING:
     from waypointctl.training.selection import Selection
 
-ENOUGH: Final = 20  # episodes; of fewer, most of them short because they failed, a rate says little
 _BLOCKS: Final = "▁▂▃▄▅▆▇█"
 _PLAIN_BLOCKS: Final = "_.-=+*#%"
 
@@ -37,8 +44,7 @@ def percent(rate: float | None) -> str:
 
 def lately(status: TrainingStatus) -> tuple[tuple[str, float | None], ...]:
     """Return the rates of the episodes that ended lately, by name; None as long as too few have."""
-    rates = (("success", status.success_rate), ("fall", status.fall_rate), ("timeout", status.timeout_rate))
-    return tuple((name, rate if status.episodes >= ENOUGH else None) for name, rate in rates)
+    return ("success", status.success_rate), ("fall", status.fall_rate), ("timeout", status.timeout_rate)
 
 
 def done(status: TrainingStatus) -> float:
@@ -78,8 +84,30 @@ def outcome(selection: Selection, total_steps: int) -> str:
     return chosen if plan.stop_at is None else f"target of {plan.stop_at:.4g} not met in {total_steps} steps; {chosen}"
 
 
-def line(news: TrainingStatus | CheckpointSaved | CheckpointTested | StartedFrom, phases: int) -> str:
+def threads_text(threads: Threads) -> str:
+    """Return how many threads a training uses, and why so many."""
+    found = f"{threads.physics} of the physics, {threads.torch} of the network"
+    if threads.began is not None and threads.began != threads.torch:
+        return f"{found}; the run began with {threads.began}, so its weights will not be bit-exact"
+    if threads.asked:
+        return found
+    return f"{found}, {'the default' if threads.began is None else 'as the run began'}"
+
+
+def resumed_text(news: Resumed) -> str:
+    """Return where a training goes on, or that it is complete."""
+    at = f"step {news.steps} of {news.total_steps}"
+    return f"the training is complete at {at}; nothing is left to train" if news.complete else f"resumed at {at}"
+
+
+def line(
+    news: Threads | Resumed | TrainingStatus | CheckpointSaved | CheckpointTested | StartedFrom, phases: int
+) -> str:
     """Return one line; `phases` is how many the recipe has."""
+    if isinstance(news, Threads):
+        return f"threads    {threads_text(news)}"
+    if isinstance(news, Resumed):
+        return f"resume     {resumed_text(news)}"
     if isinstance(news, CheckpointSaved):
         return f"checkpoint {news.folder}"
     if isinstance(news, CheckpointTested):

@@ -50,19 +50,14 @@ class PlainLines:
     def __init__(self, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> None:
         """Begin with the waypoints of the mission, and what else it has fixed beforehand."""
         self._waypoints, self._setting = tuple(waypoints), setting
-        self._readers = True
         self.restart()
 
     def __call__(self, message: Message) -> None:
         """Take one message."""
         self.chronicle(message)
         told = happening(message)
-        if told is None or not self._readers:
-            return
-        try:
+        if told is not None:
             print(told.line, file=sys.stderr, flush=True)
-        except BrokenPipeError:
-            self._readers = False  # whoever read has gone; that is no reason to end the flight
 
     def __enter__(self) -> Self:
         """Begin."""

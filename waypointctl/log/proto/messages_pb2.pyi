@@ -395,6 +395,32 @@ class Telemetry(_message.Message):
 
     DESCRIPTOR: _descriptor.Descriptor
 
+    @_typing.final
+    class CommandStatus(_message.Message):
+        """What a command had come to when the frame was sampled."""
+
+        DESCRIPTOR: _descriptor.Descriptor
+
+        COMMAND_ID_FIELD_NUMBER: _builtins.int
+        STAGE_FIELD_NUMBER: _builtins.int
+        REASON_FIELD_NUMBER: _builtins.int
+        command_id: _builtins.int
+        stage: _builtins.str
+        reason: _builtins.str
+        """empty, or why it was rejected or failed"""
+        def __init__(
+            self,
+            *,
+            command_id: _builtins.int = ...,
+            stage: _builtins.str = ...,
+            reason: _builtins.str = ...,
+        ) -> None: ...
+        _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+        def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["command_id", b"command_id", "reason", b"reason", "stage", b"stage"]  # noqa: Y015
+        def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+        def WhichOneof(self, oneof_group: _Never) -> None: ...
+
     FRAME_FIELD_NUMBER: _builtins.int
     MODE_FIELD_NUMBER: _builtins.int
     X_M_FIELD_NUMBER: _builtins.int
@@ -407,6 +433,8 @@ class Telemetry(_message.Message):
     ISSUED_NS_FIELD_NUMBER: _builtins.int
     RECEIVED_NS_FIELD_NUMBER: _builtins.int
     DELAY_S_FIELD_NUMBER: _builtins.int
+    COMMANDS_FIELD_NUMBER: _builtins.int
+    CAUSE_FIELD_NUMBER: _builtins.int
     frame: _builtins.int
     mode: _builtins.str
     x_m: _builtins.float
@@ -422,9 +450,15 @@ class Telemetry(_message.Message):
     """by the operator"""
     delay_s: _builtins.float
     """received - issued"""
+    cause: _builtins.str
+    """why it stands or walks home, where a rule or a command says so"""
     @_builtins.property
     def reached(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
         """indices of the waypoints reached so far"""
+
+    @_builtins.property
+    def commands(self) -> _containers.RepeatedCompositeFieldContainer[Global___Telemetry.CommandStatus]:
+        """those that have not ended and those that ended last, three at most"""
 
     def __init__(
         self,
@@ -441,10 +475,12 @@ class Telemetry(_message.Message):
         issued_ns: _builtins.int = ...,
         received_ns: _builtins.int = ...,
         delay_s: _builtins.float = ...,
+        commands: _abc.Iterable[Global___Telemetry.CommandStatus] | None = ...,
+        cause: _builtins.str = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["delay_s", b"delay_s", "frame", b"frame", "heading_rad", b"heading_rad", "issued_ns", b"issued_ns", "mode", b"mode", "reached", b"reached", "received_ns", b"received_ns", "speed_mps", b"speed_mps", "target", b"target", "x_m", b"x_m", "y_m", b"y_m", "z_m", b"z_m"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["cause", b"cause", "commands", b"commands", "delay_s", b"delay_s", "frame", b"frame", "heading_rad", b"heading_rad", "issued_ns", b"issued_ns", "mode", b"mode", "reached", b"reached", "received_ns", b"received_ns", "speed_mps", b"speed_mps", "target", b"target", "x_m", b"x_m", "y_m", b"y_m", "z_m", b"z_m"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 

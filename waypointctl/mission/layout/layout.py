@@ -31,14 +31,19 @@ def laid_out(source: bytes, where: str) -> bytes:
     if reading.model is None:
         raise as_error(reading.problems, MissionError)
     text = source.removeprefix(BOM_UTF8).decode().replace("\r\n", "\n").replace("\r", "\n")
-    root = read_nodes(text)
-    around = attach_comments(text, root)
-    sort_keys(root, Mission)
-    written = write_nodes(root, around, text)
+    written = written_again(text)
     if not _says_the_same(text, written):
         problem = "is written in a way that could not be laid out without changing it; left as it is"
         raise MissionError(problem, where=where, mend="Write long texts in double quotes, and comments between keys.")
     return written.encode()
+
+
+def written_again(text: str) -> str:
+    """Return a mission's text in its one layout, without looking whether it still says the same."""
+    root = read_nodes(text)
+    around = attach_comments(text, root)
+    sort_keys(root, Mission)
+    return write_nodes(root, around, text)
 
 
 def _says_the_same(text: str, written: str) -> bool:

@@ -142,7 +142,7 @@ def _nothing_held(walk: Walk, command: Command) -> str:
 def _skip(walk: Walk, now_ns: int, command: Command) -> None:
     item = _meant(walk, command)
     assert item is not None
-    walk.pass_over(now_ns, item)
+    walk.pass_over(now_ns, item, by(command.id))
 
 
 def _meant(walk: Walk, command: Command) -> Item | None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from waypointctl.log.messages import (
     Command,
     CommandStage,
+    CommandStatus,
     Event,
     EventKind,
     Mode,
@@ -25,7 +26,7 @@ from waypointctl.ops.executive.arguments import wrong_arguments
 from waypointctl.ops.executive.commands import KINDS, by, names_of, take_back
 from waypointctl.ops.executive.judgement import OBSERVATION_NS, judge
 from waypointctl.ops.executive.life import Life
-from waypointctl.ops.executive.machine import ON_FOOT, TRANSITIONS, Signal
+from waypointctl.ops.executive.machine import BUSY, ON_FOOT, TRANSITIONS, Signal
 from waypointctl.ops.executive.rules import FALL, FLIGHT_ENDED, Rules
 from waypointctl.ops.executive.start import is_overtaken, start
 from waypointctl.ops.executive.walk import Walk
@@ -83,6 +84,11 @@ class Executive:
     def reached(self) -> tuple[int, ...]:
         """The waypoints reached so far: indices in the mission, each once, in order."""
         return self._walk.reached
+
+    @property
+    def num_reached(self) -> int:
+        """How many waypoints have been reached."""
+        return len(self._walk.reached)
 
     @property
     def goals(self) -> FloatArray:
@@ -180,9 +186,31 @@ class Executive:
 
     @property
     def plans(self) -> bool:
-        """Whether a robot that stands does something more by itself, while the link is no worse than it is."""
+        """Whether it does something more by itself, now or later, while the link is no worse than it is."""
         pending = self._life.pending and not self._link.keeps_still(self._walk)
-        return bool(pending) or self.mode in (Mode.HOLDING, Mode.OBSERVING) or self._life.next_expiry_ns is not None
+        return bool(pending) or self.mode in BUSY or self._life.next_expiry_ns is not None
+
+    @property
+    def waits_for_ground(self) -> bool:
+        """Whether it goes on as soon as anything is heard from the ground: a rule made it stand when nothing was."""
+        return self._link.lost and (bool(self._life.pending) or self._link.holds(self._walk))
+
+    @property
+    def gives_up_ns(self) -> int | None:
+        """Until when something has to be heard, or it gives up what it stands with and walks home [ns]; None: never."""
+        walk = self._walk
+        goes_home = walk.rules.on_link_loss == "return_home" and walk.home_id is None and bool(walk.under_way)
+        return self._link.deadline_ns(walk) if goes_home else None
+
+    @property
+    def cause(self) -> str:
+        """Why it stands or walks home, where a rule or a command says so."""
+        return self._walk.cause
+
+    @property
+    def statuses(self) -> tuple[CommandStatus, ...]:
+        """What a frame of telemetry tells of its commands."""
+        return self._life.statuses
 
     def release(self) -> None:
         """Stand: the ground, which had the motors, is gone."""

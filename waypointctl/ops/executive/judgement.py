@@ -12,7 +12,7 @@ from waypointctl.log.messages import EventKind, Mode, Severity
 from waypointctl.ops.executive.leg import Leg, Verdict
 from waypointctl.ops.executive.machine import ON_FOOT, Signal
 from waypointctl.ops.executive.plan import Item
-from waypointctl.ops.executive.rules import STUCK, TIMEOUT
+from waypointctl.ops.executive.rules import LEG_FAILED, STUCK, TIMEOUT
 from waypointctl.ops.executive.walk import BY_RULE, Walk
 from waypointctl.units import NS_PER_S, seconds
 
@@ -115,7 +115,7 @@ def _fail_leg(walk: Walk, now_ns: int, leg: Leg, code: str) -> None:
     kind = EventKind.WAYPOINT_STUCK if code == STUCK else EventKind.WAYPOINT_TIMEOUT
     walk.tell(now_ns, kind, f"{name} {why}", item, Severity.WARNING)
     if item is None:
-        walk.give_up(now_ns, code, "on the way home")
+        walk.give_up(now_ns, code)
     else:
         _follow_failure(walk, now_ns, item, code)
 
@@ -123,12 +123,12 @@ def _fail_leg(walk: Walk, now_ns: int, leg: Leg, code: str) -> None:
 def _follow_failure(walk: Walk, now_ns: int, item: Item, code: str) -> None:
     then = item.on_failure or walk.rules.then
     if then == "skip":
-        walk.pass_over(now_ns, item)
+        walk.pass_over(now_ns, item, code)
     elif then == "hold":
-        walk.suspend(now_ns, Signal.SECURE, f"{item.waypoint.name} {code}")
+        walk.suspend(now_ns, Signal.SECURE, f"{LEG_FAILED}{item.waypoint.name} {code}")
         walk.suspended = None  # the leg begins afresh, with its whole time
     elif then == "return_home":
         walk.fail_all(now_ns, code)
         walk.go_home(now_ns, BY_RULE, code)
     else:
-        walk.give_up(now_ns, code, f"at {item.waypoint.name}")
+        walk.give_up(now_ns, code)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import heapq
 from bisect import insort
+from collections import deque
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from itertools import islice
 from typing import Final
 
-from waypointctl.log.messages import FINAL_STAGES, Clock, Command, CommandStage, Stage
+from waypointctl.log.messages import FINAL_STAGES, Clock, Command, CommandStage, CommandStatus, Stage
 
 # Which stage may follow which. A command that ends on arrival was never accepted.
 _ONWARD: Final = {
@@ -17,6 +18,7 @@ _ONWARD: Final = {
     Stage.ACCEPTED: FINAL_STAGES - {Stage.REJECTED} | {Stage.STARTED},
     Stage.STARTED: FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED},
 }
+_IN_A_FRAME: Final = 3  # commands whose stage a frame of telemetry tells
 _REMEMBERED: Final = 256  # of the commands that have ended, in a checkpoint: its size is not to grow with the flight
 
 
@@ -56,6 +58,8 @@ class Life:
     _expiries: list[tuple[int, int, int]] = field(default_factory=list)  # a heap: (after which [ns], arrival, id)
     _pending_ids: set[int] = field(default_factory=set)
     _known_to: int = 0  # every id from 1 to this has arrived
+    _ended: deque[int] = field(default_factory=lambda: deque(maxlen=_IN_A_FRAME))  # ids that ended last
+    _statuses: tuple[CommandStatus, ...] | None = None  # as `statuses` has them; None where they have changed
 
     def knows(self, command_id: int) -> bool:
         """Tell whether a command has arrived."""
@@ -73,6 +77,7 @@ class Life:
             heapq.heappush(self._expiries, (command.expires_ns, len(self.records), command.id))
         while self._known_to + 1 in self.records:
             self._known_to += 1
+        self._statuses = None
         self.report(self._stage(now_ns, command.id))
 
     def repeat(self, now_ns: int, command: Command) -> None:
@@ -90,11 +95,13 @@ class Life:
         if stage not in _ONWARD.get(record.stage, ()):
             raise RuntimeError(f"command {command_id} cannot be {stage} after it was {record.stage}")
         record.stage, record.reason = stage, reason
+        self._statuses = None
         if stage in FINAL_STAGES:
             del self._open[command_id]
             if command_id in self._pending_ids:
                 self._pending_ids.remove(command_id)
                 self.pending = [command for command in self.pending if command.id != command_id]
+            self._ended.append(command_id)
         self.report(self._stage(now_ns, command_id))
 
     def postpone(self, command: Command) -> None:
@@ -122,6 +129,16 @@ class Life:
     def open_ids(self) -> list[int]:
         """The commands that have not ended, in the order of their arrival."""
         return list(self._open)
+
+    @property
+    def statuses(self) -> tuple[CommandStatus, ...]:
+        """What a frame of telemetry tells of commands: the newest that have not ended, and those that ended last."""
+        if self._statuses is None:
+            told = list(islice(reversed(self._open), _IN_A_FRAME - 1))
+            told += list(islice(reversed(self._ended), _IN_A_FRAME - len(told)))
+            of = self.records
+            self._statuses = tuple(CommandStatus(i, of[i].stage, of[i].reason) for i in sorted(told))
+        return self._statuses
 
     def expired(self, now_ns: int) -> list[int]:
         """Take note that the time of some open commands is over, and return them as they arrived: each once."""

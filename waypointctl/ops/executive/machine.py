@@ -40,6 +40,7 @@ UNDER_WAY: Final = frozenset({Mode.WALKING, Mode.HOLDING, Mode.OBSERVING, Mode.W
 AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED})  # nothing is under way
 SUSPENDED: Final = frozenset({Mode.PAUSED, Mode.SAFE})  # what was under way may go on
 ON_FOOT: Final = frozenset({Mode.WALKING, Mode.RETURNING})  # the policy has the motors
+BUSY: Final = ON_FOOT | {Mode.HOLDING, Mode.OBSERVING, Mode.STEERED}  # it comes to an end, or is led on, by itself
 ON_AGAIN: Final = {  # what takes up again what was under way; the rest begins afresh
     Mode.WALKING: Signal.WALK_ON,
     Mode.HOLDING: Signal.HOLD_ON,

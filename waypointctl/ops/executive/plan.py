@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from itertools import islice
 from typing import Final
 
-from waypointctl.log.messages import Command, PlannedWaypoint
+from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
 
 _TOLD: Final = 256  # of the items, in a checkpoint: what all checkpoints take is to grow with the flight's length alone
 
@@ -22,6 +22,7 @@ class Item:
         on_failure: what that command wants when the leg fails; empty for the robot's own rule.
         released: whether the robot may walk to it.
         over: reached and its task done, skipped, or taken back.
+        alone: commanded as a single goal, not as part of a plan.
     """
 
     waypoint: PlannedWaypoint
@@ -29,6 +30,7 @@ class Item:
     on_failure: str
     released: bool
     over: bool = False
+    alone: bool = False
 
 
 @dataclass(slots=True)
@@ -61,9 +63,10 @@ class Plan:
 
     def extend(self, command: Command) -> None:
         """Add a command's waypoints, of which it releases as many as it says, from the first; -1 for all."""
+        alone = command.kind is CommandKind.GO_TO
         for place, waypoint in enumerate(command.waypoints):
             released = command.released < 0 or place < command.released
-            self.items.append(Item(waypoint, command.id, command.on_failure, released))
+            self.items.append(Item(waypoint, command.id, command.on_failure, released, alone=alone))
 
     def release(self, count: int) -> None:
         """Release the first `count` waypoints of the plan; -1 for all."""

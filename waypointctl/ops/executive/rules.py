@@ -20,6 +20,11 @@ GEOFENCE: Final = "geofence"
 LINK_LOST: Final = "link lost"
 FLIGHT_ENDED: Final = "flight ended"
 
+# Why the robot stands, as telemetry says it: one of these before a code or, for a leg, a waypoint's name and a code.
+AT_HOME: Final = "at home: "
+RETURN_FAILED: Final = "way home given up: "
+LEG_FAILED: Final = "leg failed: "
+
 HOME_INDEX: Final = -1  # of the way home, which is no waypoint of the mission
 _HOME: Final = Home()
 

@@ -14,7 +14,7 @@ from waypointctl.ops.executive.leg import Leg
 from waypointctl.ops.executive.life import Life
 from waypointctl.ops.executive.machine import ON_AGAIN, SUSPENDED, UNDER_WAY, Machine, Signal
 from waypointctl.ops.executive.plan import Item, Plan
-from waypointctl.ops.executive.rules import Rules
+from waypointctl.ops.executive.rules import AT_HOME, RETURN_FAILED, Rules
 from waypointctl.ops.executive.sequence import Sequence
 
 FloatArray = NDArray[np.float64]
@@ -40,8 +40,9 @@ class Walk:
         reached: indices in the mission, each once, in the order of reaching them.
         suspended: what goes on after a pause; None where the plan goes on with its next waypoint.
         suspended_ns: when the pause began.
-        cause: why it stands, where a rule says so.
+        cause: why it stands or walks home, where a rule or a command says so.
         home_id: the command that sent it home, or BY_RULE; None while it is not on the way home.
+        home_cause: why a rule sent it home; empty for a command.
         command_id: the command that was under way last; -1 for none.
     """
 
@@ -58,6 +59,7 @@ class Walk:
     suspended_ns: int = 0
     cause: str = ""
     home_id: int | None = None
+    home_cause: str = ""
     command_id: int = -1
 
     @property
@@ -110,7 +112,7 @@ class Walk:
         """Go on with what a pause kept it from; its clocks stood still meanwhile."""
         self.tell(now_ns, EventKind.WALK_RESUMED, "going on", self.plan.current)
         signal = None if self.suspended is None else ON_AGAIN.get(self.suspended)
-        self.cause = ""
+        self.cause = "" if self.home_id is None else self.home_cause
         if signal is None:  # it waited for a release, or what was under way is over
             self.proceed(now_ns)
             return
@@ -120,9 +122,9 @@ class Walk:
         if self.leg is not None:
             self.leg.shift(now_ns - self.suspended_ns)
 
-    def pass_over(self, now_ns: int, item: Item) -> None:
+    def pass_over(self, now_ns: int, item: Item, cause: str) -> None:
         """Leave the plan's current waypoint without having reached it, or with its task undone."""
-        text = f"{item.waypoint.name} skipped"
+        text = f"{item.waypoint.name} skipped: {cause}"
         self.tell(now_ns, EventKind.WAYPOINT_SKIPPED, text, item, Severity.WARNING)
         self.conclude(now_ns, item)
 
@@ -148,6 +150,7 @@ class Walk:
         """Stand at home, where a rule has sent it."""
         self.leg, self.suspended, self.home_id = None, None, None
         self.machine.signal(Signal.SECURE)
+        self.cause = AT_HOME + self.home_cause
 
     def look_again(self) -> None:
         """Take what has changed in the plan into the leg that is under way."""
@@ -201,15 +204,23 @@ class Walk:
         """Walk to where the mission began, the plan forgotten; by a command, or by a rule for some cause."""
         self.machine.signal(Signal.GO_HOME)
         self.home_id = self.command_id = command_id
-        self.cause = cause
+        self.cause = self.home_cause = cause
         self.leg = Leg(self.rules.home, self.rules.home, now_ns, best_ns=now_ns)
         self.tell(now_ns, EventKind.RETURN_STARTED, f"walking home: {cause}" if cause else "walking home")
 
-    def give_up(self, now_ns: int, code: str, where: str) -> None:
-        """End the plan, or the way home, as failed."""
+    def give_up(self, now_ns: int, code: str) -> None:
+        """End what is under way as failed: the plan, a single goal, or the way home."""
         self.machine.signal(Signal.GIVE_UP)
-        self.tell(now_ns, EventKind.PLAN_FAILED, f"plan given up {where}", self.plan.current, Severity.ERROR)
+        item = self.plan.current
+        kind, what = EventKind.PLAN_FAILED, "plan given up at {}"
+        if item is None:
+            kind, what = EventKind.RETURN_FAILED, "way home given up"
+        elif item.alone:  # what follows is for the ground to decide, which has the rest of the plan
+            what = "{} given up"
+        text = f"{what.format(item.waypoint.name if item else '')}: {code}"
+        self.tell(now_ns, kind, text, item, Severity.ERROR)
         self.fail_all(now_ns, code)
+        self.cause = RETURN_FAILED + code if item is None else ""
 
     def tell(
         self,
@@ -250,4 +261,5 @@ class Walk:
             "suspended_ns": self.suspended_ns,
             "cause": self.cause,
             "home_id": self.home_id,
+            "home_cause": self.home_cause,
         }

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from waypointctl.log.messages import EventKind, Mode, Severity
-from waypointctl.ops.executive.machine import ON_FOOT, TRANSITIONS, Signal
-from waypointctl.ops.executive.rules import GEOFENCE, LINK_LOST
+from waypointctl.ops.executive.machine import BUSY, ON_FOOT, TRANSITIONS, Signal
+from waypointctl.ops.executive.rules import AT_HOME, GEOFENCE, LINK_LOST
 from waypointctl.ops.executive.walk import BY_RULE, Walk
 from waypointctl.units import seconds
 
@@ -33,11 +33,14 @@ class LinkWatch:
             return
         self.lost = False
         walk.tell(now_ns, EventKind.LINK_RESTORED, "the ground is heard again")
-        if walk.mode is Mode.SAFE and walk.cause == LINK_LOST:
-            if walk.can_go_on:
-                walk.go_on(now_ns)
-            else:
-                walk.rest()
+        if self.holds(walk):
+            walk.go_on(now_ns)
+        elif walk.mode is Mode.SAFE and walk.cause in (LINK_LOST, AT_HOME + LINK_LOST):
+            walk.rest()
+
+    def holds(self, walk: Walk) -> bool:
+        """Tell whether the robot stands because of the loss, and has something to go on with."""
+        return walk.mode is Mode.SAFE and walk.cause == LINK_LOST and walk.can_go_on
 
     def look(self, walk: Walk, now_ns: int) -> None:
         """Do what the rules say once nothing has arrived for too long."""
@@ -45,12 +48,12 @@ class LinkWatch:
         if deadline_ns is None or now_ns <= deadline_ns:
             return
         self.lost = True
-        rules = walk.rules
-        text = f"nothing heard for {seconds(rules.link_loss_ns):g} s: {rules.on_link_loss}"
+        does = _done_on_loss(walk)
+        text = f"nothing heard for {seconds(walk.rules.link_loss_ns):g} s{': ' * bool(does)}{does}"
         walk.tell(now_ns, EventKind.LINK_LOST, text, severity=Severity.WARNING)
-        if rules.on_link_loss == "hold" and (walk.mode, Signal.SECURE) in TRANSITIONS:
+        if does == "hold":
             walk.suspend(now_ns, Signal.SECURE, LINK_LOST)
-        elif rules.on_link_loss == "return_home" and walk.home_id is None:
+        elif does == "return_home":
             walk.fail_all(now_ns, LINK_LOST)
             walk.go_home(now_ns, BY_RULE, LINK_LOST)
 
@@ -63,6 +66,16 @@ class LinkWatch:
     def keeps_still(self, walk: Walk) -> bool:
         """Tell whether commands that were kept for later have to wait for the link."""
         return self.lost and walk.rules.on_link_loss != "finish"
+
+
+def _done_on_loss(walk: Walk) -> str:
+    """Return which rule changes what the robot does now that the link is lost; empty where it goes on as it is."""
+    rule = walk.rules.on_link_loss
+    if rule == "hold":
+        return rule if (walk.mode, Signal.SECURE) in TRANSITIONS else ""
+    if rule == "return_home":
+        return rule if walk.home_id is None else ""
+    return rule if walk.mode in BUSY else ""
 
 
 @dataclass(slots=True)
@@ -90,9 +103,9 @@ class FenceWatch:
         text = f"the robot at ({x_m:.2f}, {y_m:.2f}) {breach}"
         walk.tell(now_ns, EventKind.GEOFENCE_BREACHED, text, walk.plan.current, Severity.ERROR)
         if walk.rules.on_breach == "hold" or (walk.rules.on_breach == "abort" and steered):
-            walk.suspend(now_ns, Signal.SECURE, GEOFENCE)
+            walk.suspend(now_ns, Signal.SECURE, f"{GEOFENCE}: the robot {breach}")
         elif walk.rules.on_breach == "abort":
-            walk.give_up(now_ns, GEOFENCE, "outside the fence")
+            walk.give_up(now_ns, GEOFENCE)
         elif walk.home_id is None:
             walk.fail_all(now_ns, GEOFENCE)
             walk.go_home(now_ns, BY_RULE, GEOFENCE)

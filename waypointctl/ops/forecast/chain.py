@@ -36,9 +36,8 @@ class Chain:
 
     def all_lost(self, state: FloatArray, messages: int) -> float:
         """Return the probability that some messages on end are all lost; the link is as `state` (2,) says before."""
-        for _ in range(messages):
-            state = (state * self.lost) @ self.step
-        return float(state.sum())
+        lost: FloatArray = np.linalg.matrix_power(self.lost[:, np.newaxis] * self.step, messages)
+        return float((state @ lost).sum())
 
     def run_lost(self, state: FloatArray, messages: int, run: int) -> float:
         """Return the probability that of some messages at least `run` on end are lost.

@@ -13,9 +13,10 @@ import numpy as np
 
 from waypointctl.log.messages import Ack, Command, Telemetry
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.closing import Closing
 from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.walker import Walker
-from waypointctl.ops.ground.build import answer_time, patience_ns, station_for
+from waypointctl.ops.ground.build import answer_time, leaving_time, patience_ns, station_for
 from waypointctl.ops.ground.standstill import why_it_stands
 from waypointctl.ops.link.build import direction
 from waypointctl.ops.link.direction import Direction
@@ -85,6 +86,7 @@ class _Rehearsal:
         self._budget = budget
         self._mission, self._tick_ns, self._now_ns = mission, tick_ns, 0
         self._heard_ns = 0  # when the ground last heard or did anything
+        self._known_ns: int | None = None  # when the operator ended the mission
         link, margin_ns = mission.link, ns(mission.commands.margin_s)
         up: Direction[Command | Heartbeat] = direction(link.up, mission.files, mission.seed, "link.up")
         down: Direction[Ack | Telemetry] = direction(link.down, mission.files, mission.seed, "link.down")
@@ -95,8 +97,12 @@ class _Rehearsal:
         nobody = cast("Policy", None)  # only a pilot asks it
         noise = np.zeros(NOISE_SIZE)
         patience = patience_ns(down, margin_ns)
-        self._station = station_for(mission, nobody, noise, _ignore, self._up.send, self._up.send, answer_by, patience)
+        send = self._up.send
+        self._station = station_for(mission, nobody, noise, _ignore, send, send, answer_by, patience, leaving_time(up))
         self._walker = Walker(mission, speed_mps, self._report)
+        self._closing = Closing(
+            self._station, self._walker.executive, self._walker.news, up, down, self._walker.is_still
+        )
 
     def _report(self, now_ns: int, message: Ack | Telemetry) -> None:
         self._down.send(now_ns, lambda arrives_ns: replace(message, received_ns=arrives_ns))
@@ -107,7 +113,7 @@ class _Rehearsal:
             self._exchange()
             self._walker.sense(self._now_ns)
             self._exchange()
-            if self._station.finished or self._is_silent or self._is_late:
+            if self._closing.is_done(self._now_ns) or self._is_late or self._closing.is_silent(self._now_ns):
                 return self._end()
             next_ns = self._next_ns()
             self._walker.walk(self._now_ns, next_ns)
@@ -116,7 +122,7 @@ class _Rehearsal:
 
     def _exchange(self) -> None:
         """Let the ground live up to now, and the robot obey what has arrived."""
-        while not self._station.finished:
+        while not self._closing.is_done(self._now_ns):
             if not self._budget.spend():
                 raise _BudgetSpent
             at_ns = self._ground_ns
@@ -127,6 +133,10 @@ class _Rehearsal:
                     self._station.wake(at_ns)
                 else:
                     self._station.hear(at_ns, heard)
+                if not self._station.finished:
+                    self._known_ns = None
+                elif self._known_ns is None:
+                    self._known_ns = at_ns
                 continue
             arrived = next(self._up.due(self._now_ns), None)
             if arrived is None:
@@ -157,28 +167,17 @@ class _Rehearsal:
         limit_s = self._mission.expect.max_time_s
         return limit_s is not None and self._now_ns > ns(limit_s)
 
-    @property
-    def _is_silent(self) -> bool:
-        """Whether the robot rests for good, and nothing is on its way that could change that."""
-        if not self._walker.plans_nothing or not self._station.plans_nothing:
-            return False
-        frame = self._station.belief.telemetry
-        if self._down.direction.next_arrival_ns is not None and (
-            frame is None or frame.issued_ns <= self._walker.rests_since_ns
-        ):
-            return False
-        return all(isinstance(one, Heartbeat) for _, one in self._up.direction.under_way)
-
     def _end(self) -> Rehearsed:
         expect, station = self._mission.expect, self._station
         wanted = self._mission.num_legs if expect.reached == "all" else expect.reached
         reached, finished = len(station.reached), station.finished
+        known_s = seconds(self._heard_ns if self._known_ns is None else self._known_ns)
         if finished and reached >= wanted:
-            return Rehearsed(True, seconds(self._heard_ns), reached)
+            return Rehearsed(True, known_s, reached)
         if finished:
-            return Rehearsed(False, seconds(self._heard_ns), reached, station.verdict or "not all reached")
-        stands = why_it_stands(self._mission, station.belief.telemetry)
-        return Rehearsed(False, seconds(self._now_ns), reached, stands, ends=False)
+            return Rehearsed(False, known_s, reached, station.verdict or "not all reached")
+        why = why_it_stands(self._mission, station.belief.telemetry) or station.missing
+        return Rehearsed(False, seconds(self._now_ns), reached, why, ends=bool(station.dispatcher.unanswered))
 
 
 def _ignore(_: object) -> None:

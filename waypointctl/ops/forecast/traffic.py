@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from waypointctl.log.messages import Command, CommandKind, Mode, PlannedWaypoint, Telemetry
+from waypointctl.log.messages import Command, CommandKind, CommandStatus, Mode, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.schedule import ScheduledCommand
 from waypointctl.ops.forecast.losses import loses_all
@@ -91,7 +91,8 @@ def frame_bytes(mission: Mission) -> int:
     """Return the size of a frame of telemetry near the end of the mission [bytes]."""
     count = mission.num_legs
     places = (1.5, 2.5, 0.55, 0.75, 2.0)
-    frame = Telemetry(1000, Mode.WALKING, *places, count, tuple(range(count)), _SOME_NS, _SOME_NS)
+    under_way = (CommandStatus(1, Stage.STARTED),)
+    frame = Telemetry(1000, Mode.WALKING, *places, count, tuple(range(count)), _SOME_NS, _SOME_NS, under_way)
     return size_bytes(frame)
 
 

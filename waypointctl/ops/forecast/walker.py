@@ -15,6 +15,7 @@ from waypointctl.ops.executive.executive import Executive
 from waypointctl.ops.executive.rules import rules_of
 from waypointctl.ops.forecast.tolerance import NEAREST_M
 from waypointctl.ops.link.frames import Heartbeat
+from waypointctl.ops.news import News
 from waypointctl.units import NS_PER_S, ns
 
 FloatArray = NDArray[np.float64]
@@ -37,7 +38,7 @@ class Walker:
 
     Attributes:
         executive: what decides on board.
-        beacons: frames sent since it began to rest.
+        news: which frame was the first to tell how it stands.
     """
 
     def __init__(self, mission: Mission, speed_mps: float, send: Callable[[int, Ack | Telemetry], None]) -> None:
@@ -45,7 +46,7 @@ class Walker:
         rules = rules_of(mission)
         self.executive = Executive(self._report, _ignore, remind=self._acknowledge, rules=rules)
         self._fence = rules.fence
-        self.beacons = 0
+        self.news = News()
         self._send = send
         self._speed_mps = speed_mps
         self._position = np.array([mission.start.position_m], dtype=np.float64)  # (1, 2) [m]
@@ -66,14 +67,11 @@ class Walker:
 
     def sense(self, now_ns: int) -> None:
         """Let the executive look at the world; report at the telemetry rate and whenever something changes."""
-        before = self._standing()
         self.executive.sense(now_ns, self._position, fell=False)
         if now_ns >= self._frame_ns:
-            resting = now_ns - self._moved_ns >= _REST_AFTER_NS
-            self.beacons = self.beacons + 1 if resting else 0
             self._tell(now_ns)
-            self._frame_ns = now_ns + (self._beacon_ns if resting else self._period_ns)
-        elif before != self._standing():
+            self._frame_ns = now_ns + (self._beacon_ns if self.is_still(now_ns) else self._period_ns)
+        elif self.news.differ(self.executive):
             self._tell(now_ns)
 
     def walk(self, now_ns: int, until_ns: int) -> None:
@@ -81,8 +79,8 @@ class Walker:
         if not self.executive.on_foot:
             self._stood_ns = until_ns
             return
-        if now_ns - self._moved_ns >= _REST_AFTER_NS:
-            self._frame_ns, self.beacons = now_ns, 0
+        if self._has_rested(now_ns):
+            self._frame_ns = now_ns
         self._moved_ns = until_ns
         walked_ns = until_ns - max(now_ns, self._stood_ns + _SETTING_OUT_NS)
         if walked_ns <= 0:
@@ -101,32 +99,27 @@ class Walker:
         place = self._fence.first_breach((ax, ay), (bx, by))
         return end if place is None else np.array(place)
 
+    def is_still(self, now_ns: int) -> bool:
+        """Tell whether it has stood for so long that it rests."""
+        return not self.executive.on_foot and self._has_rested(now_ns)
+
+    def _has_rested(self, now_ns: int) -> bool:
+        return now_ns - self._moved_ns >= _REST_AFTER_NS
+
     def next_ns(self, now_ns: int) -> int:
         """Return when it has something to do by itself, standing [ns]."""
         due_ns = self.executive.next_ns(now_ns)
         return self._frame_ns if due_ns is None else min(due_ns, self._frame_ns)
-
-    @property
-    def plans_nothing(self) -> bool:
-        """Whether it has said twice that it rests, and does nothing more by itself as long as nothing arrives."""
-        return self.beacons > 1 and not self.executive.on_foot and not self.executive.plans
-
-    @property
-    def rests_since_ns(self) -> int:
-        """When it began to rest, if it does [ns]."""
-        return self._moved_ns + _REST_AFTER_NS
-
-    def _standing(self) -> tuple[object, ...]:
-        executive = self.executive
-        return executive.mode, executive.leg, len(executive.reached)
 
     def _tell(self, now_ns: int) -> None:
         executive, target = self.executive, self.executive.target
         index = -1 if target is None else target.index
         x_m, y_m = self._position[0].tolist()
         pose = (x_m or _TINY_M, y_m or _TINY_M, 0.55, 0.75, 2.0)  # a 0 takes no bytes: frames are as long as in flight
-        frame = Telemetry(self._frames, executive.mode, *pose, index, executive.reached, now_ns, now_ns)
+        told = executive.statuses, executive.cause
+        frame = Telemetry(self._frames, executive.mode, *pose, index, executive.reached, now_ns, now_ns, *told)
         self._frames += 1
+        self.news.sent(frame)
         self._send(now_ns, frame)
 
     def _report(self, stage: CommandStage) -> None:

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.ground.dispatcher import Dispatcher, Insistence, Uplink
+from waypointctl.ops.ground.dispatcher import Dispatcher, Uplink
+from waypointctl.ops.ground.insistence import Insistence
+from waypointctl.ops.ground.leg_clock import LegClock
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.pilot import Pilot
 from waypointctl.ops.ground.planner import MissionOperator, WaypointOperator
@@ -24,7 +26,7 @@ from waypointctl.units import ns
 
 FloatArray = NDArray[np.float64]
 
-_SCRIPTS: Final[dict[str, Callable[[Mission], Operator]]] = {
+_SCRIPTS: Final[dict[str, Callable[[Mission, Sink], Operator]]] = {
     "mission": MissionOperator,
     "waypoint": WaypointOperator,
 }
@@ -40,6 +42,7 @@ def station_for(
     beats: BeatLink,
     answer_by: Callable[[int], int | None],
     patience_ns: int,
+    leaves_ns: Callable[[int], int | None],
 ) -> Station:
     """Return the ground at mission start.
 
@@ -52,12 +55,14 @@ def station_for(
         beats: takes a heartbeat on its way.
         answer_by: by when a command that leaves at a time [ns] has to be acknowledged; None for never.
         patience_ns: how much later than a frame an acknowledgement that was issued with it may come [ns].
+        leaves_ns: when a command that is sent at a time [ns] leaves; None for never.
     """
     commands = mission.commands
     insistence = Insistence(commands.acknowledged, commands.retries, answer_by, patience_ns)
     pulse = Pulse(beats, ns(mission.operator.heartbeat_s or 0.0))
     dispatcher = Dispatcher(uplink, insistence, sink)
-    return Station(_operator(mission, policy, noise, sink, answer_by), agenda_of(mission), dispatcher, pulse)
+    operator = _operator(mission, policy, noise, sink, answer_by, leaves_ns)
+    return Station(operator, agenda_of(mission), dispatcher, pulse)
 
 
 def answer_time(up: Direction[Any], down: Direction[Any], robot_ns: int, margin_ns: int) -> Callable[[int], int | None]:
@@ -92,11 +97,26 @@ def _most_jitter_ns(way: Direction[Any]) -> int:
     return 0 if way.jitter is None else max(way.jitter.most_ns, 0)
 
 
+def leaving_time(up: Direction[Any]) -> Callable[[int], int | None]:
+    """Return when a command that is sent at a time [ns] leaves: when a contact is open; queues are not known."""
+
+    def at(sent_ns: int) -> int | None:
+        placed = up.contacts.place(sent_ns, _ACK_BYTES)
+        return None if placed is None else placed[1]
+
+    return at
+
+
 def _operator(
-    mission: Mission, policy: Policy, noise: FloatArray, sink: Sink, answer_by: Callable[[int], int | None]
+    mission: Mission,
+    policy: Policy,
+    noise: FloatArray,
+    sink: Sink,
+    answer_by: Callable[[int], int | None],
+    leaves_ns: Callable[[int], int | None],
 ) -> Operator:
     if mission.autonomy == "heading":
-        return HeadingOperator(mission, answer_by)
+        return HeadingOperator(mission, LegClock(answer_by, leaves_ns), sink)
     if mission.autonomy == "joint":
         return Pilot(mission, policy, noise, sink)
-    return _SCRIPTS[mission.autonomy](mission)
+    return _SCRIPTS[mission.autonomy](mission, sink)

@@ -26,10 +26,12 @@ class LegClock:
 
     Attributes:
         answer_by: by when a command that leaves at a time [ns] is answered; None for never.
+        leaves_ns: when a command that is sent at a time [ns] leaves; None for never.
         began_ns: when the leg began, on the robot's clock; None while that has not been heard of.
     """
 
     answer_by: Callable[[int], int | None]
+    leaves_ns: Callable[[int], int | None] = lambda sent_ns: sent_ns
     began_ns: int | None = None
     _sent_ns: int = 0  # when the leg's first carrot is sent
     _told_ns: int = -1  # the robot's clock, by the newest message of it
@@ -58,7 +60,8 @@ class LegClock:
     def hear(self, message: Ack | Telemetry) -> None:
         """Take what has arrived."""
         self._told_ns = max(self._told_ns, message.issued_ns)
-        if not isinstance(message, Ack) or message.stage in _NOT_BEGUN or message.command_id not in self._carrots:
+        told = message.commands if isinstance(message, Telemetry) else (message,)
+        if not any(each.command_id in self._carrots and each.stage not in _NOT_BEGUN for each in told):
             return
         self.began_ns = message.issued_ns
         self._unsent.clear()
@@ -70,6 +73,8 @@ class LegClock:
 
     def is_silent(self, now_ns: int, timeout_ns: int) -> bool:
         """Tell whether the end of this time [ns] should have been heard of by now, whatever became of the leg."""
-        over_ns = (self._sent_ns if self.began_ns is None else self.began_ns) + timeout_ns
-        heard_ns = self.answer_by(over_ns)
+        begins_ns = self.leaves_ns(self._sent_ns) if self.began_ns is None else self.began_ns
+        over_ns = (self._sent_ns if begins_ns is None else begins_ns) + timeout_ns
+        left_ns = self.leaves_ns(over_ns)
+        heard_ns = None if left_ns is None else self.answer_by(left_ns)
         return now_ns > (over_ns if heard_ns is None else heard_ns)

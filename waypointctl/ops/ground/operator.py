@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Final
 
-from waypointctl.log.messages import FINAL_STAGES, Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
+from waypointctl.log.messages import (
+    FINAL_STAGES,
+    Ack,
+    Clock,
+    CommandKind,
+    Event,
+    EventKind,
+    PlannedWaypoint,
+    Severity,
+    Stage,
+    Telemetry,
+)
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.belief import Belief
 from waypointctl.ops.executive.rules import STUCK, TIMEOUT
 from waypointctl.ops.ground.agenda import Agenda
-from waypointctl.ops.ground.dispatcher import UNANSWERED
 from waypointctl.ops.ground.order import Order
 from waypointctl.units import ns
 
@@ -33,8 +44,9 @@ class Operator(ABC):
         suspended: whether it leads the robot no further for now.
     """
 
-    def __init__(self, mission: Mission) -> None:
-        """Take charge of a mission."""
+    def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
+        """Take charge of a mission; `announce` takes what it decides."""
+        self._announce = announce
         self.belief = Belief()
         self.finished = False
         self.verdict = ""
@@ -90,9 +102,15 @@ class Operator(ABC):
         """Return what to send now."""
         return self._agenda.due(now_ns)
 
-    def unanswered(self, now_ns: int, command_id: int) -> list[Order]:
-        """Decide what follows a command that was sent often enough and never acknowledged."""
-        return self._finish(UNANSWERED) if command_id in self._newest.values() else []
+    @property
+    def newest(self) -> tuple[int, ...]:
+        """Its newest command of each kind, in the order of issue."""
+        return tuple(sorted(self._newest.values()))
+
+    @property
+    def acts_on_states(self) -> bool:
+        """Whether every state of the robot that arrives may make it send something."""
+        return False
 
     def state(self) -> dict[str, object]:
         """Return what it will do next depends on, beside its belief, as plain data."""
@@ -108,6 +126,12 @@ class Operator(ABC):
             return [order]
         self._agenda.note(now_ns + self._think_ns, order)
         return []
+
+    def _tell(
+        self, now_ns: int, kind: EventKind, waypoint: PlannedWaypoint, text: str, severity: Severity = Severity.WARNING
+    ) -> None:
+        """Announce a decision about a waypoint."""
+        self._announce(Event(now_ns, kind, Clock.OPERATOR, severity, f"{waypoint.name} {text}", waypoint.index))
 
     def _finish(self, verdict: str = "") -> list[Order]:
         self.finished, self.verdict = True, verdict

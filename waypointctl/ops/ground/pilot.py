@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from waypointctl.log.messages import (
     Ack,
-    Clock,
     CommandKind,
     Event,
     EventKind,
@@ -46,11 +45,10 @@ class Pilot(Operator):
 
     def __init__(self, mission: Mission, policy: Policy, noise: FloatArray, announce: Callable[[Event], None]) -> None:
         """Take charge of a mission. noise: (4,) for layouts that have some; `announce` takes what it decides."""
-        super().__init__(mission)
+        super().__init__(mission, announce)
         self._policy = policy
         self._layout = layout(policy.observation_layout)
         self._noise = noise[np.newaxis]
-        self._announce = announce
         self._skips = mission.failure_rule.then == "skip"
         self._reached: list[int] = []
         self._leg = 0
@@ -63,6 +61,11 @@ class Pilot(Operator):
     def reached(self) -> tuple[int, ...]:
         """The waypoints that it has seen the robot reach."""
         return tuple(self._reached)
+
+    @property
+    def acts_on_states(self) -> bool:
+        """Whether every state of the robot that arrives may make it send something."""
+        return not (self.finished or self.suspended or self._at_task)
 
     def begin(self) -> list[Order]:
         """Send nothing: the first state is answered."""
@@ -104,15 +107,16 @@ class Pilot(Operator):
         acceptance = Acceptance(waypoint.acceptance, waypoint.tolerance_m)
         if reached(acceptance, frame.qpos[np.newaxis, :2], self._goals[:, 0])[0]:
             self._reached.append(waypoint.index)
-            self._tell(now_ns, EventKind.WAYPOINT_REACHED, f"{waypoint.name} reached, as seen from the ground")
+            self._tell(now_ns, EventKind.WAYPOINT_REACHED, waypoint, "reached, as seen from the ground", Severity.INFO)
             if waypoint.task or (waypoint.hold_ns and self._is_last):
                 self._at_task = True
                 return [Order(CommandKind.GO_TO, (waypoint,), "abort")]
             return self._next_leg(frame.issued_ns, waypoint.hold_ns)
         if frame.issued_ns - self._since_ns < waypoint.timeout_ns:
             return []
-        self._tell(now_ns, EventKind.WAYPOINT_TIMEOUT, f"{waypoint.name} not reached in time", Severity.WARNING)
+        self._tell(now_ns, EventKind.WAYPOINT_TIMEOUT, waypoint, "not reached in time")
         if self._skips:
+            self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, waypoint, f"skipped: {TIMEOUT}")
             return self._next_leg(frame.issued_ns, 0)
         return [Order(CommandKind.HOLD), *self._finish(TIMEOUT)]
 
@@ -135,9 +139,6 @@ class Pilot(Operator):
         """Return this leg's waypoint and the next, (1, 2, 2) [m]."""
         two = self._plan[leg], self._plan[min(leg + 1, len(self._plan) - 1)]
         return np.array([[[waypoint.x_m, waypoint.y_m] for waypoint in two]])
-
-    def _tell(self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO) -> None:
-        self._announce(Event(now_ns, kind, Clock.OPERATOR, severity, text, self._plan[self._leg].index))
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
         if self.finished:

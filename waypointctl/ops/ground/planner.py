@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from waypointctl.log.messages import Ack, CommandKind, Stage
+from collections.abc import Callable
+
+from waypointctl.log.messages import Ack, CommandKind, Event, EventKind, Stage
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.ground.operator import Operator, ended_by_robot, leg_failed, rule_of_leg
 from waypointctl.ops.ground.order import Order
@@ -11,9 +13,9 @@ from waypointctl.ops.ground.order import Order
 class MissionOperator(Operator):
     """Sends the whole plan once and waits: autonomy `mission`."""
 
-    def __init__(self, mission: Mission) -> None:
-        """Take charge of a mission."""
-        super().__init__(mission)
+    def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
+        """Take charge of a mission; `announce` takes what it decides."""
+        super().__init__(mission, announce)
         self._on_failure: str = mission.failure_rule.then
         self._released = mission.operator.released
 
@@ -28,9 +30,9 @@ class MissionOperator(Operator):
 class WaypointOperator(Operator):
     """Sends one waypoint, waits to hear how it went, thinks, sends the next: autonomy `waypoint`, move and wait."""
 
-    def __init__(self, mission: Mission) -> None:
-        """Take charge of a mission."""
-        super().__init__(mission)
+    def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
+        """Take charge of a mission; `announce` takes what it decides."""
+        super().__init__(mission, announce)
         self._skips = mission.failure_rule.then == "skip"
         self._rule = rule_of_leg(mission)
         self._sent = 0
@@ -47,6 +49,8 @@ class WaypointOperator(Operator):
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
         if ack.command_id != self._newest.get(CommandKind.GO_TO):
             return []
-        if ack.stage is not Stage.COMPLETED and not (self._skips and leg_failed(ack)):
+        if self._skips and leg_failed(ack):
+            self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, self._plan[self._sent - 1], f"skipped: {ack.reason}")
+        elif ack.stage is not Stage.COMPLETED:
             return self._finish(ended_by_robot(ack))
         return self._after_thought(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()

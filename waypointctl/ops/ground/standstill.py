@@ -1,18 +1,15 @@
-"""Why a robot stands that could go on, as the ground can tell from its newest frame of telemetry and the mission."""
+"""Why a robot stands, and where, as the ground knows it from its newest frame of telemetry."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Final
 
 from waypointctl.log.messages import Mode, Telemetry
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.executive.rules import Rules, rules_of
+from waypointctl.ops.executive.machine import ON_FOOT
+from waypointctl.ops.executive.rules import AT_HOME, GEOFENCE, LEG_FAILED, LINK_LOST, rules_of
 
-_BESIDE_M: Final = (0.1, 0.3, 0.6, 1.0)  # how far the robot may have got from where it broke the fence
-_TURNS: Final = 24  # directions that are looked at
-_STOPPING: Final = ("hold", "return_home")
 _NEARLY: Final = 1.5  # times home's tolerance: the robot stands a little way on from where it stopped
 
 
@@ -24,56 +21,41 @@ def why_it_stands(mission: Mission, frame: Telemetry | None) -> str:
         return "the robot holds by command"
     if frame.mode is Mode.WAITING:
         return f"the robot waits for the release of {_next_name(mission, frame)}"
-    return _why_safe(mission, rules_of(mission), frame) if frame.mode is Mode.SAFE else ""
+    return _why_safe(mission, frame) if frame.mode is Mode.SAFE else ""
 
 
-def _why_safe(mission: Mission, rules: Rules, frame: Telemetry) -> str:
-    """Return which rule on board made the robot stand; where several may have, the likeliest one."""
-    if "return_home" in (rules.then, rules.on_breach, rules.on_link_loss) and _is_at_home(rules, frame):
-        return "the robot is at home, where a rule on board has sent it"
-    breach = rules.fence.breach(frame.x_m, frame.y_m)
-    if breach:
-        return f"the robot stands where it {breach}"
-    by_fence = _by_fence(rules, frame)
-    after_leg = f"after a failed leg at {_next_name(mission, frame)}" if rules.then == "hold" else ""
-    if after_leg or by_fence:
-        return f"the robot holds {', or '.join(why for why in (after_leg, by_fence) if why)}"
-    if rules.link_loss_ns and rules.on_link_loss == "hold":
+def _why_safe(mission: Mission, frame: Telemetry) -> str:
+    """Return which rule on board made the robot stand."""
+    if frame.cause.startswith(AT_HOME):
+        return f"the robot is at home, where a rule on board has sent it ({frame.cause.removeprefix(AT_HOME)})"
+    if frame.cause.startswith(LEG_FAILED):
+        return f"the robot holds after a failed leg at {_next_name(mission, frame)}"
+    if frame.cause.startswith(GEOFENCE):
+        return f"the robot holds by its {frame.cause}"
+    if frame.cause == LINK_LOST:
         return "the robot holds because it hears nothing from the ground"
-    named = ", ".join(_rules_that_stop(rules))
-    return f"the robot stands by a rule on board ({named})" if named else "the robot stands by a rule on board"
+    return "the robot stands by a rule on board"
 
 
-def _by_fence(rules: Rules, frame: Telemetry) -> str:
-    """Return which part of the fence a robot has stopped by that is just out of the breach again; empty for none.
+def where_it_is(mission: Mission, frame: Telemetry | None, *, went_home: bool) -> str:
+    """Return where the robot is, as far as the ground knows; empty where it has heard nothing.
 
-    It walks on a little while it stops, and a frame of telemetry tells only where it was at some moment.
+    Args:
+        mission: what was asked.
+        frame: the newest that has arrived.
+        went_home: whether the ground has heard of a way home.
     """
-    if rules.on_breach != "hold":
+    if frame is None:
         return ""
-    for radius_m in _BESIDE_M:
-        for turn in range(_TURNS):
-            angle_rad = 2 * math.pi * turn / _TURNS
-            x_m, y_m = frame.x_m + radius_m * math.cos(angle_rad), frame.y_m + radius_m * math.sin(angle_rad)
-            if breach := rules.fence.breach(x_m, y_m):
-                return f"by the fence, just beside a place that {breach}"
-    return ""
-
-
-def _rules_that_stop(rules: Rules) -> Iterator[str]:
-    """Yield the rules by which a robot may have come to stand, as the mission file has them."""
-    if rules.fence.keep_in or rules.fence.keep_out:
-        yield f"onboard.geofence.do: {rules.on_breach}"
-    if rules.then in _STOPPING:
-        yield f"on_failure: {rules.then}"
-    if rules.link_loss_ns and rules.on_link_loss in _STOPPING:
-        yield f"onboard.link_loss.do: {rules.on_link_loss}"
-
-
-def _is_at_home(rules: Rules, frame: Telemetry) -> bool:
-    home = rules.home
+    place = f"at ({frame.x_m:.2f}, {frame.y_m:.2f}) m"
+    if frame.mode is Mode.FALLEN:
+        return f"the robot has fallen {place}"
+    if frame.mode in ON_FOOT:
+        return f"the robot walks{' home' * (frame.mode is Mode.RETURNING)}, {place}"
+    home = rules_of(mission).home
     away_m = math.dist((frame.x_m, frame.y_m), (home.x_m, home.y_m))
-    return frame.target < 0 and away_m <= _NEARLY * home.tolerance_m
+    is_home = frame.cause.startswith(AT_HOME) or (went_home and away_m <= _NEARLY * home.tolerance_m)
+    return f"the robot is at home, {place}" if is_home else f"the robot stands {place}"
 
 
 def _next_name(mission: Mission, frame: Telemetry) -> str:

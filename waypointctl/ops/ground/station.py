@@ -8,7 +8,7 @@ from waypointctl.log.messages import FINAL_STAGES, Ack, GroundControl, Telemetry
 from waypointctl.ops.belief import Belief
 from waypointctl.ops.executive.rules import FALL
 from waypointctl.ops.ground.agenda import Agenda
-from waypointctl.ops.ground.dispatcher import UNANSWERED, Dispatcher
+from waypointctl.ops.ground.dispatcher import Dispatcher
 from waypointctl.ops.ground.operator import Operator
 from waypointctl.ops.ground.order import Order
 from waypointctl.ops.ground.pilot import Pilot
@@ -49,13 +49,13 @@ class Station:
 
     @property
     def finished(self) -> bool:
-        """Whether nothing is left to send or to hear of; after a fall, or without an answer, nothing is.
+        """Whether nothing is left to send or to hear of; after a fall nothing is.
 
         A person at the console may try again where the script has given up, but nobody can make a fallen robot walk.
         """
         if not self.operator.finished or (self.console_is_open and self.verdict != FALL):
             return False
-        if self.verdict in (FALL, UNANSWERED):
+        if self.verdict == FALL:
             return True
         return self._schedule.next_ns is None and not self.dispatcher.awaits and self.belief.is_whole
 
@@ -63,6 +63,22 @@ class Station:
     def plans_nothing(self) -> bool:
         """Whether it wants to send nothing more by itself, but for signs of life."""
         return self._schedule.next_ns is None and self.operator.wake_ns is None and self.dispatcher.wake_ns is None
+
+    @property
+    def acts_on_states(self) -> bool:
+        """Whether every state of the robot that arrives may make it send something."""
+        return self.operator.acts_on_states
+
+    @property
+    def next_beat_ns(self) -> int | None:
+        """When it sends the next sign of life [ns]; None for never."""
+        return self._pulse.next_ns
+
+    @property
+    def missing(self) -> str:
+        """What has not been heard of the operator's commands, in words; empty where nothing is missing."""
+        missing = (self.dispatcher.missing(command_id) for command_id in reversed(self.operator.newest))
+        return next(filter(None, missing), "")
 
     @property
     def wake_ns(self) -> int | None:
@@ -81,10 +97,15 @@ class Station:
         """Take what has arrived, and do what follows from it."""
         self.dispatcher.hear(now_ns, message)
         if isinstance(message, Ack) and message.stage in FINAL_STAGES:
-            if message.command_id in self._concluded:
-                return  # doubled by the link, or asked for once more: no news
-            self._concluded.add(message.command_id)
-        self.issue(now_ns, self.operator.hear(now_ns, message), own=True)
+            self._conclude(now_ns, message)
+        else:
+            self.issue(now_ns, self.operator.hear(now_ns, message), own=True)
+
+    def _conclude(self, now_ns: int, end: Ack) -> None:
+        """Let the operator hear of a command's end, once: the link may double it, and it may be asked for once more."""
+        if end.command_id not in self._concluded:
+            self._concluded.add(end.command_id)
+            self.issue(now_ns, self.operator.hear(now_ns, end), own=True)
 
     def see(self, now_ns: int, frame: BodyFrame) -> GroundControl | None:
         """Take a state of the body that has arrived; return the action that answers it, where a pilot flies."""
@@ -99,9 +120,8 @@ class Station:
         self._pulse.beat(now_ns)
         self.issue(now_ns, self._schedule.due(now_ns))
         self.issue(now_ns, [] if self.operator.finished else self.operator.wake(now_ns), own=True)
-        for command_id in self.dispatcher.wake(now_ns):
-            if not self.operator.finished:
-                self.issue(now_ns, self.operator.unanswered(now_ns, command_id), own=True)
+        for end in self.dispatcher.wake(now_ns):
+            self._conclude(now_ns, end)
 
     def issue(self, now_ns: int, orders: Iterable[Order], *, own: bool = False) -> None:
         """Send orders; the operator is told the ids of its own."""

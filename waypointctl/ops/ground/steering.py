@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from waypointctl.log.messages import Ack, CommandKind, PlannedWaypoint, Stage, Telemetry
+from waypointctl.log.messages import Ack, CommandKind, Event, EventKind, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, TIMEOUT
 from waypointctl.ops.ground.leg_clock import LegClock
@@ -28,9 +28,20 @@ _NEAR_CARROT: Final = 0.25  # of its distance: within this the carrot counts as 
 class HeadingOperator(Operator):
     """Steers."""
 
-    def __init__(self, mission: Mission, answer_by: Callable[[int], int | None] = lambda left_ns: left_ns) -> None:
-        """Take charge of a mission; `answer_by` says by when what leaves at a time [ns] is answered, None for never."""
-        super().__init__(mission)
+    def __init__(
+        self,
+        mission: Mission,
+        clock: LegClock | None = None,
+        announce: Callable[[Event], None] = lambda _: None,
+    ) -> None:
+        """Take charge of a mission.
+
+        Args:
+            mission: what is asked.
+            clock: of its legs; without it the answer to what leaves is there at once.
+            announce: takes what it decides.
+        """
+        super().__init__(mission, announce)
         script = mission.operator
         self._rule = rule_of_leg(mission)
         self._skips = mission.failure_rule.then == "skip"
@@ -41,13 +52,14 @@ class HeadingOperator(Operator):
         self._put_off = False  # a carrot is due that a hold kept back
         self._at_task = False  # a waypoint with a hold or an observation is under way
         self._leg = 0
-        self._clock = LegClock(answer_by)
+        self._clock = clock or LegClock(lambda left_ns: left_ns)
         self._beat_ns: int | None = 0  # when the next carrot is due under `continuous`
 
     @property
     def wake_ns(self) -> int | None:
         """When it wants to act next, if nothing arrives before [ns]."""
-        times = [time for time in (self._agenda.next_ns, self._beat_ns) if time is not None]
+        beat_ns = None if self.suspended or self._at_task else self._beat_ns
+        times = [time for time in (self._agenda.next_ns, beat_ns) if time is not None]
         return None if self.finished else min(times, default=None)
 
     def begin(self) -> list[Order]:
@@ -71,12 +83,12 @@ class HeadingOperator(Operator):
     def wake(self, now_ns: int) -> list[Order]:
         """Send what is due: thought about, or the period's carrot."""
         orders = self._unless_suspended(self._agenda.due(now_ns))
-        if self._beat_ns is None or self._beat_ns > now_ns:
+        if self._beat_ns is None or self._beat_ns > now_ns or self.suspended or self._at_task:
             return orders
         self._beat_ns += self._period_ns
-        if self._is_out_of_time(now_ns) and not self.suspended and not self._leg_is_over():
-            return orders + self._give_up_leg(now_ns)
-        return orders if self._at_task or self.suspended else orders + self._after_thought(now_ns, self._carrot())
+        if self._is_out_of_time(now_ns) and not self._leg_is_over():
+            return orders + self._give_up_leg(now_ns, TIMEOUT)
+        return orders + self._after_thought(now_ns, self._carrot())
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
         if ack.reason == FALL:
@@ -89,9 +101,9 @@ class HeadingOperator(Operator):
             if self._leg_is_over():
                 return self._next_leg(now_ns)
             if self._clock.is_over(self._plan[self._leg].timeout_ns):
-                return self._give_up_leg(now_ns)
+                return self._give_up_leg(now_ns, TIMEOUT)
             return self._unless_suspended(self._after_thought(now_ns, self._carrot()))
-        return self._give_up_leg(now_ns) if leg_failed(ack) else self._finish(ended_by_robot(ack))
+        return self._give_up_leg(now_ns, ack.reason) if leg_failed(ack) else self._finish(ended_by_robot(ack))
 
     def _is_out_of_time(self, now_ns: int) -> bool:
         """Tell whether the robot's time for the leg is over, or nobody has told by when one should have heard of it."""
@@ -101,13 +113,17 @@ class HeadingOperator(Operator):
     def _leg_is_over(self) -> bool:
         return self.belief.knows_reached(self._plan[self._leg].index)
 
-    def _give_up_leg(self, now_ns: int) -> list[Order]:
-        return self._next_leg(now_ns) if self._skips else self._finish(TIMEOUT)
+    def _give_up_leg(self, now_ns: int, code: str) -> list[Order]:
+        if not self._skips:
+            return self._finish(code)
+        self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, self._plan[self._leg], f"skipped: {code}")
+        return self._next_leg(now_ns)
 
     def _next_leg(self, now_ns: int) -> list[Order]:
         if self._leg + 1 == len(self._plan):
             return self._finish()
         self._leg, self._at_task = self._leg + 1, False
+        self._beat_again(now_ns)
         self._clock.restart((now_ns if self._beat_ns is None else self._beat_ns) + self._think_ns)
         return [] if self._continuous else self._unless_suspended(self._after_thought(now_ns, self._carrot()))
 
@@ -118,7 +134,13 @@ class HeadingOperator(Operator):
         self._put_off = self._put_off or bool(orders)
         return []
 
+    def _beat_again(self, now_ns: int) -> None:
+        """Let the next beat be one that is not over yet: there were none during a hold or a task."""
+        if self._beat_ns is not None and self._beat_ns < now_ns:
+            self._beat_ns -= (self._beat_ns - now_ns) // self._period_ns * self._period_ns
+
     def _go_on(self, now_ns: int) -> list[Order]:
+        self._beat_again(now_ns)
         self._clock.restart(now_ns)
         put_off, self._put_off = self._put_off, False
         return [self._carrot()] if put_off else []

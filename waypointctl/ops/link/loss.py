@@ -16,6 +16,10 @@ class Loss(Protocol):
     def __call__(self) -> bool:
         """Say whether the next message is lost."""
 
+    @property
+    def loses_all(self) -> bool:
+        """Whether no message gets through any more."""
+
     def state(self) -> dict[str, Any]:
         """Return what becomes of the next message depends on, as plain data."""
 
@@ -36,6 +40,11 @@ class RandomLoss:
     def __call__(self) -> bool:
         """Say whether the next message is lost."""
         return self._chances() < self.probability
+
+    @property
+    def loses_all(self) -> bool:
+        """Whether no message gets through any more."""
+        return self.probability >= 1
 
     def state(self) -> dict[str, Any]:
         """Return what becomes of the next message depends on, as plain data."""
@@ -80,6 +89,12 @@ class GilbertElliott:
             return fate < self.lost_in_bad
         self.bad = change < self.to_bad
         return fate < self.lost_in_good
+
+    @property
+    def loses_all(self) -> bool:
+        """Whether no message gets through any more."""
+        stays_bad = self.bad and self.to_good <= 0
+        return self.lost_in_bad >= 1 and (stays_bad or self.lost_in_good >= 1)
 
     def state(self) -> dict[str, Any]:
         """Return what becomes of the next message depends on, as plain data."""

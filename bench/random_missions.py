@@ -1,0 +1,97 @@
+"""Flights of random missions, each judged by its messages and proved by its log.
+
+    python bench/random_missions.py --count 1000
+
+Each seed draws one mission (tests/ops/random_missions.py): rules on board, faults of the link, ways home, holds and
+schedules, under each autonomy. A flight passes if tests/ops/flight_oracle.py finds nothing against it and `replay` says
+EXACT. What fails is printed with its seed; the exit code is 1 if anything does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from tests.ops.flight_oracle import faults  # noqa: E402 - the repository's root is no installed package
+from tests.ops.random_missions import mission_of_seed  # noqa: E402
+from waypointctl.log.messages import Event, EventKind, Message  # noqa: E402
+from waypointctl.mission.files import MissionFile, parse_mission  # noqa: E402
+from waypointctl.ops.outcome import FlightResult  # noqa: E402
+from waypointctl.ops.record import record  # noqa: E402
+from waypointctl.policy.bundle import LoadedPolicy, load_policy  # noqa: E402
+from waypointctl.replay.verdict import Verdict  # noqa: E402
+from waypointctl.replay.verify import verify  # noqa: E402
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A flight and what is wrong with it.
+
+    Attributes:
+        result: how it ended.
+        faults: what is wrong, a line each.
+        went_home: whether the robot was on a way home.
+    """
+
+    result: FlightResult
+    faults: tuple[str, ...]
+    went_home: bool
+
+
+def judged(seed: int, policy: LoadedPolicy, folder: Path) -> Judged:
+    """Fly the mission of a seed, prove its log and judge its messages."""
+    mission = mission_of_seed(seed)
+    messages: list[Message] = []
+    path = folder / f"{seed}.mcap"
+    result = record(mission_file(seed), policy, path, watch=messages.append).result
+    found = faults(mission, result, messages)
+    verification = verify(path)
+    path.unlink()
+    if verification.verdict is not Verdict.EXACT:
+        found.append(f"{verification.verdict}: {verification.reason}")
+    went_home = any(isinstance(one, Event) and one.kind is EventKind.RETURN_STARTED for one in messages)
+    return Judged(result, tuple(found), went_home)
+
+
+def mission_file(seed: int) -> MissionFile:
+    """Return the mission of a seed as a file that is read."""
+    path = Path(f"random-{seed}.yaml")
+    source = mission_of_seed(seed).model_dump_json(exclude_unset=True).encode()
+    return MissionFile(parse_mission(source, str(path)), source, path)
+
+
+def main() -> int:
+    """Fly, print what is wrong and a summary; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=1000, help="how many seeds")
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
+    asked = parser.parse_args()
+    policy = load_policy(ROOT / "policies" / "ant-waypoint")
+    outcomes: Counter[str] = Counter()
+    wrong = went_home = 0
+    began_s = time.monotonic()
+    with TemporaryDirectory() as folder:
+        for seed in range(asked.first, asked.first + asked.count):
+            flight = judged(seed, policy, Path(folder))
+            outcomes[flight.result.outcome] += 1
+            went_home += flight.went_home
+            wrong += bool(flight.faults)
+            for fault in flight.faults:
+                print(f"seed {seed}: {fault} [{flight.result.outcome}: {flight.result.reason}]", flush=True)
+    took_s = time.monotonic() - began_s
+    said = ", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items()))
+    print(f"{asked.count} flights from seed {asked.first} on in {took_s:.0f} s: {said}; {went_home} with a way home")
+    print(f"{wrong} with something wrong")
+    return int(wrong > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
