@@ -47,6 +47,13 @@ def test_one_number_that_is_another_is_found(name: str) -> None:
     assert fault == expected
 
 
+def test_a_part_of_a_matrix_is_not_the_matrix() -> None:
+    """Arrays are looked up among the network's tensors: searched for in its bytes, many would take for ever."""
+    arrays = load(TENSORS)
+    halves = {"0.weight": arrays["0.weight"][:4], "more.weight": arrays["0.weight"][4:]}
+    assert weights_fault(save(arrays | halves), ONNX) == "it does not have the weights of the network"
+
+
 def test_what_only_training_uses_is_free() -> None:
     arrays = load(TENSORS) | {"value.weight": np.ones((3, 3)), "value.bias": np.ones(3), "log_std": np.zeros(8)}
     assert weights_fault(save(arrays), ONNX) == ""

@@ -40,12 +40,21 @@ Integers: TypeAlias = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Tensor:
-    """A constant tensor: the number of its element type, and its numbers where they are few and int64."""
+    """A constant tensor.
+
+    Attributes:
+        name: of the tensor.
+        shape: of its numbers.
+        type: the number of its element type.
+        known: its numbers, where they are few and int64.
+        content: its numbers' bytes, where they are float32 and in one piece.
+    """
 
     name: str
     shape: tuple[int, ...]
     type: int = FLOAT
     known: Integers | None = None
+    content: memoryview = memoryview(b"")
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +155,10 @@ def _tensor(fields: Fields) -> Tensor:
     # Each number takes a byte at least, wherever it is held; raw ones take all of theirs.
     if not 0 <= size <= sum(held) + single or (9 in fields and size * ITEM_BYTES[kind] != sum(held)):
         raise Refused(f"a tensor of shape {list(shape)} without its numbers")
-    return Tensor(text(fields, 8), shape, kind, _known(fields, shape, size) if kind == INT64 else None)
+    known = _known(fields, shape, size) if kind == INT64 else None
+    pieces = [*fields.get(9, []), *fields.get(4, [])] if kind == FLOAT else []
+    content = next((each for each in pieces if isinstance(each, memoryview)), memoryview(b""))
+    return Tensor(text(fields, 8), shape, kind, known, content)
 
 
 def _known(fields: Fields, shape: tuple[int, ...], size: int) -> Integers | None:

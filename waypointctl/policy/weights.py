@@ -7,7 +7,7 @@ safetensors: 8 bytes with the length of a JSON object, the object, the numbers
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from itertools import pairwise
 from math import prod
 from typing import Any, Final
@@ -36,17 +36,19 @@ def weights_fault(safetensors: bytes, network: bytes) -> str:
         arrays = _floats(safetensors)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return "it is not a safetensors file"
-    used = {name for name, array in arrays.items() if array.ndim >= 2 and _is_in(array, network)}
-    needed = sum(prod(it.shape) for it in read_graph(network).constants if it.type == FLOAT and len(it.shape) >= 2)
+    constants = [constant for constant in read_graph(network).constants if constant.type == FLOAT]
+    contents = {bytes(constant.content) for constant in constants}
+    used = {name for name, array in arrays.items() if array.ndim >= 2 and _is_in(array, contents)}
+    needed = sum(prod(constant.shape) for constant in constants if len(constant.shape) >= 2)
     if sum(arrays[name].size for name in used) < needed:
         return "it does not have the weights of the network"
     biases = (f"{name.removesuffix(_WEIGHT)}{_BIAS}" for name in used if name.endswith(_WEIGHT))
-    other = next((name for name in sorted(biases) if name in arrays and not _is_in(arrays[name], network)), None)
+    other = next((name for name in sorted(biases) if name in arrays and not _is_in(arrays[name], contents)), None)
     return "" if other is None else f"its {other} is not that of the network"
 
 
-def _is_in(array: NDArray[np.float32], network: bytes) -> bool:
-    return any(it.tobytes() in network for it in (array, np.ascontiguousarray(array.T)))
+def _is_in(array: NDArray[np.float32], contents: Set[bytes]) -> bool:
+    return any(it.tobytes() in contents for it in (array, np.ascontiguousarray(array.T)))
 
 
 def _floats(content: bytes) -> Arrays:

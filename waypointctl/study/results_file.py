@@ -15,6 +15,7 @@ from typing import Final, Self, TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import InputError, OutputError
+from waypointctl.input_file import read_input
 from waypointctl.paths import write_whole
 from waypointctl.study.case import Case
 from waypointctl.study.measure import Flown
@@ -23,6 +24,7 @@ RESULTS: Final = "flights.jsonl"
 
 R = TypeVar("R", bound=BaseModel)
 
+_LARGEST: Final = 2**28  # [bytes]
 _WHAT: Final = "the results"
 _MEND: Final = "Give another --out, or remove that file to begin again."
 
@@ -122,10 +124,8 @@ class ResultsFile:
 
     def _read(self, conditions: Conditions) -> Conditions:
         """Take in the flights that are there; return the conditions of all."""
-        try:
-            *lines, _ = self.path.read_bytes().split(b"\n")  # what follows the last line break is torn, or nothing
-        except OSError as error:
-            raise OutputError(f"cannot be read: {error.strerror}", where=str(self.path), mend=_MEND) from error
+        content = read_input(self.path, _LARGEST, OutputError, within=self.path.parent, mend=_MEND)
+        *lines, _ = content.split(b"\n")  # what follows the last line break is torn, or nothing
         if not lines:
             return conditions
         there = self._parsed(Conditions, lines[0], 1)
