@@ -54,7 +54,7 @@ class Tensor:
     shape: tuple[int, ...]
     type: int = FLOAT
     known: Integers | None = None
-    content: memoryview = memoryview(b"")
+    content: bytes | memoryview = b""
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +157,7 @@ def _tensor(fields: Fields) -> Tensor:
         raise Refused(f"a tensor of shape {list(shape)} without its numbers")
     known = _known(fields, shape, size) if kind == INT64 else None
     pieces = [*fields.get(9, []), *fields.get(4, [])] if kind == FLOAT else []
-    content = next((each for each in pieces if isinstance(each, memoryview)), memoryview(b""))
+    content = next((each for each in pieces if isinstance(each, memoryview)), b"")
     return Tensor(text(fields, 8), shape, kind, known, content)
 
 
