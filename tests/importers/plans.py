@@ -151,7 +151,7 @@ SHAPES: Final = (
           (At(2, 0, 4, 1.5), At(2, 4, 0, 3))),
     Shape("headings", plan(wp(2, 0, 0, 0, 0, 90), wp(2, 4, 0, 0, 0, 0)), AB, ("1 x heading at a waypoint",)),
     Shape("a passing radius", plan(wp(2, 0, 0, 0, 5), B), AB, ("1 x passing radius of a waypoint",)),
-    Shape("splines", plan(A, there(82, 2, 4)), AB, ("1 x spline waypoint",)),
+    Shape("splines", plan(A, there(82, 2, 4, 3)), ((2, 0), At(2, 4, 3)), ("1 x spline waypoint",)),
     Shape("heights above the sea", plan(wp(2, 0, frame=0), wp(2, 4, frame=0)), AB),
     Shape("heights above the ground", plan(wp(2, 0, frame=10), wp(2, 4, frame=11)), AB),
     Shape("frames of integers", plan(wp(2, 0, frame=5), wp(2, 4, frame=6)), AB),
@@ -166,7 +166,8 @@ SHAPES: Final = (
         key: value for key, value in made["mission"].items() if key != "version"}})(plan(A, B)), AB),
     Shape("an unset home", plan(A, B, home=[0, 0, 0]), refused=r"mission\.plannedHomePosition \(0, 0\): some 6,600 km"),
     # Standing still.
-    Shape("a loiter for a time", plan(A, there(19, 2, 4, 30)), ((2, 0), At(2, 4, 30))),
+    Shape("a loiter for a time", plan(A, there(19, 2, 4, 30, 0, 50)), ((2, 0), At(2, 4, 30)),
+          ("1 x loiter radius",)),
     Shape("a loiter where the vehicle is", plan(A, item(19, 10, frame=3), B), (At(2, 0, 10), (2, 4))),
     Shape("a loiter at nulls", plan(A, item(19, 10, 0, 0, None, None, None, 10, frame=3), B), (At(2, 0, 10), (2, 4))),
     Shape("a loiter before the first waypoint", plan(item(19, 10, frame=3), A),

@@ -43,6 +43,13 @@ def test_metres_stay_what_they_are(tmp_path: Path) -> None:
     assert (first.name, first.hold_s, first.acceptance, first.tolerance_m) == ("pit", 10, "radius", 1.5)
     assert (second.name, second.hold_s, second.acceptance, second.tolerance_m) == ("WP2", 0, "box", 0.5)
     assert found.text.startswith("# From 'yard.csv'. x and y are those of the file, in metres.\n")
+    assert found.survey.remarks == ()
+
+
+def test_x_and_y_without_a_unit_are_said_to_be_metres(tmp_path: Path) -> None:
+    found = imported(tmp_path, "X,Y\n25,60\n25.1,60\n", "yard.csv")
+    assert (found.mission.start.position_m, found.legs) == ((25, 60), [(25.1, 60.0)])
+    assert found.survey.remarks == ("has x and y without a unit: they are read as metres",)
 
 
 @pytest.mark.parametrize(
@@ -53,6 +60,7 @@ def test_metres_stay_what_they_are(tmp_path: Path) -> None:
             "yard.csv:1: has the columns 'n_deg', 'east_deg'; 'lat' and",
         ),
         ("60,25\n60.1,25\n", "yard.csv:1: has the columns '60', '25'; 'lat' and 'lon'"),
+        ('""\n""', "yard.csv:1: has no columns; 'lat' and 'lon'"),
         ("lat,lon\n", "has 0 rows; 2 to 1,001 are allowed: the start and the waypoints"),
         ("lat,lon\n60,25\n", "has 1 row; 2 to 1,001 are allowed"),
         (table("lat,lon", rows=ROWS * 334), "has more than 1,001 rows; 2 to 1,001 are allowed"),

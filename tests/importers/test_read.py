@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+import copy
 import json
 import os
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -11,13 +14,14 @@ from hypothesis import strategies as st
 
 from tests.importers.plans import SHAPES, A, B, plan
 from tests.importers.reading import imported, write
-from tests.importers.test_geojson import LINE
+from tests.importers.test_geojson import LINE, POINT, POLYGON, collection, feature
 from tests.importers.test_gpx_and_kml import LINE as KML_LINE
 from tests.importers.test_gpx_and_kml import ROUTE, gpx, kml
 from tests.importers.test_wpl import EAST, HOME, NORTH, wpl
 from waypointctl.errors import MissionError
 from waypointctl.importers.read import MAX_BYTES, read_survey
 
+COLLECTION = collection(feature(LINE, name="n"), feature(POINT), feature(POLYGON), feature(None))
 FORMATS = {
     "a QGroundControl plan": (json.dumps(plan(A, B)), (".plan",)),
     "a waypoint file (QGC WPL)": (wpl(HOME, NORTH, EAST), (".waypoints", ".txt")),
@@ -118,3 +122,51 @@ def test_a_damaged_file_is_imported_or_refused(
         seed = seed[:at] + scrap + seed[at + length :]
     with suppress(MissionError):
         assert imported(tmp_path, seed, "damaged.dat").legs
+
+
+VALUES: list[Any] = [
+    *(
+        None,
+        True,
+        0,
+        -1,
+        2,
+        3,
+        16,
+        20,
+        93,
+        177,
+        1.5,
+        1e308,
+        float("nan"),
+        float("inf"),
+        10**400,
+        "",
+        "60",
+        "\ud800",
+        "\x1b[31m",
+    ),
+    *([], {}, [[]], [None], [0, 0], [[60, 25]] * 3, {"a": 1}),
+]
+
+
+def places_in(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Yield where the values of a JSON text are."""
+    yield path
+    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, each in inner:
+        yield from places_in(each, (*path, key))
+
+
+@settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data(), seed=st.sampled_from([*(shape.plan for shape in SHAPES), LINE, COLLECTION]))
+def test_a_file_with_wrong_values_is_imported_or_refused(tmp_path: Path, data: st.DataObject, seed: Any) -> None:
+    content = copy.deepcopy(seed)
+    for _ in range(data.draw(st.integers(1, 3))):
+        *path, last = data.draw(st.sampled_from([place for place in places_in(content) if place]))
+        part = content
+        for key in path:
+            part = part[key]
+        part[last] = copy.deepcopy(data.draw(st.sampled_from(VALUES)))
+    with suppress(MissionError):
+        assert imported(tmp_path, content, data.draw(st.sampled_from(["a.plan", "a.geojson"]))).legs

@@ -56,6 +56,11 @@ def test_commands_mean_what_they_mean_in_a_plan(tmp_path: Path) -> None:
     )
 
 
+def test_a_mark_of_the_current_item_is_left_out(tmp_path: Path) -> None:
+    found = imported(tmp_path, wpl(HOME, NORTH, EAST.replace("2 0 3", "2 1 3")), "yard.waypoints")
+    assert found.left_out == ("1 x mark of line 4 as the current item: the mission starts with its first",)
+
+
 def test_a_file_without_a_home_starts_at_the_origin(tmp_path: Path) -> None:
     without = wpl("0 1 3 22 0 0 0 0 60.0001 25 10 1", NORTH)
     assert imported(tmp_path, without, "yard.waypoints", origin=(60.0, 25.0)).legs == [(0.0, 11.14), (0.0, 22.28)]

@@ -62,8 +62,8 @@ def read_csv(source: bytes, report: Report, name: str) -> Survey:
         raise MissionError(f"has {len(header):,} columns; at most {_MOST_COLUMNS:,} are read", where=report.where)
     table = _Table(_columns(header), len(header), delimiter, report)
     if table.keys is None:
-        found = ", ".join(map(shown, header[:12]))
-        problem = f"has the columns {found}; 'lat' and 'lon' [deg] or 'x' and 'y' [m] are needed"
+        found = f"the columns {', '.join(map(shown, header[:12]))}" if header else "no columns"
+        problem = f"has {found}; 'lat' and 'lon' [deg] or 'x' and 'y' [m] are needed"
         raise MissionError(problem, where=f"{report.where}:1")
     if not 2 <= len(rows) <= MOST_STOPS + 1:
         count = f"more than {MOST_STOPS + 1:,} rows" if len(rows) > MOST_STOPS else counted(len(rows), "rows")
@@ -74,13 +74,16 @@ def read_csv(source: bytes, report: Report, name: str) -> Survey:
     assert start is not None
     read = set(table.keys) | set(table.columns) & {"name", "hold", "tolerance"}
     unread = [title for place, title in enumerate(header) if place not in {table.columns[key] for key in read}]
+    is_metric = table.keys == ("x", "y")
+    is_bare = is_metric and {header[table.columns[key]].strip().lower() for key in ("x", "y")} == {"x", "y"}
     return Survey(
         mission_name(name),
         start.place,
         tuple(stop for stop in stops if stop is not None),
         start_at=start.at,
         left_out=tuple(f"column {shown(title)}" for title in unread if title.strip()),
-        is_metric=table.keys == ("x", "y"),
+        remarks=("has x and y without a unit: they are read as metres",) if is_bare else (),
+        is_metric=is_metric,
     )
 
 
@@ -91,7 +94,7 @@ def _rows(text: str, report: Report) -> tuple[list[str], list[tuple[int, list[st
     reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
     rows = ((reader.line_num, row) for row in reader if any(map(str.strip, row)))
     try:
-        _, header = next(rows)
+        _, header = next(rows, (1, []))
         return header, list(islice(rows, MOST_STOPS + 2)), delimiter
     except csv.Error as error:
         raise MissionError(f"is not CSV: {error}", where=f"{report.where}:{reader.line_num}") from error

@@ -27,8 +27,11 @@ def read_kml(source: bytes, report: Report, name: str) -> Survey:
     """
     shapes = Shapes(report, "LineString", "Point", "KML is longitude,latitude")
     for placemark in _placemarks(read_xml(source, report), report):
-        for geometry in _geometries(placemark):
+        geometries = list(_geometries(placemark))
+        for geometry in geometries:
             _take(shapes, geometry, placemark.text_of("name"))
+        if not geometries:
+            report.left_out["Placemark without a geometry"] += 1
     return shapes.survey(name)
 
 

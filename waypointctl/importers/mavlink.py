@@ -52,7 +52,7 @@ FOLLOWED: Final = {
 TAKEOFFS: Final = (TAKEOFF, VTOL_TAKEOFF)
 LANDINGS: Final = (LAND, VTOL_LAND)
 ENDS: Final = (RETURN, LOITER_UNLIMITED)  # what follows them is never reached
-HOLDS: Final = (WAYPOINT, LOITER_TIME, DELAY)  # their first parameter is a time [s]
+HOLDS: Final = (WAYPOINT, SPLINE, LOITER_TIME, DELAY)  # their first parameter is a time [s]
 JUMPS: Final = (JUMP, JUMP_TO_TAG)
 # Those that may be without a place: then they are about where the vehicle is.
 HERE: Final = (LOITER_UNLIMITED, LOITER_TURNS, LOITER_TIME, LOITER_TO_ALTITUDE, PAYLOAD_PLACE, *TAKEOFFS, *LANDINGS)

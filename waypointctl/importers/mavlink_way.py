@@ -23,6 +23,7 @@ from waypointctl.importers.mavlink import (
     JUMPS,
     LANDINGS,
     LEFT_OUT,
+    LOITER_TIME,
     NOT_DONE,
     PICTURE,
     RETURN,
@@ -37,7 +38,7 @@ from waypointctl.importers.survey import MOST_STOPS, Stop
 PARAMETERS: Final = 7
 _HOLD: Final = 0
 _RADIUS: Final = 1
-_PASS_RADIUS: Final = 2
+_LOITER_RADIUS: Final = 2  # of a waypoint by which to pass it
 _YAW: Final = 3
 _LATITUDE: Final = 4
 _LONGITUDE: Final = 5
@@ -220,8 +221,10 @@ class _Way:
         return None
 
     def _note_what_is_not_done(self, item: Item) -> None:
-        if item.command == WAYPOINT and item.params[_PASS_RADIUS]:
+        if item.command == WAYPOINT and item.params[_LOITER_RADIUS]:
             self._leave_out("passing radius of a waypoint: the robot walks to the waypoint")
+        if item.command == LOITER_TIME and item.params[_LOITER_RADIUS]:
+            self._leave_out("loiter radius: the robot stands at the centre")
         if item.command in (WAYPOINT, *LANDINGS, *TAKEOFFS) and item.params[_YAW]:
             self._leave_out("heading at a waypoint: where the robot faces is the policy's own")
 

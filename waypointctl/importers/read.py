@@ -52,7 +52,7 @@ def read_survey(path: Path) -> Survey:
         survey = read(source, report, path.stem)
         known = {each for _, _, names in _READERS.values() for each in names} | {".csv", ".tsv"}
         if suffix in known - set(suffixes):
-            return replace(survey, remarks=(f"is {what} by its content, and read as that",))
+            return replace(survey, remarks=(*survey.remarks, f"is {what} by its content, and read as that"))
         return survey
     if kind is not None:
         raise MissionError(f"{kind.value}; {_READ}", where=str(path))

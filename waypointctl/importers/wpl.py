@@ -25,7 +25,7 @@ from waypointctl.mission.wording import counted, shown
 
 _HEADER: Final = ["QGC", "WPL", "110"]
 _VALUES: Final = 12
-_NUMBER, _FRAME, _COMMAND, _PARAMS, _GOES_ON = 0, 2, 3, 4, 11
+_NUMBER, _CURRENT, _FRAME, _COMMAND, _PARAMS, _GOES_ON = 0, 1, 2, 3, 4, 11
 
 
 def read_wpl(source: bytes, report: Report, name: str) -> Survey:
@@ -69,19 +69,17 @@ def _items(lines: list[str], report: Report) -> Iterator[Item]:
         if len(values) != _VALUES:
             report.complain(at, f"has {counted(len(values), 'values')}; an item has {_VALUES}", "number of values")
             continue
-        wrong = next((value for value in values if _parameter(value) is None and not _is_nan(value)), None)
+        wrong = next((value for value in values if number_of(value) is None and not _is_nan(value)), None)
         whole = [_whole(values[place]) for place in (_NUMBER, _FRAME, _COMMAND)]
         if wrong is not None or None in whole:
             found = shown(wrong) if wrong is not None else "its number, frame or command"
             report.complain(at, f"{found} is not a {'number' if wrong is not None else 'whole number'}", "not a number")
             continue
         index, frame, command = (each for each in whole if each is not None)
-        params = tuple(_parameter(value) for value in values[_PARAMS : _PARAMS + PARAMETERS])
-        yield Item(at, index, command, frame, params, goes_on=_parameter(values[_GOES_ON]) != 0)
-
-
-def _parameter(value: str) -> float | None:
-    return number_of(value)
+        if number_of(values[_CURRENT]) and index > 1:
+            report.left_out[f"mark of {at} as the current item: the mission starts with its first"] += 1
+        params = tuple(number_of(value) for value in values[_PARAMS : _PARAMS + PARAMETERS])
+        yield Item(at, index, command, frame, params, goes_on=number_of(values[_GOES_ON]) != 0)
 
 
 def _is_nan(value: str) -> bool:
