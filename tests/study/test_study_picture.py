@@ -5,13 +5,17 @@ import io
 import matplotlib.image
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tests.study.standing import cells, line
 from tests.study.test_study_tables import study
+from waypointctl.figure import BLUE as LINE
 from waypointctl.study.delay import DelayStudy, Route
 from waypointctl.study.measure import Flown
-from waypointctl.study.picture import draw
+from waypointctl.study.picture import _draw_times, _places, _scale, draw
 
 BLUE, GREEN, GOLD = (0x00, 0x72, 0xB2), (0x00, 0x9E, 0x73), (0xB8, 0x86, 0x0B)
 
@@ -55,3 +59,26 @@ def test_a_prediction_is_drawn_for_who_waits(autonomy: str, has_one: bool) -> No
 @pytest.mark.parametrize("times_s", [[None], [None, 10.0, None]])
 def test_failures_alone_can_be_drawn(times_s: list[float | None]) -> None:
     assert of(pixels(with_cells(line("joint", {0.0: times_s, 0.4: [None]}))), GOLD) > 50
+
+
+rtts = st.lists(st.floats(0, 1e5).map(lambda value: round(value, 3)), min_size=1, max_size=6, unique=True)
+
+
+@settings(max_examples=25, deadline=None)
+@given(rtts, st.booleans())
+def test_all_of_the_axis_of_round_trips_is_used_and_lines_are_straight(rtts_s: list[float], swept: bool) -> None:
+    rtts_s = sorted(rtts_s)
+    found = cells(line("mission", {rtt_s: [10 + rtt_s] for rtt_s in rtts_s}))
+    sweep = cells(line("joint", {0.0: [9.0], 0.02: [9.5]})) if swept else ()
+    drawn = study().model_copy(update={"cells": found, "joint_sweep": sweep, "joint_limits": ()})
+    figure = Figure()
+    axes = figure.subplots()
+    _draw_times(axes, drawn, drawn.routes[0])
+    _scale(axes, drawn)
+    every_s = sorted([*rtts_s, *(cell.rtt_s for cell in sweep)])
+    places = _places(axes, [every_s[0], every_s[-1]])
+    ends = [0.5, 0.5] if every_s[0] == every_s[-1] else [0.037, 0.963]
+    assert places == pytest.approx(ends, abs=0.001)
+    own = [one for one in axes.lines if one.get_linestyle() == "-" and one.get_color() == LINE]
+    counts = [len(np.atleast_1d(one.get_xdata())) for one in own]
+    assert [count for count in counts if count > 1] == [2] * (len(rtts_s) - 1)

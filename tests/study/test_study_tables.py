@@ -22,7 +22,7 @@ def study(*, swept: bool = True) -> DelayStudy:
         source="abc",
         think_s=1.5,
         seeds=(0, 1),
-        routes=(Route(name="r", waypoints=2, length_m=21.2),),
+        routes=(Route(name="r", waypoints=2, length_m=21.2, think_s=1.5),),
         cells=found,
         joint_sweep=sweep,
         joint_limits=joint_limits((*found, *sweep)),

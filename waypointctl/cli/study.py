@@ -14,6 +14,9 @@ from waypointctl.errors import InputError
 from waypointctl.mission.policy_name import FLAGSHIP
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from waypointctl.mission.files import MissionFile
     from waypointctl.study.delay import DelayStudy
 
 _LONGEST_RTT_S: Final = 86_400.0
@@ -52,8 +55,14 @@ def delay(
         ),
     ] = None,
     think: Annotated[
-        float, typer.Option(callback=not_negative, max=86_400, help="How long the operator thinks, in s.")
-    ] = 0.0,
+        float | None,
+        typer.Option(
+            callback=not_negative,
+            max=86_400,
+            help="How long the operator thinks, in s.",
+            show_default="the mission's own",
+        ),
+    ] = None,
     find_joint_limit: Annotated[
         bool, typer.Option("--find-joint-limit", help="Fly joint at round trips of 0, 20, ... 260 ms, too.")
     ] = False,
@@ -67,6 +76,9 @@ def delay(
 ) -> None:
     """Fly routes at several round trips, with more or less decided on board: success, time, distance, standing, falls.
 
+    Of a mission the delay, the autonomy, the seed and the time limits are varied. The rest stays: jitter, losses, rate,
+    windows, think time, faults and rules on board. A mission with anything that cannot stay is refused.
+
     What has been flown stays in the folder: the same command goes on where it was interrupted. Exit with 0 when all
     has been flown, whatever came of it; 130 if it was interrupted.
     """
@@ -77,11 +89,13 @@ def delay(
     from waypointctl.study.delay import delay_cases
     from waypointctl.study.route import load_routes
     from waypointctl.study.run import study_delay
+    from waypointctl.study.varied_link import refuse_what_is_not_kept
 
     quick_route, quick_rtt, quick_seeds = _QUICK
     routes = load_routes(_parts(route or (quick_route if quick else "two-point,ten-point")))
     names = [one.name for one in autonomies_of(_parts(autonomy))]
-    rtts_s = rtts_of(rtt or (quick_rtt if quick else "0,0.4,2.56,5,10,40"))
+    refuse_what_is_not_kept(routes)
+    rtts_s = rtts_of(rtt) if rtt else _possible(rtts_of(quick_rtt if quick else "0,0.4,2.56,5,10,40"), routes)
     trials = range(seed, seed + (seeds or (quick_seeds if quick else 20)))
     cases, fine = delay_cases(list(routes), names, rtts_s, trials, find_joint_limit=find_joint_limit)
     folder = out or Path("runs/study-delay-quick" if quick else "runs/study-delay")
@@ -126,6 +140,17 @@ def rtts_of(text: str) -> tuple[float, ...]:
     if len(set(rtts_s)) < len(rtts_s):
         raise InputError(f"--rtt: {text!r} has one of them twice", mend=mend)
     return tuple(sorted(rtts_s))
+
+
+def _possible(rtts_s: tuple[float, ...], routes: Mapping[str, MissionFile]) -> tuple[float, ...]:
+    """Return those of the usual round trips that the routes' links can have; say which are left out."""
+    from waypointctl.study.varied_link import least_round_trip_s
+
+    least_s = max(least_round_trip_s(file.mission.link) for file in routes.values())
+    if short := [f"{rtt_s:g}" for rtt_s in rtts_s if rtt_s < least_s]:
+        left_out = f"left out: round trips of {', '.join(short)} s; link.jitter needs {least_s:g} s or more"
+        typer.echo(left_out, err=True)
+    return tuple(rtt_s for rtt_s in rtts_s if rtt_s >= least_s) or (least_s,)
 
 
 def _parts(text: str) -> list[str]:

@@ -29,6 +29,7 @@ class Route(BaseModel):
     name: str
     waypoints: int
     length_m: float  # of the straight path
+    think_s: float = 0.0  # how long the operator thinks on it
 
 
 class DelayStudy(BaseModel):
@@ -39,7 +40,7 @@ class DelayStudy(BaseModel):
     policy: str
     policy_sha256: str
     source: str  # a hash of the code that flew
-    think_s: float
+    think_s: float | None  # in place of the routes' own
     seeds: tuple[int, ...]
     routes: tuple[Route, ...]
     cells: tuple[Cell, ...]
@@ -67,7 +68,8 @@ class DelayStudy(BaseModel):
         walk_s = self.walk_s(route)
         if walk_s is None or not counts:
             return None
-        return walk_s + sum(counts) / len(counts) * (rtt_s + self.think_s)
+        think_s = next(one.think_s for one in self.routes if one.name == route)
+        return walk_s + sum(counts) / len(counts) * (rtt_s + think_s)
 
 
 def delay_cases(
@@ -108,7 +110,12 @@ def conclude(
         think_s=conditions.think_s,
         seeds=tuple(sorted({case.seed for case in cases})),
         routes=tuple(
-            Route(name=name, waypoints=file.mission.num_legs, length_m=file.mission.path_length_m())
+            Route(
+                name=name,
+                waypoints=file.mission.num_legs,
+                length_m=file.mission.path_length_m(),
+                think_s=file.mission.operator.think_s if conditions.think_s is None else conditions.think_s,
+            )
             for name, file in routes.items()
         ),
         cells=cells,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import textwrap
 from collections.abc import Sequence
 from typing import Any, Final
@@ -22,8 +23,8 @@ from waypointctl.study.estimate import Estimate
 _DPI: Final = 110
 _COLUMN_IN: Final = 6.6
 _HEIGHT_IN: Final = 8.6
-_LINEAR_S: Final = 0.4  # below this the axis of round trips is linear, so that 0 has a place
-_BETWEEN: Final = 50  # points of a line from one round trip to the next
+_LINEAR_RATIO: Final = 12.0  # of the longest round trip to the shortest but 0: up to this the axis is linear
+_MARGIN: Final = 0.04  # of the axis of round trips, on either side of what was flown
 _SPARE_TICK: Final = 0.04  # of the axis: a round trip nearer to the one before it has no label
 _LETTER_IN: Final = 0.085  # of the note
 _LOOKS: Final = {
@@ -57,8 +58,8 @@ def _draw(figure: Figure, study: DelayStudy, width_in: float) -> None:
 
 
 def _draw_times(axes: Axes, study: DelayStudy, route: Route) -> None:
-    last_s = max(cell.rtt_s for cell in study.cells)
-    dense_s = np.linspace(0.0, 1.0, 200) ** 3 * last_s  # dense where the axis is
+    first_s, last_s = (end(cell.rtt_s for cell in study.cells) for end in (min, max))
+    dense_s = first_s + np.linspace(0.0, 1.0, 200) ** 3 * (last_s - first_s)  # dense where the axis is
     axes.set_yscale("log")
     for name, (color, mark) in _LOOKS.items():
         cells = study.cells_of(route.name, name)
@@ -71,6 +72,9 @@ def _draw_times(axes: Axes, study: DelayStudy, route: Route) -> None:
     for limit in study.joint_limits:
         if limit.route == route.name and limit.mostly_fails_s is not None:
             _mark_limit(axes, limit.mostly_fails_s)
+    times_s = {cell.time_s.value for cell in study.cells if cell.route == route.name and cell.time_s is not None}
+    if len(times_s) == 1:  # matplotlib finds no limits round one value on a logarithmic axis
+        axes.set_ylim(min(times_s) / 2, max(times_s) * 2)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
@@ -91,9 +95,8 @@ def _draw_line(axes: Axes, cells: Sequence[Cell], estimates: Sequence[Estimate |
     shown = [(cell, one) for cell, one in zip(cells, estimates, strict=True) if one is not None]
     for (before, one), (after, other) in itertools.pairwise(shown):
         alpha = 1.0 if before.mostly_succeeds and after.mostly_succeeds else 0.35
-        part = np.linspace(0.0, 1.0, _BETWEEN)  # straight in seconds, which is bent where the axes are logarithmic
-        rtts_s = before.rtt_s + part * (after.rtt_s - before.rtt_s)
-        axes.plot(rtts_s, one.value + part * (other.value - one.value), color=color, linewidth=1.5, alpha=alpha)
+        # Straight on the page: between two round trips nothing was flown, and a curve would seem to know.
+        axes.plot((before.rtt_s, after.rtt_s), (one.value, other.value), color=color, linewidth=1.5, alpha=alpha)
     for cell, one in shown:
         face = color if cell.mostly_succeeds else "white"
         axes.errorbar(
@@ -127,9 +130,21 @@ def _mark_limit(axes: Axes, rtt_s: float) -> None:
 
 
 def _scale(axes: Axes, study: DelayStudy) -> None:
+    """Fit the axis of round trips to those that were flown: all of it is used, however few they are."""
     rtts_s = sorted({cell.rtt_s for cell in study.cells})
-    axes.set_xscale("symlog", linthresh=_LINEAR_S, linscale=1.1)
-    axes.set_xlim(-0.03, max(*rtts_s, _LINEAR_S) * 1.25)
+    delays_s = [rtt_s for rtt_s in rtts_s if rtt_s > 0]
+    decades = math.log10(delays_s[-1] / delays_s[0]) if delays_s else 0.0
+    ends_s = [*rtts_s, *(cell.rtt_s for cell in study.joint_sweep)]
+    if decades <= math.log10(_LINEAR_RATIO):
+        axes.set_xscale("linear")
+    elif min(ends_s) > 0:
+        axes.set_xscale("log")
+    else:  # linear below the shortest delay, so that 0 has a place
+        axes.set_xscale("symlog", linthresh=delays_s[0], linscale=decades / 2)
+    scale = axes.xaxis.get_transform()
+    low, high = scale.transform([min(ends_s), max(ends_s)])
+    margin = _MARGIN * (high - low) or 1.0
+    axes.set_xlim(*scale.inverted().transform([low - margin, high + margin]))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xticks(rtts_s, labels=_labels(axes, rtts_s))
     axes.grid(color=FAINT, linewidth=0.35)
@@ -138,13 +153,19 @@ def _scale(axes: Axes, study: DelayStudy) -> None:
 
 def _labels(axes: Axes, rtts_s: Sequence[float]) -> list[str]:
     """Return a label for each round trip, empty where it would stand on the one before."""
-    places = axes.transAxes.inverted().transform(axes.transData.transform([(rtt_s, 1.0) for rtt_s in rtts_s]))[:, 0]
     labels, last = [], -1.0
-    for rtt_s, place in zip(rtts_s, places.tolist(), strict=True):
+    for rtt_s, place in zip(rtts_s, _places(axes, rtts_s), strict=True):
         spare = place - last < _SPARE_TICK
         labels.append("" if spare else f"{rtt_s:g}")
         last = last if spare else place
     return labels
+
+
+def _places(axes: Axes, rtts_s: Sequence[float]) -> list[float]:
+    """Return where round trips are on their axis, from 0 at its left end to 1 at its right end."""
+    scale = axes.xaxis.get_transform()
+    low, high = scale.transform(axes.get_xlim())
+    return [float(place) for place in (scale.transform(rtts_s) - low) / (high - low)]
 
 
 def _write(figure: Figure, study: DelayStudy, left: float) -> None:
@@ -154,14 +175,16 @@ def _write(figure: Figure, study: DelayStudy, left: float) -> None:
         for name, (color, mark) in _LOOKS.items()
         if name in drawn
     ]
-    handles += [
-        Line2D([], [], color=INK, linestyle=(0, (4, 3)), linewidth=0.9, label="L/v + N (RTT + think)"),
-        Line2D([], [], color=INK, marker="x", linestyle="none", label="no success"),
-    ]
+    if any(study.walk_s(route.name) is not None for route in study.routes):
+        handles.append(Line2D([], [], color=INK, linestyle=(0, (4, 3)), linewidth=0.9, label="L/v + N (RTT + think)"))
+    if any(cell.time_s is None for cell in (*study.cells, *study.joint_sweep)):
+        handles.append(Line2D([], [], color=INK, marker="x", linestyle="none", label="no success"))
     figure.legend(handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=9)
     seeds = f"{len(study.seeds)} seeds each" if len(study.seeds) > 1 else f"seed {study.seeds[0]}"
-    think = f", think time {study.think_s:g} s" if study.think_s else ""
+    thinks = " and ".join(f"{think_s:g}" for think_s in dict.fromkeys(route.think_s for route in study.routes))
+    think = f", think time {thinks} s" if thinks != "0" else ""
     figure.text(left, 0.972, f"What a delay costs: {study.policy}", fontsize=13, fontweight="bold", va="center")
-    note = f"{seeds}{think}; means of the successes, 95 % intervals; 7/20: so many succeeded; open: fewer than half"
+    marks = "7/20: 7 of 20 trials succeeded; open mark: fewer than half did"
+    note = f"{seeds}{think}; means of the successes, 95 % intervals; {marks}"
     lines = textwrap.fill(note, round(figure.get_figwidth() / _LETTER_IN))
     figure.text(left, 0.95, lines, va="top")

@@ -33,14 +33,14 @@ class Plan:
         routes: by name.
         policy_files: the bundle of who walks.
         policy_name: for messages.
-        think_s: the operator's.
+        think_s: the operator's, in place of the routes' own.
         logs: the folder for the flights' logs, which is there; None for none.
     """
 
     routes: Mapping[str, MissionFile]
     policy_files: Mapping[str, bytes]
     policy_name: str
-    think_s: float
+    think_s: float | None = None
     logs: Path | None = None
 
 

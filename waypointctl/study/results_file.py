@@ -36,9 +36,9 @@ class Conditions(BaseModel):
 
     policy: str
     policy_sha256: str
-    think_s: float
+    think_s: float | None  # in place of the routes' own
     source: str  # a hash of the code that flies
-    routes: dict[str, str]  # SHA-256 of each route's file, by name
+    routes: dict[str, str]  # SHA-256 of each route's file and of those that it refers to, by name
 
     def together_with(self, others: Conditions) -> Conditions:
         """Return the conditions of the flights of both.

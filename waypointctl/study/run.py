@@ -18,6 +18,7 @@ from waypointctl.study.delay import DelayStudy, conclude
 from waypointctl.study.files import write_study
 from waypointctl.study.pilot import Plan, fly_cases
 from waypointctl.study.results_file import Conditions, ResultsFile
+from waypointctl.study.varied_link import refuse_what_is_not_kept
 from waypointctl.task.observation import layout
 
 LOGS: Final = "logs"
@@ -45,7 +46,7 @@ def study_delay(
     fine: Sequence[Case],
     folder: Path,
     *,
-    think_s: float = 0.0,
+    think_s: float | None = None,
     jobs: int = 1,
     keep_logs: bool = False,
     watch: Callable[[Progress], None] = lambda progress: None,
@@ -59,7 +60,7 @@ def study_delay(
         cases: of the study.
         fine: of the finer sweep of `joint`.
         folder: for the flights and what they came to; what is there already is not flown again.
-        think_s: how long the operator thinks before it sends [s].
+        think_s: how long the operator thinks before it sends [s]; each route's own time if it is left out.
         jobs: flights at a time. The results do not depend on it.
         keep_logs: write the logs of the flights, too.
         watch: told of each flight.
@@ -70,17 +71,18 @@ def study_delay(
 
     Raises:
         PolicyError: the policy was made for another robot or another observation layout.
-        InputError: the folder has the flights of another study.
+        InputError: a route has what a study cannot keep; the folder has the flights of another study.
         OutputError: something cannot be written, or another study is at it.
         WaypointctlError: a process that flew was killed.
     """
     refuse_policy(policy, routes)
+    refuse_what_is_not_kept(routes, sorted({case.rtt_s for case in cases if case.route in routes}))
     conditions = Conditions(
         policy=policy.manifest.name,
         policy_sha256=policy.sha256,
         think_s=think_s,
         source=source_revision(),
-        routes={name: hashlib.sha256(file.source).hexdigest() for name, file in routes.items()},
+        routes={name: route_digest(file) for name, file in routes.items()},
     )
     with ResultsFile.held(folder, conditions) as results:
         logs = folder / LOGS if keep_logs else None
@@ -101,6 +103,14 @@ def study_delay(
         study = conclude(cases, fine, results.flown, routes, conditions)
         write_study(study, folder)
     return study
+
+
+def route_digest(file: MissionFile) -> str:
+    """Return the SHA-256 of a mission's file and of what stands in the files that it refers to."""
+    digest = hashlib.sha256(file.source)
+    for name, content in sorted(file.mission.files.items()):
+        digest.update(name.encode() + b"\0" + hashlib.sha256(content).digest())
+    return digest.hexdigest()
 
 
 def refuse_policy(policy: LoadedPolicy, routes: Mapping[str, MissionFile]) -> None:

@@ -39,7 +39,7 @@ def overview(study: DelayStudy, route: Route) -> Grid:
     rows = [(name, *(_time(own[name, rtt_s]) for rtt_s in rtts_s)) for name in names]
     columns = (Column("autonomy", is_text=True), *(Column(f"{rtt_s:g} s") for rtt_s in rtts_s))
     note = "Mean of the successes, in s, by round trip; *: not all succeeded."
-    title = f"{route.name}: time until the operator knows, {_flown_by(study)}"
+    title = f"{route.name}: time until the operator knows, {_flown_by(study, route)}"
     return Grid(title, columns, tuple(rows), (note,))
 
 
@@ -116,9 +116,9 @@ def to_csv(study: DelayStudy) -> str:
     return file.getvalue()
 
 
-def _flown_by(study: DelayStudy) -> str:
+def _flown_by(study: DelayStudy, route: Route) -> str:
     seeds = f"{len(study.seeds)} seeds" if len(study.seeds) > 1 else f"seed {study.seeds[0]}"
-    think = f", think time {study.think_s:g} s" if study.think_s else ""
+    think = f", think time {route.think_s:g} s" if route.think_s else ""
     return f"{study.policy}, {seeds}{think}"
 
 
