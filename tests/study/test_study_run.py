@@ -117,10 +117,11 @@ def test_an_interruption_in_the_middle_of_a_flight_leaves_it_out(still: LoadedPo
 
 
 def test_logs_are_kept_that_tell_the_same_story(tmp_path: Path, still: LoadedPolicy) -> None:
-    found = study(tmp_path, still, cases=CASES[-2:], keep_logs=True)
+    cases = [case for case in CASES if (case.autonomy, case.rtt_s) == ("heading", 2.56)]
+    found = study(tmp_path, still, cases=cases, keep_logs=True)
     assert found is not None
     logs = sorted((tmp_path / LOGS).iterdir())
-    assert [log.name for log in logs] == [f"here-heading-continuous-2.56s-{seed}.mcap" for seed in (0, 1)]
+    assert [log.name for log in logs] == [f"here-heading-2.56s-{seed}.mcap" for seed in (0, 1)]
     stories = [story_of(open_log(log)) for log in logs]
     assert [story.outcome for story in stories] == ["success", "success"]
     assert found.cells[0].time_s is not None

@@ -54,7 +54,7 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     where = where_it_is(mission, station.belief.telemetry, went_home=station.belief.went_home)
     limit_s = mission.expect.max_time_s
     late = late or (limit_s is not None and known_ns is not None and known_ns > ns(limit_s))
-    problem, expected = _problem(mission, station, over=known_ns is not None, late=late)
+    problem, expected = problem_of(mission, station, over=known_ns is not None, late=late)
     if problem:
         reason = f"{problem}: {facts}{expected}{'; ' * bool(where)}{where}"
         return FlightResult("failure", reason, reached, total, ended_ns, told_ns)
@@ -62,7 +62,7 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     return FlightResult("success", reason, reached, total, ended_ns, told_ns)
 
 
-def _problem(mission: Mission, station: Station, *, over: bool, late: bool) -> tuple[str, str]:
+def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) -> tuple[str, str]:
     """Return why a mission failed, empty if it did not, and what was expected of it, where that says why."""
     total, reached, frame = mission.num_legs, len(station.reached), station.belief.telemetry
     wanted = total if mission.expect.reached == "all" else mission.expect.reached

@@ -22,6 +22,7 @@ from waypointctl.ops.link.build import direction
 from waypointctl.ops.link.direction import Direction
 from waypointctl.ops.link.frames import Heartbeat
 from waypointctl.ops.link.logged import DOWN, UP, LoggedDirection
+from waypointctl.ops.outcome import problem_of
 from waypointctl.policy.protocol import Policy
 from waypointctl.task.observation import NOISE_SIZE
 from waypointctl.units import ns, seconds
@@ -168,14 +169,11 @@ class _Rehearsal:
         return limit_s is not None and self._now_ns > ns(limit_s)
 
     def _end(self) -> Rehearsed:
-        expect, station = self._mission.expect, self._station
-        wanted = self._mission.num_legs if expect.reached == "all" else expect.reached
-        reached, finished = len(station.reached), station.finished
+        station, reached = self._station, len(self._station.reached)
         known_s = seconds(self._heard_ns if self._known_ns is None else self._known_ns)
-        if finished and reached >= wanted:
-            return Rehearsed(True, known_s, reached)
-        if finished:
-            return Rehearsed(False, known_s, reached, station.verdict or "not all reached")
+        if station.finished:
+            problem, _ = problem_of(self._mission, station, over=True, late=False)
+            return Rehearsed(not problem, known_s, reached, problem)
         why = why_it_stands(self._mission, station.belief.telemetry) or station.missing
         return Rehearsed(False, seconds(self._now_ns), reached, why, ends=bool(station.dispatcher.unanswered))
 
