@@ -197,3 +197,18 @@ def test_names_that_do_not_exist_are_refused() -> None:
         BatchedWaypointEnv(TaskConfig(robot="rover"), 1, 0)
     with pytest.raises(InputError, match="there is no observation layout called 'pixels'"):
         BatchedWaypointEnv(TaskConfig(observation="pixels"), 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("actions", "problem"),
+    [
+        (np.zeros((2, 8)), r"the actions must have the shape \(3, 8\), not \(2, 8\)"),
+        (np.zeros(8), r"the actions must have the shape \(3, 8\), not \(8,\)"),
+        (np.where(np.arange(24).reshape(3, 8) == 13, np.nan, 0.0), r"must be finite: joint 5 of robot 1 is given nan"),
+    ],
+)
+def test_actions_that_are_none_are_refused(actions: FloatArray, problem: str) -> None:
+    env = BatchedWaypointEnv(TaskConfig(), 3, 0)
+    env.reset()
+    with pytest.raises(InputError, match=problem):
+        env.step(actions)

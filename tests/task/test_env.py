@@ -40,7 +40,8 @@ def env() -> WaypointEnv:
 
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_gymnasiums_checker_has_no_complaint_and_no_warning(name: str) -> None:
-    check_env(gymnasium.make(ENV_ID, config=TaskConfig(observation=name)).unwrapped)
+    made = gymnasium.make(ENV_ID, config=TaskConfig(observation=name))
+    check_env(made.unwrapped, skip_render_check=True)  # a render mode may warn that there is no display
 
 
 def test_stable_baselines3s_checker_has_no_complaint_and_no_warning() -> None:
@@ -184,3 +185,51 @@ def test_actions_may_be_of_either_precision(env: WaypointEnv) -> None:
         env.reset(seed=2)
         rewards.append(env.step(action.astype(dtype))[1])
     assert rewards[0] == rewards[1]
+
+
+@pytest.mark.parametrize(
+    ("action", "problem"),
+    [
+        ([np.nan] * 8, r"the action must be finite: joint 0 is given nan\n  An action is the fraction of full torque"),
+        ([0.0] * 7 + [np.inf], r"must be finite: joint 7 is given inf"),
+        ([0.0, -np.inf] + [0.0] * 6, r"must be finite: joint 1 is given -inf"),
+        ([0.0] * 7, r"the action must have the shape \(8,\), not \(7,\)"),
+        ([[0.0] * 8], r"must have the shape \(8,\), not \(1, 8\)"),
+        (0.0, r"must have the shape \(8,\), not \(\)"),
+        ([None] * 8, r"the action must be real numbers"),
+        (["0"] * 8, r"the action must be real numbers"),
+        ([1j] * 8, r"the action must be real numbers"),
+        ([[0.0], [0.0, 1.0]], r"the action must be real numbers"),
+    ],
+)
+def test_an_action_that_is_none_is_refused_and_changes_nothing(env: WaypointEnv, action: Any, problem: str) -> None:
+    env.reset(seed=0)
+    with pytest.raises(InputError, match=problem):
+        env.step(action)
+    after = env.step(np.zeros(8, np.float32))[0]
+    env.reset(seed=0)
+    np.testing.assert_array_equal(env.step(np.zeros(8, np.float32))[0], after)
+
+
+@pytest.mark.parametrize("action", [np.zeros(8, np.int64), np.zeros(8, bool), np.zeros(8, np.float16), [0] * 8])
+def test_an_action_may_be_any_real_numbers(env: WaypointEnv, action: Any) -> None:
+    env.reset(seed=0)
+    expected = env.step(np.zeros(8, np.float32))[0]
+    env.reset(seed=0)
+    np.testing.assert_array_equal(env.step(action)[0], expected)
+
+
+def test_the_last_steps_info_has_success_and_the_reason(env: WaypointEnv) -> None:
+    reasons = set()
+    rng = np.random.default_rng(1)
+    env.reset(seed=5)
+    for _ in range(3000):
+        *_, terminated, truncated, info = env.step(rng.uniform(-1, 1, 8).astype(np.float32))
+        assert ("is_success" in info, "end_reason" in info) == (terminated or truncated,) * 2
+        if terminated or truncated:
+            assert info["is_success"] == info["success"] == (info["end_reason"] == "success")
+            assert (info["end_reason"] == "fall") == info["fell"] == terminated
+            assert (info["end_reason"] == "time_out") == info["timed_out"]
+            reasons.add(info["end_reason"])
+            env.reset()
+    assert reasons == {"success", "fall", "time_out"}

@@ -66,6 +66,7 @@ def test_an_ended_episode_shows_its_last_observation_and_why_it_ended(twins: Twi
         for robot, final in zip(step.ended, step.final_observation, strict=True):
             assert done[robot]
             np.testing.assert_array_equal(infos[robot]["terminal_observation"], final.astype(np.float32))
+            assert infos[robot]["is_success"] == step.success[robot]
             assert infos[robot]["TimeLimit.truncated"] == (not step.terminated[robot])
 
 

@@ -1,11 +1,11 @@
-"""The robot's camera: on a mast behind its torso, looking along its heading and a little down."""
+"""Pictures of a robot in its world: from its own camera, on a mast behind its torso, and from one that follows it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 import mujoco
 import numpy as np
@@ -17,14 +17,18 @@ from waypointctl.sim.scenery import FAR_M, HEIGHT, WIDTH, scenery
 
 FloatArray = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
+Viewpoint: TypeAlias = Callable[[FloatArray], mujoco.MjvCamera]  # the camera at qpos (nq,)
 
 BEHIND_M: Final = 0.7  # the mast, behind the torso's centre: the front legs are in the picture
 ABOVE_M: Final = 1.0  # the camera, above the torso's centre
 PITCH_DEG: Final = -16.0
 
+FOLLOW_M: Final = 7.0  # the camera that follows, from the torso's centre
+FOLLOW_ELEVATION_DEG: Final = -30.0
+
 POST_M: Final = 1.2  # height of a waypoint's marker
 POST_COLOUR: Final = (1.0, 0.5, 0.05, 1.0)
-_POST_RADIUS_M: Final = 0.03
+POST_RADIUS_M: Final = 0.03
 _KNOB_RADIUS_M: Final = 0.08
 _FOOT_RADIUS_M: Final = 0.2
 _FOOT_HEIGHT_M: Final = 0.01
@@ -43,20 +47,27 @@ class Marker:
     y_m: float
 
 
-class MastCamera:
-    """Draws what a robot's camera sees. It computes on data of its own: the physics never notices.
+class Camera:
+    """Draws a robot in its world. It computes on data of its own: the physics never notices.
 
     Attributes:
+        markers: the places that are marked.
         renderer: what draws; where it is the same, a picture is the same to the last bit.
     """
 
-    def __init__(self, robot: Robot, markers: Iterable[Marker]) -> None:
+    def __init__(self, robot: Robot, markers: Iterable[Marker], view: Viewpoint) -> None:
         """Set up the scene; `close` it at the end.
+
+        Args:
+            robot: what is drawn.
+            markers: places to mark with a post.
+            view: where the camera is.
 
         Raises:
             NoRendering: there is nothing here that could draw.
         """
-        self._markers = tuple(markers)
+        self.markers = tuple(markers)
+        self._view = view
         self._context = OffscreenContext(WIDTH, HEIGHT)
         self.renderer = f"{self._context.renderer}, MuJoCo {mujoco.__version__}"
         self._model = scenery(robot)
@@ -76,13 +87,13 @@ class MastCamera:
         data.qpos[:] = qpos
         mujoco.mj_kinematics(self._model, data)
         mujoco.mj_camlight(self._model, data)
-        view, seen = viewpoint(qpos), mujoco.mjtCatBit.mjCAT_ALL
+        view, seen = self._view(qpos), mujoco.mjtCatBit.mjCAT_ALL
         # A ground without end is laid around the camera that the scene has, which would be the last picture's.
         mujoco.mjv_updateCamera(self._model, data, view, scene)
         mujoco.mjv_updateScene(self._model, data, mujoco.MjvOption(), mujoco.MjvPerturb(), view, seen, scene)
         scene.flags[mujoco.mjtRndFlag.mjRND_HAZE] = True
         scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False  # speckled on a ground without end, and the dearest part
-        self._mark(view.lookat)
+        self._mark(_eye(view))
         frame = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
         mujoco.mjr_render(frame, scene, self._drawing)
         pixels = np.empty((HEIGHT, WIDTH, 3), np.uint8)
@@ -97,14 +108,14 @@ class MastCamera:
 
     def _mark(self, camera: FloatArray) -> None:
         """Set a marker at each place near the camera (3,) [m]."""
-        far = [(math.hypot(it.x_m - camera[0], it.y_m - camera[1]), it) for it in self._markers]
+        far = [(math.hypot(it.x_m - camera[0], it.y_m - camera[1]), it) for it in self.markers]
         near = sorted((pair for pair in far if pair[0] < FAR_M), key=lambda pair: pair[0])
         for distance_m, it in near[:_MOST_MARKERS]:
             cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
             self._shape(cylinder, (_FOOT_RADIUS_M, _FOOT_HEIGHT_M, 0), (it.x_m, it.y_m, _FOOT_HEIGHT_M))
             if distance_m < _CLEAR_M:
                 continue
-            self._shape(cylinder, (_POST_RADIUS_M, POST_M / 2, 0), (it.x_m, it.y_m, POST_M / 2))
+            self._shape(cylinder, (POST_RADIUS_M, POST_M / 2, 0), (it.x_m, it.y_m, POST_M / 2))
             name = it.name if distance_m < _NAMED_M else ""
             self._shape(mujoco.mjtGeom.mjGEOM_SPHERE, (_KNOB_RADIUS_M,) * 3, (it.x_m, it.y_m, POST_M), name)
 
@@ -118,6 +129,35 @@ class MastCamera:
         geom.emission = _GLOW
         geom.label = name.encode("ascii", "replace").decode()[:60]  # MuJoCo's font knows no more, and has room for 99
         self._scene.ngeom += 1
+
+
+class MastCamera(Camera):
+    """Draws what a robot's own camera sees."""
+
+    def __init__(self, robot: Robot, markers: Iterable[Marker]) -> None:
+        """Set up the scene; `close` it at the end.
+
+        Raises:
+            NoRendering: there is nothing here that could draw.
+        """
+        super().__init__(robot, markers, viewpoint)
+
+
+def follow(qpos: FloatArray) -> mujoco.MjvCamera:
+    """Return a camera that looks at the robot at qpos (nq,) from the side, always from the same direction."""
+    camera = mujoco.MjvCamera()
+    camera.type = mujoco.mjtCamera.mjCAMERA_FREE
+    camera.lookat[:] = qpos[:3]
+    camera.distance, camera.azimuth, camera.elevation = FOLLOW_M, 90.0, FOLLOW_ELEVATION_DEG
+    return camera
+
+
+def _eye(view: mujoco.MjvCamera) -> FloatArray:
+    """Return where a camera stands (3,) [m]."""
+    azimuth, elevation = math.radians(view.azimuth), math.radians(view.elevation)
+    level = math.cos(elevation)
+    forward = np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)])
+    return np.asarray(view.lookat - view.distance * forward)
 
 
 def viewpoint(qpos: FloatArray) -> mujoco.MjvCamera:

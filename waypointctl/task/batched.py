@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.errors import InputError
 from waypointctl.seeding import stream
 from waypointctl.sim.batch import RobotBatch
 from waypointctl.sim.robots import load_robot
@@ -22,12 +23,41 @@ from waypointctl.task.varied_robots import VariedRobots
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+
+_ACTION_HINT: Final = "An action is the fraction of full torque of each joint, from -1 to 1."
 Robots: TypeAlias = NDArray[np.intp] | slice
 
 
 def clip_actions(actions: FloatArray) -> FloatArray:
     """Return what the motors do when asked for actions (n, nu): the fraction of full torque, in [-1, 1]."""
     return np.minimum(np.maximum(actions, -1.0), 1.0)
+
+
+def refuse_bad_action(action: object, num_joints: int, num_robots: int | None = None) -> FloatArray:
+    """Return an action (nu,), or actions (n, nu), as float64.
+
+    Args:
+        action: what was given.
+        num_joints: nu.
+        num_robots: n; None: one action.
+
+    Raises:
+        InputError: it is not numbers, has another shape, or a number that is not finite.
+    """
+    shape = (num_joints,) if num_robots is None else (num_robots, num_joints)
+    what = "the action" if num_robots is None else "the actions"
+    try:
+        numbers = np.asarray(action)
+        actions: FloatArray = numbers.astype(np.float64, casting="same_kind" if numbers.dtype.kind in "fc" else "safe")
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what} must be real numbers: {error}") from error
+    if actions.shape != shape:
+        raise InputError(f"{what} must have the shape {shape}, not {actions.shape}", mend=_ACTION_HINT)
+    if not np.isfinite(actions).all():
+        place = np.argwhere(~np.isfinite(actions))[0]
+        where = f"joint {place[-1]}" + ("" if num_robots is None else f" of robot {place[0]}")
+        raise InputError(f"{what} must be finite: {where} is given {actions[tuple(place)]}", mend=_ACTION_HINT)
+    return actions
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +165,12 @@ class BatchedWaypointEnv:
         return self._observation(self._body(slice(None)), slice(None))
 
     def step(self, actions: FloatArray) -> Step:
-        """Walk one control period with actions (n, nu), clipped to [-1, 1]."""
+        """Walk one control period with actions (n, nu), clipped to [-1, 1].
+
+        Raises:
+            InputError: the actions have another shape, or a number that is not finite.
+        """
+        actions = refuse_bad_action(actions, self.robot.num_joints, self.num_robots)
         before = self.batch.qpos[:, :2].copy()
         applied = self.varied.step(clip_actions(actions))
 

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.task.batched import BatchedWaypointEnv, Step
+from waypointctl.task.batched import BatchedWaypointEnv, Step, refuse_bad_action
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.progress import CourseProgress
+from waypointctl.task.rendering import RENDER_MODES, Rendering, render_mode_of
 from waypointctl.task.reward import TERMS
 from waypointctl.task.start import Start
 
@@ -37,17 +38,31 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
     of each motor. An episode is terminated by a fall, truncated by its deadline and by success.
 
     `info` of a step has `reward_<term>` for each term of the reward, `waypoint_index` (of the waypoint walked to, from
-    0), `waypoint_reached` (in this step), `success`, `fell` and `timed_out`; that of a reset has `waypoint_index` and
-    `waypoints` (m, 2) [m], and what was drawn of the config's variation under its name there, such as `mass_factor`.
+    0), `waypoint_reached` (in this step), `success`, `fell` and `timed_out`; that of the last step has `is_success`,
+    which stable-baselines3's EvalCallback counts, and `end_reason`: "success", "fall" or "time_out". That of a reset
+    has `waypoint_index` and `waypoints` (m, 2) [m], and what was drawn of the config's variation under its name there,
+    such as `mass_factor`.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  # declared so by Gymnasium
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 50}  # noqa: RUF012  # as Gymnasium's
 
-    def __init__(self, config: TaskConfig | None = None) -> None:
-        """Make the robot's world; `config` is the task, the paper's course and waypoints unless told."""
+    def __init__(self, config: TaskConfig | None = None, render_mode: str | None = None) -> None:
+        """Make the robot's world.
+
+        Args:
+            config: the task; the paper's course and waypoints unless told.
+            render_mode: "rgb_array": `render` returns a picture (480, 640, 3) uint8; "human": a window shows every
+                step at the robot's own speed, or a warning says why there is none; None: nothing is drawn.
+
+        Raises:
+            InputError: there is no such render mode.
+        """
+        self.render_mode = render_mode_of(render_mode)
         self._config = config or TaskConfig()
         self._env = BatchedWaypointEnv(self._config, 1, 0, threads=1, autoreset=False)
         self._seeded = False
+        self.metadata = self.metadata | {"render_fps": round(1e9 / self._env.robot.control_period_ns)}
+        self._rendering = Rendering(self._env.robot, self.render_mode) if self.render_mode else None
         largest = np.full(self._env.layout.size, _LARGEST)
         full_torque = np.ones(self._env.robot.num_joints, np.float32)
         self.observation_space = gymnasium.spaces.Box(-largest, largest, dtype=np.float64)
@@ -77,23 +92,58 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         self._env.config = replace(self._config, start=start)
         self._env.begin([0], waypoints)
         course = self._env.progress.waypoints[0, : self._env.progress.count[0]].copy()
+        self._show()
         varied = {name: float(value[0]) for name, value in self._env.varied.values(np.array([0])).items()}
         return self._env.observe()[0], {"waypoint_index": 0, "waypoints": course, **varied}
 
     def step(self, action: NDArray[np.float32]) -> tuple[FloatArray, float, bool, bool, dict[str, Any]]:
-        """Walk one control period with action (nu,), clipped to [-1, 1]."""
-        step = self._env.step(np.asarray(action, np.float64)[np.newaxis])
+        """Walk one control period with action (nu,), clipped to [-1, 1].
+
+        Raises:
+            InputError: the action has another shape, or a number that is not finite.
+        """
+        step = self._env.step(refuse_bad_action(action, self._env.robot.num_joints)[np.newaxis])
+        self._show()
         terminated, truncated = bool(step.terminated[0]), bool(step.truncated[0])
         return step.observation[0], float(step.reward[0]), terminated, truncated, self._info(step)
 
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return the picture of where the robot is, (480, 640, 3) uint8, in mode "rgb_array"; None in the others.
+
+        Raises:
+            NoRendering: there is nothing here that could draw.
+        """
+        if self._rendering is None:
+            gymnasium.logger.warn("render() does nothing without a render_mode: give 'rgb_array' or 'human'")
+            return None
+        return self._rendering.frame(*self._scene()) if self.render_mode == "rgb_array" else None
+
+    def close(self) -> None:
+        """Close the window, and give the drawing's memory back."""
+        if self._rendering is not None:
+            self._rendering.close()
+
+    def _show(self) -> None:
+        if self._rendering is not None:
+            self._rendering.show(*self._scene())
+
+    def _scene(self) -> tuple[FloatArray, list[FloatArray]]:
+        """Return qpos (nq,) and the waypoints that are ahead, each (2,) [m]."""
+        progress = self._env.progress
+        first, count = int(progress.index[0]), int(progress.count[0])
+        return self._env.batch.qpos[0], list(progress.waypoints[0, first:count])
+
     def _info(self, step: Step) -> dict[str, Any]:
-        success = bool(step.success[0])
-        return {
+        success, fell = bool(step.success[0]), bool(step.terminated[0])
+        end: dict[str, Any] = {}
+        if len(step.ended):
+            end = {"is_success": success, "end_reason": "success" if success else "fall" if fell else "time_out"}
+        return end | {
             **{f"reward_{name}": float(value) for name, value in zip(TERMS, step.terms[0], strict=True)},
             "waypoint_index": int(self._env.progress.index[0]),
             "waypoint_reached": bool(step.reached[0]),
             "success": success,
-            "fell": bool(step.terminated[0]),
+            "fell": fell,
             "timed_out": bool(step.truncated[0]) and not success,
         }
 

@@ -64,6 +64,7 @@ class BatchedVecEnv(VecEnv):
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for i, final in zip(step.ended, step.final_observation.astype(np.float32), strict=True):
             infos[i] = {"terminal_observation": final, "TimeLimit.truncated": bool(step.truncated[i])}
+            infos[i]["is_success"] = bool(step.success[i])
         self._count(step.reached.sum(), step.success.sum(), step.terminated.sum(), len(step.ended), step.reward.sum())
         return (
             step.observation.astype(np.float32),
