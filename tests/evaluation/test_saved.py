@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -66,6 +67,30 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
 def test_what_is_no_evaluation_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "e.json").write_text(text)
     with pytest.raises(InputError, match=r"e\.json: not an evaluation: .*\n  Write it again with"):
+        read_evaluation(tmp_path / "e.json")
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("cases", [], "cases: Tuple should have at least 1 item"),
+        ("cases.0.trials", 0, "cases.0.trials: Input should be greater than 0"),
+        ("cases.0.successes", 5, "5 successes are more than the 4 trials"),
+        ("cases.0.successes", 10**400, "cases.0.successes: Input should be less than"),
+        ("cases.0.rate", "NaN", "cases.0.rate: Input should be"),
+        ("cases.0.legs", 0, "cases.0.legs: Input should be greater than 0"),
+        ("cases.0.mean_time_s", "inf", "cases.0.mean_time_s: Input should be a finite number"),
+        ("suite", "s" * 256, "suite: String should have at most 255"),
+    ],
+)
+def test_what_no_evaluation_can_have_found_is_refused(tmp_path: Path, field: str, value: object, message: str) -> None:
+    found: Any = json.loads(FOUND.to_json())
+    holder, *_, last = found, *field.split(".")
+    for part in field.split(".")[:-1]:
+        holder = holder[int(part) if part.isdecimal() else part]
+    holder[last] = value
+    (tmp_path / "e.json").write_text(json.dumps(found))
+    with pytest.raises(InputError, match=f"not an evaluation: .*{message}"):
         read_evaluation(tmp_path / "e.json")
 
 

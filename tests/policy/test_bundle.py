@@ -166,6 +166,9 @@ def test_a_manifest_of_the_wrong_shape_is_refused(folder: Path, text: str, messa
     [
         (lambda m: m.update(author="me"), "author: Extra inputs are not permitted"),
         (lambda m: m.update(control_period_ns=0), "control_period_ns: Input should be greater than 0"),
+        (lambda m: m.update(control_period_ns=10**400), "control_period_ns: Input should be less than or equal to"),
+        (lambda m: m["training"].update(steps=10**30), "training.steps: Input should be less than or equal to"),
+        (lambda m: m.update(name="x" * 1001), "name: String should have at most 1000 characters"),
         (lambda m: m.update(control_period_ns="20 ms"), "control_period_ns: Input should be a valid integer"),
         (lambda m: m["observation"]["names"].pop(), "observation: Value error, names has 30 entries, but size is 31"),
         (lambda m: m["observation"]["units"].pop(), "units has 30 entries"),

@@ -19,8 +19,8 @@ from waypointctl.input_file import RECORD_FILE, read_input
 EVALUATION: Final = "evaluation.json"  # its name in a policy's folder: what the paper's suite found
 
 Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
-Count: TypeAlias = Annotated[int, Field(ge=0)]
-Several: TypeAlias = Annotated[int, Field(gt=0)]
+Count: TypeAlias = Annotated[int, Field(ge=0, le=10**15)]
+Several: TypeAlias = Annotated[int, Field(gt=0, le=10**15)]
 Rate: TypeAlias = Annotated[float, Field(ge=0, le=1)]
 Name: TypeAlias = Annotated[str, Field(max_length=255)]
 Point: TypeAlias = tuple[Number, Number]

@@ -12,8 +12,10 @@ MANIFEST: Final = "manifest.json"
 NETWORK: Final = "policy.onnx"
 WEIGHTS: Final = "weights.safetensors"
 
-Name: TypeAlias = Annotated[str, Field(min_length=1)]
-Count: TypeAlias = Annotated[int, Field(gt=0)]
+Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
+Count: TypeAlias = Annotated[int, Field(gt=0, le=10**15)]
+Whole: TypeAlias = Annotated[int, Field(ge=0, le=10**15)]
+Seed: TypeAlias = Annotated[int, Field(ge=0, lt=2**63)]
 Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
 Weight: TypeAlias = Annotated[float, BeforeValidator(lambda v: math.inf if v == "Infinity" else v)]
 Sha256: TypeAlias = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
@@ -65,11 +67,11 @@ class SelectionRecord(_Record):
     """How the weights were chosen among a training's checkpoints: by the most successes, the later of equals."""
 
     suite: Name
-    seed: Annotated[int, Field(ge=0)]
+    seed: Seed
     trials: Count  # of all cases together
-    successes: Annotated[int, Field(ge=0)]
+    successes: Whole
     candidates: Count  # how many were tested
-    last_step: Annotated[int, Field(ge=0)]  # where training ended, in control steps
+    last_step: Whole  # where training ended, in control steps
     stop_at: Annotated[Number, Field(gt=0, le=1)] | None  # the success rate that training was to end at
 
 
@@ -78,7 +80,7 @@ class StartRecord(_Record):
 
     policy: Name
     observation: Name  # its layout
-    steps: Annotated[int, Field(ge=0)]  # of its own training
+    steps: Whole  # of its own training
     policy_sha256: Sha256  # of its manifest.json
     weights_sha256: Sha256
     selection: SelectionRecord | None = None  # how its own weights were chosen; none: they were the last
@@ -90,8 +92,8 @@ class TrainingRecord(_Record):
     algorithm: Name
     recipe: Name
     recipe_sha256: Sha256
-    seed: Annotated[int, Field(ge=0)]
-    steps: Annotated[int, Field(ge=0)]  # control steps of all robots together
+    seed: Seed
+    steps: Whole  # control steps of all robots together
     wall_time_s: Annotated[Number, Field(ge=0)]
     versions: dict[Name, Name]  # of the packages that decide the result: mujoco, torch, ...
     selection: SelectionRecord | None = None  # none: the last checkpoint
@@ -102,7 +104,7 @@ class FileRecord(_Record):
     """A file of the bundle."""
 
     sha256: Sha256
-    size: Annotated[int, Field(ge=0)]  # [bytes]
+    size: Whole  # [bytes]
 
 
 class PolicyDescription(_Record):

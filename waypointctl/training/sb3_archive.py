@@ -23,6 +23,7 @@ from waypointctl.training.sb3_tensors import Array, read_tensors
 
 LIMIT: Final = "sb3-archive"  # its name: of a file, and of what it unpacks to
 
+MOST_COUNT: Final = 10**15  # as in a manifest
 _MOST_SETTINGS: Final = 2**24  # [bytes] of the JSON
 _DATA: Final = "data"
 _TENSORS: Final = "policy.pth"
@@ -67,9 +68,9 @@ class Sb3Archive:
         return value if isinstance(value, dict) else {}
 
     def count(self, name: str) -> int:
-        """Return a setting that is a whole number, 0 if it is none."""
+        """Return a setting that is a whole number up to `MOST_COUNT`, 0 if it is none."""
         value = self.settings.get(name)
-        return value if type(value) is int and value >= 0 else 0
+        return value if type(value) is int and 0 <= value <= MOST_COUNT else 0
 
 
 def read_limited(path: Path) -> bytes:
