@@ -16,6 +16,7 @@ from waypointctl.replay.track import FloatArray
 
 SIZE_PT: Final = 8
 _CLEARANCE_PX: Final = 2.0
+_SHARES: Final = {"left": 0.0, "bottom": 0.0, "center": 0.5, "right": 1.0, "top": 1.0}
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,11 @@ class Place:
     horizontal: str = "left"  # "left", "center" or "right": where of the text x_px is
     vertical: str = "bottom"  # "bottom", "center" or "top"
 
+    def box(self, width_px: float, height_px: float) -> Bbox:
+        """Return what a label of this size covers here."""
+        left, bottom = self.x_px - _SHARES[self.horizontal] * width_px, self.y_px - _SHARES[self.vertical] * height_px
+        return Bbox.from_bounds(left, bottom, width_px, height_px)
+
 
 class Labels:
     """The labels of one part of a picture, whose limits are set by now."""
@@ -35,7 +41,8 @@ class Labels:
         """Label `axes`; where there is a choice, cover few of the points `avoided` (n, 2) [pixels]."""
         self._axes = axes
         self._avoided = np.zeros((0, 2)) if avoided is None else avoided
-        self._taken: list[Bbox] = []
+        self._room = axes.get_window_extent().padded(4 * _CLEARANCE_PX)
+        self._taken = np.zeros((0, 4))  # left, bottom, right, top of each label that is written
         self.left_out = 0
 
     def pixels(self, x: float, y: float) -> tuple[float, float]:
@@ -51,6 +58,7 @@ class Labels:
             0.0,
             0.0,
             text,
+            va="bottom",
             transform=IdentityTransform(),
             fontsize=size_pt,
             color=color,
@@ -58,25 +66,23 @@ class Labels:
             zorder=6,
             path_effects=[withStroke(linewidth=2.5, foreground="white")],
         )
-        free: list[tuple[int, int, Place, Bbox]] = []
-        for turn, place in enumerate(places):
-            label.set(position=(place.x_px, place.y_px), ha=place.horizontal, va=place.vertical)
-            box = label.get_window_extent().padded(_CLEARANCE_PX)
-            if self._is_free(box):
-                free.append((self._covered(box), turn, place, box))
+        size = label.get_window_extent()
+        boxes = [(place, place.box(size.width, size.height).padded(_CLEARANCE_PX)) for place in places]
+        free = [(place, box) for place, box in boxes if self._is_free(box)]
         if not free:
             label.remove()
             self.left_out += 1
             return False
-        _, _, best, box = min(free, key=lambda one: one[:2])
+        best, box = min(free, key=lambda one: self._covered(one[1]))
         label.set(position=(best.x_px, best.y_px), ha=best.horizontal, va=best.vertical)
-        self._taken.append(box)
+        self._taken = np.vstack([self._taken, box.extents])
         return True
 
     def _is_free(self, box: Bbox) -> bool:
-        room = self._axes.get_window_extent().padded(4 * _CLEARANCE_PX)
-        inside = room.x0 <= box.x0 and box.x1 <= room.x1 and room.y0 <= box.y0 and box.y1 <= room.y1
-        return inside and not any(box.overlaps(taken) for taken in self._taken)
+        room, (left, bottom, right, top) = self._room, box.extents
+        inside = room.x0 <= left and right <= room.x1 and room.y0 <= bottom and top <= room.y1
+        beside = (self._taken[:, :2] >= (right, top)) | (self._taken[:, 2:] <= (left, bottom))
+        return inside and bool(beside.any(axis=1).all())
 
     def _covered(self, box: Bbox) -> int:
         x, y = self._avoided.T

@@ -22,6 +22,7 @@ from waypointctl.units import seconds
 
 _POINTS: Final = 6000  # drawn of the way
 _MOST_LOST: Final = 300  # crosses drawn of messages that were not delivered
+MANY: Final = 60  # above that many waypoints they are drawn faintly, and beliefs are left out
 _MOST_TIMES: Final = 12  # above that many waypoints their labels would cover each other
 _LETTERS: Final = 24  # of a name
 _MARGIN: Final = 0.08  # of the larger side, all round
@@ -35,10 +36,11 @@ def draw_path(axes: Axes, story: Story) -> None:
     for zone in story.setting.zones:
         axes.add_patch(_zone(zone))
     for waypoint in waypoints:
-        axes.add_patch(_region(waypoint.planned, palette.FATES[waypoint.fate]))
+        axes.add_patch(_region(waypoint.planned, palette.FATES[waypoint.fate], faint=len(waypoints) > MANY))
     way = story.truth.thinned(_POINTS)
     _draw_way(axes, story, way)
-    _draw_beliefs(axes, story)
+    if len(waypoints) <= MANY:
+        _draw_beliefs(axes, story)
     if story.home is not None:
         axes.plot(story.home.x_m, story.home.y_m, marker=_HOUSE, label="home", linestyle="none", zorder=5, **_HOME_LOOK)
     _draw_lost(axes, story)
@@ -144,14 +146,15 @@ def _zone(zone: Zone) -> Patch:
     return Polygon(zone.outline_m, hatch="xx", hatch_linewidth=0.3, **look)
 
 
-def _region(plan: PlannedWaypoint, color: str) -> Patch:
+def _region(plan: PlannedWaypoint, color: str, *, faint: bool) -> Patch:
     reach = plan.tolerance_m
     region: Patch
     if plan.acceptance == "box":
         region = Rectangle((plan.x_m - reach, plan.y_m - reach), 2 * reach, 2 * reach)
     else:
         region = Circle((plan.x_m, plan.y_m), reach)
-    region.set(facecolor=f"{color}33", edgecolor=color, linewidth=1.2, zorder=2)
+    fill, width = ("08", 0.3) if faint else ("33", 1.2)
+    region.set(facecolor=f"{color}{fill}", edgecolor=color, linewidth=width, zorder=2)
     return region
 
 

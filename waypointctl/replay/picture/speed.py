@@ -11,6 +11,7 @@ from waypointctl.log.messages import EventKind
 from waypointctl.log.setting import Span
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import Labels, Place, short
+from waypointctl.replay.picture.path import MANY
 from waypointctl.replay.story import Story
 from waypointctl.replay.track import FloatArray, IntArray, Track
 from waypointctl.units import NS_PER_S, seconds
@@ -67,12 +68,13 @@ def name_moments(axes: Axes, story: Story) -> None:
 
 
 def _draw_legs(axes: Axes, story: Story) -> None:
+    width = 0.3 if len(story.waypoints) > MANY else 1.0
     for waypoint in story.waypoints:
         color = palette.FATES[waypoint.fate]
         if waypoint.started_ns is not None:
             _shade(axes, waypoint.started_ns, waypoint.ended_ns, story.ended_ns, color)
         if waypoint.reached_ns is not None:
-            axes.axvline(seconds(waypoint.reached_ns), color=color, linewidth=1.0)
+            axes.axvline(seconds(waypoint.reached_ns), color=color, linewidth=width)
     for way in story.returns:
         _shade(axes, way.began_ns, way.ended_ns, story.ended_ns, palette.HOME)
 
