@@ -18,7 +18,7 @@ from waypointctl.log.messages import Ack, Stage
 from waypointctl.log.setting import Span
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import Labels, Place, short
-from waypointctl.replay.story import CommandStory, Story, WaypointStory
+from waypointctl.replay.story import CommandStory, Story
 from waypointctl.units import NS_PER_S, seconds
 
 _OPERATOR_Y: Final = 1.0
@@ -50,8 +50,6 @@ def draw_sequence(axes: Axes, story: Story) -> None:
     _draw_commands(axes, story)
     _draw_lost(axes, story)
     _draw_robot(axes, story)
-    for waypoint in story.waypoints:
-        _draw_waypoint(axes, waypoint)
     axes.grid(axis="x", color=palette.FAINT, linewidth=0.4)
     keys = list(_keys(story))
     axes.legend(
@@ -145,10 +143,14 @@ def _draw_contact(axes: Axes, story: Story) -> None:
 
 
 def _draw_robot(axes: Axes, story: Story) -> None:
-    """Draw when the robot walked, when it was on its way home, and when it took the link for lost."""
+    """Draw when the robot walked, was on its way home, reached what, and took the link for lost."""
     _bars(axes, story.moving, _ROBOT_Y, palette.ROBOT, _WALK_WIDTH, _WALK_ALPHA)
     ways = [(way.began_ns, story.ended_ns if way.ended_ns is None else way.ended_ns) for way in story.returns]
     _bars(axes, ways, _ROBOT_Y, palette.HOME, _WALK_WIDTH, 1.0)
+    for way in story.returns:
+        _mark(axes, way.ended_ns, way.ended_known_ns, palette.HOME)
+    for waypoint in story.waypoints:
+        _mark(axes, waypoint.reached_ns, waypoint.learned_ns, palette.REACHED)
     _bars(axes, story.link.unheard, _UNHEARD_Y, palette.FAILED, 3, 1.0)
 
 
@@ -157,12 +159,11 @@ def _bars(axes: Axes, spans: Iterable[Span], y: float, color: str, width: float,
     axes.add_collection(LineCollection(lines, colors=color, linewidths=width, alpha=alpha, zorder=2))
 
 
-def _draw_waypoint(axes: Axes, waypoint: WaypointStory) -> None:
-    if waypoint.reached_ns is not None:
-        axes.plot(seconds(waypoint.reached_ns), _ROBOT_Y, "o", color=palette.REACHED, markersize=7, zorder=5)
-    if waypoint.learned_ns is not None:
-        at_s = seconds(waypoint.learned_ns)
-        axes.plot(at_s, _OPERATOR_Y, "o", color="white", markeredgecolor=palette.REACHED, markersize=7, zorder=5)
+def _mark(axes: Axes, happened_ns: int | None, known_ns: int | None, color: str) -> None:
+    """Mark on the robot's line when something happened, and on the operator's when it was known."""
+    for time_ns, y, fill in ((happened_ns, _ROBOT_Y, color), (known_ns, _OPERATOR_Y, "white")):
+        if time_ns is not None:
+            axes.plot(seconds(time_ns), y, "o", color=fill, markeredgecolor=color, markersize=7, zorder=5)
 
 
 def _draw_telemetry(axes: Axes, story: Story) -> None:
