@@ -55,7 +55,8 @@ def read_survey(path: Path) -> Survey:
             return replace(survey, remarks=(*survey.remarks, f"is {what} by its content, and read as that"))
         return survey
     if kind is not None:
-        raise MissionError(f"{kind.value}; {_READ}", where=str(path))
+        says_what_to_do = kind not in (FileKind.JSON, FileKind.HDTN_PLAN, FileKind.XML, FileKind.BINARY)
+        raise MissionError(kind.value, where=str(path), mend=None if says_what_to_do else f"{_READ}.")
     text = text_of(source, report)
     if is_table(text) or suffix in (".csv", ".tsv"):
         return read_csv(source, report, path.stem)

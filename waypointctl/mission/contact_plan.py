@@ -19,7 +19,7 @@ from datetime import UTC, datetime
 from itertools import pairwise
 from typing import Final
 
-from waypointctl.mission.file_kind import kind_of
+from waypointctl.mission.file_kind import FileKind, kind_of
 from waypointctl.mission.problems import Problem
 from waypointctl.mission.text_problems import TextReport, Word
 
@@ -73,8 +73,10 @@ def read_contact_plan(
         needs_ranges: whether each contact has to be within a range.
     """
     if kind := kind_of(source):
-        problem = Problem(where, 0, 0, "", f"{kind.value}, not a contact plan in ION's terms ('a contact ...')")
-        return Passage((), ()), (problem,)
+        is_json = kind in (FileKind.JSON, FileKind.HDTN_PLAN)
+        wanted = ", not" if is_json else "; wanted is"
+        text = f"{kind.value}{wanted} a contact plan in ION's terms ('a contact ...')"
+        return Passage((), ()), (Problem(where, 0, 0, "", text),)
     plan = _Plan(TextReport(where), way, _moment(reference) if reference else None)
     for words in plan.report.lines(_without_other_programs(source)):
         plan.take(words)
