@@ -20,6 +20,7 @@ def table(header: str, row: str = "{0},{1}", rows: tuple[tuple[float, float], ..
     [
         (table("lat,lon"), ()),
         (table("Latitude, Longitude"), ()),
+        ("# from a logger\n\n# twice\n" + table("lat,lon"), ()),
         (table("lon,lat,alt", "{1},{0},30"), ("column 'alt'",)),
         (table('"LAT (deg)";"LNG [deg]";"id"', "{0};{1};7"), ("column 'id'",)),
         (table("latitude_deg\tlongitude_deg", "{0}\t{1}"), ()),
@@ -47,6 +48,7 @@ def test_metres_stay_what_they_are(tmp_path: Path) -> None:
 
 
 def test_x_and_y_without_a_unit_are_said_to_be_metres(tmp_path: Path) -> None:
+    assert imported(tmp_path, "Easting (m),Northing (m)\n25,60\n26,61\n", "yard.csv").legs == [(26.0, 61.0)]
     found = imported(tmp_path, "X,Y\n25,60\n25.1,60\n", "yard.csv")
     assert (found.mission.start.position_m, found.legs) == ((25, 60), [(25.1, 60.0)])
     assert found.survey.remarks == ("has x and y without a unit: they are read as metres",)
@@ -60,6 +62,7 @@ def test_x_and_y_without_a_unit_are_said_to_be_metres(tmp_path: Path) -> None:
             "yard.csv:1: has the columns 'n_deg', 'east_deg'; 'lat' and",
         ),
         ("60,25\n60.1,25\n", "yard.csv:1: has the columns '60', '25'; 'lat' and 'lon'"),
+        ("# nothing\n", "yard.csv:1: has no columns; 'lat' and 'lon'"),
         ('""\n""', "yard.csv:1: has no columns; 'lat' and 'lon'"),
         ("lat,lon\n", "has 0 rows; 2 to 1,001 are allowed: the start and the waypoints"),
         ("lat,lon\n60,25\n", "has 1 row; 2 to 1,001 are allowed"),

@@ -37,6 +37,8 @@ def with_crs(name: object) -> dict[str, Any]:
         (feature(LINE, name="the yard (2)"), "the-yard-2", ()),
         (collection(feature(LINE)), "line", ()),
         (collection(feature(LINE), name="route 7"), "route-7", ()),
+        (collection(feature(LINE, Name="B"), name="route 7"), "B", ()),
+        (feature(LINE, name=7), "7", ()),
         (feature({"type": "MultiLineString", "coordinates": [LINE["coordinates"]]}), "line", ()),
         ({"type": "GeometryCollection", "geometries": [LINE, POINT]}, "line", ("1 Point",)),
         (collection(feature(POINT), feature(LINE), feature(POINT)), "line", ("2 Points",)),

@@ -1,6 +1,7 @@
 """CSV with named columns: latitude and longitude [deg], or x and y [m]; a row a place, the first the start.
 
-Columns are apart by commas, semicolons or tabs. `name`, `hold` [s] and `tolerance` [m] are read too.
+Columns are apart by commas, semicolons or tabs. `name`, `hold` [s] and `tolerance` [m] are read too; lines that begin
+with '#' are comments.
 """
 
 from __future__ import annotations
@@ -23,14 +24,15 @@ from waypointctl.mission.wording import counted, shown
 _COLUMNS: Final = {
     "latitude": ("lat", "latitude"),
     "longitude": ("lon", "lng", "long", "longitude"),
-    "x": ("x", "east"),
-    "y": ("y", "north"),
+    "x": ("x", "east", "easting"),
+    "y": ("y", "north", "northing"),
     "name": ("name", "label", "title"),
     "hold": ("hold",),
     "tolerance": ("tolerance",),
 }
 _COORDINATES: Final = (("latitude", "longitude"), ("x", "y"))
 _UNIT: Final = re.compile(r"(?:[\s_]+|[\s_]*[(\[])(?:deg|degrees|m|s)[)\]]?$")
+_COMMENTS: Final = re.compile(r"\A(?:\s*#[^\n]*\n)*")
 _MOST_COLUMNS: Final = 1000
 _MOST_HEADER: Final = 1000  # characters that are looked at to see whether it is one
 _DELIMITERS: Final = ",;\t"
@@ -41,7 +43,7 @@ _MOST_TOLERANCE_M: Final = 100.0
 
 def is_table(text: str) -> bool:
     """Tell whether a text begins with a row of column names, two of which are coordinates."""
-    header = text.lstrip().partition("\n")[0][:_MOST_HEADER]
+    header = _COMMENTS.sub("", text, count=1).lstrip().partition("\n")[0][:_MOST_HEADER]
     columns = _columns(next(csv.reader([header], delimiter=_delimiter(header)), []))
     return any(set(keys) <= columns.keys() for keys in _COORDINATES)
 
@@ -89,8 +91,8 @@ def read_csv(source: bytes, report: Report, name: str) -> Survey:
 
 def _rows(text: str, report: Report) -> tuple[list[str], list[tuple[int, list[str]]], str]:
     """Return the first row, the others with the numbers of their lines, as many as may be, and the delimiter."""
-    lines = text.splitlines()
-    delimiter = _delimiter(next(line for line in lines if line.strip()))
+    lines = ["" if line.startswith("#") else line for line in text.splitlines()]
+    delimiter = _delimiter(next((line for line in lines if line.strip()), ""))
     reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
     rows = ((reader.line_num, row) for row in reader if any(map(str.strip, row)))
     try:

@@ -88,8 +88,13 @@ class _Reader:
             self.shapes.report.left_out["Feature without a geometry"] += 1
             return
         properties = feature.value.get("properties")
-        name = properties.get("name") if isinstance(properties, dict) else None
-        self._geometry(geometry, name if isinstance(name, str) else "")
+        names = (
+            [value for key, value in properties.items() if key.lower() == "name"]
+            if isinstance(properties, dict)
+            else []
+        )
+        name = names[0] if names else ""
+        self._geometry(geometry, str(name) if isinstance(name, str) or type(name) is int else "")
 
     def _geometry(self, part: Part, name: str, also: tuple[str, ...] = (), depth: int = 0) -> None:
         kind = part.at("type")
