@@ -11,6 +11,7 @@ import pytest
 from waypointctl.errors import OutputError
 from waypointctl.paths import (
     folder_fault,
+    open_lock,
     refuse_other_content,
     refuse_unwritable_file,
     refuse_unwritable_folder,
@@ -159,3 +160,15 @@ def test_the_file_that_the_output_goes_into_is_no_target(tmp_path: Path) -> None
                 [sys.executable, "-c", program, name], stdout=stdout, stderr=subprocess.PIPE, text=True, check=False
             )
         assert "the picture cannot be written: standard output or error goes into this very file" in done.stderr
+
+
+def test_a_lock_is_made_and_a_link_or_a_pipe_in_its_place_is_left_alone(tmp_path: Path) -> None:
+    with open_lock(tmp_path / ".lock"), open_lock(tmp_path / ".lock"):
+        assert (tmp_path / ".lock").is_file()
+    (tmp_path / "other.txt").write_text("kept")
+    (tmp_path / "link").symlink_to("other.txt")
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("link", "pipe"):
+        with pytest.raises(OSError, match=name):
+            open_lock(tmp_path / name)
+    assert (tmp_path / "other.txt").read_text() == "kept"

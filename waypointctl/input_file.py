@@ -21,6 +21,7 @@ _KINDS: Final = {
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
 }
+_PIPE_MEND: Final = "write what comes out of it into a file, and give that"
 _FLAGS: Final = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK  # opening a pipe waits for nobody
 RECORD_FILE: Final = 2**24  # [bytes] that a file of results, or of what a training has recorded, may have
 NOT_THERE: Final = "there is no such file"  # the problem of a file that is not there
@@ -51,8 +52,9 @@ def open_input(path: Path, error: type[InputError] = InputError, *, within: Path
     except ValueError as reason:  # a name with a zero byte
         raise error(f"cannot be read: {reason}", where=str(path)) from reason
     if fault := _other_kind(os.fstat(file.fileno()).st_mode):
+        is_pipe = stat.S_ISFIFO(os.fstat(file.fileno()).st_mode)
         file.close()
-        raise error(fault, where=str(path))
+        raise error(fault, where=str(path), mend=_PIPE_MEND if is_pipe else None)
     return file
 
 

@@ -151,6 +151,16 @@ def write_whole(path: Path, content: bytes, what: str) -> None:
         raise OutputError(problem, where=str(path), mend=_FILE_MEND) from error
 
 
+def open_lock(path: Path) -> IO[str]:
+    """Open a file to be locked, making it if it is not there; what a link leads to is left alone.
+
+    Raises:
+        OSError: it cannot be made, or is a link or a pipe.
+    """
+    flags = os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK
+    return os.fdopen(os.open(path, flags, 0o666), "w")
+
+
 def refuse_other_content(path: Path, magic: bytes, kind: str) -> None:
     """Refuse to replace what is there unless it is an empty file, or one of the kind that is to be written.
 

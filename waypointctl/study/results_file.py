@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import InputError, OutputError
 from waypointctl.input_file import read_input
-from waypointctl.paths import write_whole
+from waypointctl.paths import open_lock, write_whole
 from waypointctl.study.case import Case
 from waypointctl.study.measure import Flown
 
@@ -89,7 +89,7 @@ class ResultsFile:
         """
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            lock = (folder / ".lock").open("w")
+            lock = open_lock(folder / ".lock")
         except OSError as error:
             raise OutputError(f"the study cannot be written: {error.strerror}", where=str(folder)) from error
         with lock:

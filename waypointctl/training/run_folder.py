@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Final
 
 from waypointctl.errors import OutputError, RecipeError
-from waypointctl.paths import refuse_unwritable_folder
+from waypointctl.paths import open_lock, refuse_unwritable_folder
 
 FOLDER: Final = "checkpoints"
 RECIPE: Final = "train.yaml"
@@ -103,7 +103,7 @@ def held(run: Path) -> Iterator[None]:
     """
     try:
         run.mkdir(parents=True, exist_ok=True)
-        lock = (run / ".lock").open("w")
+        lock = open_lock(run / ".lock")
     except OSError as error:
         raise OutputError(f"the run cannot be written: {error.strerror}", where=str(run), mend=_ELSEWHERE) from error
     with lock:
