@@ -139,6 +139,23 @@ def test_a_fall_ends_the_leg_and_the_command() -> None:
     assert (story.commands[0].onboard, story.commands[0].ended_ns) == (Stage.FAILED, ns(3.0))
 
 
+@pytest.mark.parametrize(
+    ("kind", "ends"),
+    [
+        (EventKind.RETURN_STARTED, True),
+        (EventKind.PLAN_FAILED, True),
+        (EventKind.STEERING_STARTED, True),
+        (EventKind.LEG_STARTED, True),  # of another waypoint
+        (EventKind.WALK_PAUSED, False),
+        (EventKind.LEG_RETRIED, False),
+    ],
+)
+def test_a_leg_ends_when_the_robot_does_something_else(kind: EventKind, ends: bool) -> None:
+    begun = event(1, EventKind.LEG_STARTED, "walking to near", waypoint=0)
+    story = tell([begun, event(3, kind, "", waypoint=1)], (NEAR, FAR))
+    assert story.waypoints[0].ended_ns == (ns(3.0) if ends else None)
+
+
 def test_nothing_follows_the_end_of_a_command() -> None:
     messages: list[Message] = [
         stage(0, Stage.QUEUED, Clock.OPERATOR),

@@ -40,7 +40,7 @@ _COMMANDS: Final = (
     Column("known as", is_text=True),
 )
 _SENT: Final = Column("sent", spare=8)
-_REWARD: Final = (Column("reward", is_text=True), Column("sum"), Column("a step"))
+_REWARD: Final = (Column("reward", is_text=True), Column("sum"), Column("a step", spare=1))
 
 
 def waypoint_table(story: Story) -> GridView:
