@@ -100,6 +100,13 @@ def test_a_name_of_any_letters_keeps_the_map_as_wide_as_it_is(name: str) -> None
     assert "..." in text(rows)
 
 
+def test_a_name_stands_where_it_covers_nothing_if_there_is_such_a_place() -> None:
+    waypoint = WaypointStory(replace(NEAR, x_m=5.0, y_m=0.0), Fate.OPEN, None, None, None, None)
+    rows = drawn(Scene(WALK, (waypoint,)))
+    (row,) = [row.plain for row in rows if "near" in row.plain]
+    assert "+" not in row, "beside the waypoint it would stand on the way"
+
+
 coordinate = st.floats(-500, 500) | st.floats(-1e9, 1e9)
 
 

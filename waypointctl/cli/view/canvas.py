@@ -69,6 +69,11 @@ class Canvas:
             return False
         return all((line, cell + offset) not in self._signs for offset in range(length))
 
+    def covered(self, x: float, y: float, text: str) -> int:
+        """Return how many dots a text at the dot (x, y), where it fits, covers."""
+        line, cell = int(y // CELL_HEIGHT), int(x // CELL_WIDTH)
+        return int(self._dots[line, :, cell : cell + len(_cells(text))].sum())
+
     def rows(self, *, ascii_only: bool = False) -> list[Text]:
         """Return the lines of the drawing."""
         from rich.text import Text

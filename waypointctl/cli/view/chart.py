@@ -179,11 +179,10 @@ def _name_zone(canvas: Canvas, frame: _Frame, zone: Zone) -> None:
 
 
 def _write(canvas: Canvas, name: str, places: Sequence[tuple[float, float]], style: str) -> None:
-    """Write a name at the first of some places where it covers nothing that is written; nowhere if there is none."""
-    for place in places:
-        if canvas.is_free(*place, name):
-            canvas.sign(*place, name, style)
-            return
+    """Write a name at that of some places where it covers little that is drawn and nothing that is written, if any."""
+    free = [place for place in places if canvas.is_free(*place, name)]
+    if free:
+        canvas.sign(*min(free, key=lambda place: canvas.covered(place[0], place[1], name)), name, style)
 
 
 def _length(name: str) -> int:

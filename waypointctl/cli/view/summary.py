@@ -73,7 +73,9 @@ def print_story(story: Story, title: str, *, stderr: bool) -> None:
     out.print()
     scene = scene_of(story, _MAP_COLUMNS * 50)
     ascii_only = not out.encoding.lower().startswith("utf")
-    for row in draw_map(scene, min(out.width, _MAP_COLUMNS), _MAP_LINES, ascii_only=ascii_only):
+    *rows, legend = draw_map(scene, min(out.width, _MAP_COLUMNS), _MAP_LINES, ascii_only=ascii_only)
+    drawn = [line for line, row in enumerate(rows) if row.plain.strip()]
+    for row in (*rows[min(drawn, default=0) : max(drawn, default=-1) + 1], legend):
         out.print(row, crop=True)
     _print_tables(out, story)
     out.print(reward_table(story))
