@@ -73,6 +73,11 @@ def ns(seconds: float) -> int:
     return round(seconds * NS_PER_S)
 
 
+def whole_ns(seconds: float) -> int:
+    """Return a duration of more than 0 [s] as whole nanoseconds, at least 1."""
+    return max(ns(seconds), 1)
+
+
 def seconds(time_ns: int) -> float:
     """Return a time in [ns] as seconds."""
     return time_ns / NS_PER_S

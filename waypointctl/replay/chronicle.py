@@ -26,6 +26,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.log.setting import MissionSetting
+from waypointctl.ops.executive.plan import names
 from waypointctl.replay.effort import EffortTally
 from waypointctl.replay.growing_records import GrowingCommand, GrowingWaypoint
 from waypointctl.replay.link_story import LinkTally
@@ -230,7 +231,7 @@ class Chronicle:
             if not entry.attempts:
                 entry.issued_ns = command.issued_ns
             entry.kind = command.kind
-            entry.what = f"{command.kind} {', '.join(waypoint.name for waypoint in command.waypoints)}".rstrip()
+            entry.what = f"{command.kind} {names(command.waypoints)}".rstrip()
         for waypoint in command.waypoints:
             if waypoint.index >= 0:  # else it is a place, none of the mission's waypoints
                 self._waypoints.setdefault(waypoint.index, GrowingWaypoint(waypoint))

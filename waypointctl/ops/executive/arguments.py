@@ -8,20 +8,21 @@ from typing import Final, get_args
 
 from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
 from waypointctl.mission.fields import Coordinate, Hold, Timeout, Tolerance
+from waypointctl.mission.mission import MOST_LEGS
 from waypointctl.mission.quantity import Quantity
 from waypointctl.ops.executive.fence import Fence
 from waypointctl.ops.executive.judgement import OBSERVE
 from waypointctl.ops.executive.rules import GEOFENCE
 from waypointctl.task.acceptance import SHAPES
-from waypointctl.units import ns, seconds
+from waypointctl.units import seconds
 
 FAILURE_WORDS: Final = ("", "abort", "skip", "hold", "return_home")
 TASKS: Final = ("", OBSERVE)
 
 # How many waypoints each kind takes, at least and at most; the others take none.
 _WAYPOINTS: Final = {
-    CommandKind.UPLOAD_PLAN: (1, 1000),
-    CommandKind.APPEND_PLAN: (1, 1000),
+    CommandKind.UPLOAD_PLAN: (1, MOST_LEGS),
+    CommandKind.APPEND_PLAN: (1, MOST_LEGS),
     CommandKind.GO_TO: (1, 1),
     CommandKind.SKIP: (0, 1),
 }
@@ -49,8 +50,8 @@ def wrong_arguments(command: Command, fence: Fence) -> str:
     least, most = _WAYPOINTS.get(command.kind, (0, 0))
     count = len(command.waypoints)
     if not least <= count <= most:
-        wanted = f"{least}" if least == most else f"{least} to {most}"
-        return f"{command.kind} takes {wanted} waypoint{'s' * (most != 1)}, and has {count}"
+        wanted = f"{least}" if least == most else f"{least} to {most:,}"
+        return f"{command.kind} takes {wanted} waypoint{'s' * (most != 1)}, and has {count:,}"
     if 0 <= command.expires_ns < command.not_before_ns:
         return "it expires before it may start"
     if not math.isfinite(command.value):
@@ -64,7 +65,7 @@ def _wrong_value(command: Command) -> str:
     match command.kind:
         case CommandKind.SET_TOLERANCE if not is_tolerance(command.value):
             return f"a tolerance of {command.value:g} m is out of bounds"
-        case CommandKind.SET_TIMEOUT if not is_timeout(command.value) or ns(command.value) < 1:
+        case CommandKind.SET_TIMEOUT if not is_timeout(command.value):
             return f"a time-out of {command.value:g} s is out of bounds"
         case CommandKind.UPLOAD_PLAN | CommandKind.APPEND_PLAN if not -1 <= command.released <= len(command.waypoints):
             return f"it releases {command.released} of {len(command.waypoints)} waypoints"

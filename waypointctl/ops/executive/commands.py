@@ -11,9 +11,9 @@ from typing import Final
 
 from waypointctl.log.messages import Command, CommandKind, Mode, Stage
 from waypointctl.ops.executive.machine import UNDER_WAY, Signal
-from waypointctl.ops.executive.plan import Item
+from waypointctl.ops.executive.plan import Item, names
 from waypointctl.ops.executive.walk import Walk
-from waypointctl.units import ns
+from waypointctl.units import whole_ns
 
 
 def _nothing(walk: Walk, command: Command) -> str:
@@ -55,7 +55,7 @@ def names_of(command: Command) -> str:
             return f"{command.value:g} s"
         case CommandKind.RELEASE:
             return "all" if command.released < 0 else f"{command.released}"
-    return ", ".join(waypoint.name for waypoint in command.waypoints)
+    return names(command.waypoints)
 
 
 def _replace_plan(walk: Walk, now_ns: int, command: Command) -> None:
@@ -70,7 +70,7 @@ def _extend(walk: Walk, command: Command) -> None:
     added = plan.open_items(command.id)
     timeout_s = sequence.value_for(command, CommandKind.SET_TIMEOUT)
     tolerance_m = sequence.value_for(command, CommandKind.SET_TOLERANCE)
-    plan.change(added, tolerance_m=tolerance_m, timeout_ns=None if timeout_s is None else ns(timeout_s))
+    plan.change(added, tolerance_m=tolerance_m, timeout_ns=None if timeout_s is None else whole_ns(timeout_s))
     plan.release(sequence.released_for(command))
 
 
@@ -214,7 +214,7 @@ def _set_tolerance(walk: Walk, now_ns: int, command: Command) -> None:
 
 
 def _set_timeout(walk: Walk, now_ns: int, command: Command) -> None:
-    walk.plan.change(walk.plan.open_items(), timeout_ns=ns(command.value))
+    walk.plan.change(walk.plan.open_items(), timeout_ns=whole_ns(command.value))
     walk.look_again()
 
 

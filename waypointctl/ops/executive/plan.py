@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import islice
 from typing import Final
 
 from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
 
+_NAMED: Final = 12  # waypoints that a text names one by one
 _TOLD: Final = 256  # of the items, in a checkpoint: what all checkpoints take is to grow with the flight's length alone
+
+
+def names(waypoints: Sequence[PlannedWaypoint]) -> str:
+    """Return the names of some waypoints, for people; of many the first and the last, and how many they are."""
+    if len(waypoints) <= _NAMED:
+        return ", ".join(waypoint.name for waypoint in waypoints)
+    return f"{waypoints[0].name} to {waypoints[-1].name}, {len(waypoints):,} waypoints"
 
 
 @dataclass(slots=True)

@@ -10,7 +10,7 @@ from waypointctl.mission.mission import Mission
 from waypointctl.mission.onboard import Area as AreaModel
 from waypointctl.mission.onboard import Geofence, Home
 from waypointctl.ops.executive.fence import Area, Circle, Fence, Polygon
-from waypointctl.units import ns
+from waypointctl.units import ns, whole_ns
 
 # Why a command was rejected or has failed, as acknowledgements say it.
 TIMEOUT: Final = "timeout"
@@ -85,7 +85,7 @@ def rules_of(mission: Mission) -> Rules:
         progress_m=onboard.progress.within_m,
         stall_ns=ns(onboard.progress.for_s),
         stuck_fails=onboard.stuck is not None,
-        link_loss_ns=0 if loss is None else ns(loss.after_s),
+        link_loss_ns=0 if loss is None else whole_ns(loss.after_s),
         on_link_loss="finish" if loss is None else loss.do,
         fence=_fence(onboard.geofence),
         on_breach=onboard.geofence.do,

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Final, get_args
 
 from waypointctl.log.messages import CommandKind, PlannedWaypoint
-from waypointctl.mission.fields import Hold, Timeout, Tolerance
+from waypointctl.mission.fields import FURTHEST_M, Hold, Timeout, Tolerance
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.quantity import Quantity
 from waypointctl.mission.schedule import LARGEST_NUMBER
@@ -19,9 +19,8 @@ from waypointctl.ops.executive.arguments import is_hold, is_timeout, is_toleranc
 from waypointctl.ops.executive.rules import rules_of
 from waypointctl.ops.ground.order import Order
 from waypointctl.ops.ground.schedule import place
-from waypointctl.units import DISTANCE_UNITS_M, DURATION_UNITS_S, NUMBER_PATTERN, ns, quantity
+from waypointctl.units import DISTANCE_UNITS_M, DURATION_UNITS_S, NUMBER_PATTERN, ns, quantity, whole_ns
 
-_FURTHEST_M: Final = 10_000.0
 _WORDS: Final = {
     "hold": CommandKind.HOLD,
     "resume": CommandKind.RESUME,
@@ -60,8 +59,8 @@ def _place(text: str, mission: Mission) -> PlannedWaypoint:
     """Return the place of `goto`, with what is said of it in place of the mission's defaults."""
     where, *options = _OPTION.split(text)
     x_m, y_m = _quantities("goto", where, "X m Y m", DISTANCE_UNITS_M, 2)
-    if max(abs(x_m), abs(y_m)) > _FURTHEST_M:
-        raise ValueError(f"goto: {x_m:g} {y_m:g} is further than {_FURTHEST_M:g} m")
+    if max(abs(x_m), abs(y_m)) > FURTHEST_M:
+        raise ValueError(f"goto: {x_m:g} {y_m:g} is further than {FURTHEST_M:g} m")
     planned = place((x_m, y_m), mission)
     for name, given in zip(options[::2], options[1::2], strict=True):
         planned = _OPTIONS[name](planned, given)
@@ -93,7 +92,7 @@ def _within(text: str, read: Callable[[str], float], is_allowed: Callable[[float
 
 _OPTIONS: Final[Mapping[str, Callable[[PlannedWaypoint, str], PlannedWaypoint]]] = {
     "tolerance": lambda it, text: replace(it, tolerance_m=_within(text, _tolerance_m, is_tolerance, Tolerance)),
-    "timeout": lambda it, text: replace(it, timeout_ns=max(1, ns(_within(text, _timeout_s, is_timeout, Timeout)))),
+    "timeout": lambda it, text: replace(it, timeout_ns=whole_ns(_within(text, _timeout_s, is_timeout, Timeout))),
     "hold": lambda it, text: replace(it, hold_ns=ns(_within(text, _hold_s, is_hold, Hold))),
 }
 
@@ -120,7 +119,7 @@ def impossible(order: Order, mission: Mission) -> str:
     match order.kind:
         case CommandKind.SET_TOLERANCE if not is_tolerance(order.value):
             return f"tolerance: {order.value:g} m is not {_range(Tolerance)}; type tolerance 0.5 m, for instance"
-        case CommandKind.SET_TIMEOUT if not is_timeout(order.value) or ns(order.value) < 1:
+        case CommandKind.SET_TIMEOUT if not is_timeout(order.value):
             return f"timeout: {order.value:g} s is not {_range(Timeout)}; type timeout 30 s, for instance"
         case CommandKind.RELEASE if order.released < -1:
             return f"release: {order.released} is no number of waypoints; type 0 or more, or -1 for all"

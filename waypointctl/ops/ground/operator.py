@@ -23,7 +23,7 @@ from waypointctl.ops.belief import Belief
 from waypointctl.ops.executive.rules import STUCK, TIMEOUT
 from waypointctl.ops.ground.agenda import Agenda
 from waypointctl.ops.ground.order import Order
-from waypointctl.units import ns
+from waypointctl.units import ns, whole_ns
 
 CARROT: Final = -1  # index of a place that is none of the mission's waypoints
 
@@ -169,7 +169,7 @@ def planned_waypoints(mission: Mission) -> tuple[PlannedWaypoint, ...]:
             y_m=leg.y_m,
             acceptance=leg.acceptance,
             tolerance_m=leg.tolerance_m,
-            timeout_ns=ns(leg.timeout_s),
+            timeout_ns=whole_ns(leg.timeout_s),
             hold_ns=ns(leg.hold_s),
             task="observe" if leg.observe else "",
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
+from waypointctl.ops.executive.plan import names
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +25,7 @@ class Order:
     @property
     def words(self) -> str:
         """The order in a few words."""
-        parts = [self.kind.value, ", ".join(waypoint.name for waypoint in self.waypoints)]
+        parts = [self.kind.value, names(self.waypoints)]
         if self.kind in (CommandKind.SET_TOLERANCE, CommandKind.SET_TIMEOUT):
             parts.append(f"{self.value:g} {'m' if self.kind is CommandKind.SET_TOLERANCE else 's'}")
         if self.kind is CommandKind.CANCEL:

@@ -10,7 +10,7 @@ from waypointctl.mission.schedule import ScheduledCommand
 from waypointctl.ops.ground.agenda import Agenda
 from waypointctl.ops.ground.operator import CARROT
 from waypointctl.ops.ground.order import Order
-from waypointctl.units import ns
+from waypointctl.units import ns, whole_ns
 
 
 def agenda_of(mission: Mission) -> Agenda[Order]:
@@ -47,7 +47,7 @@ def place(position_m: Sequence[float], mission: Mission, scheduled: ScheduledCom
         y_m=position_m[1],
         acceptance=defaults.acceptance,
         tolerance_m=defaults.tolerance_m if tolerance_m is None else tolerance_m,
-        timeout_ns=ns(defaults.timeout_s if timeout_s is None else timeout_s),
+        timeout_ns=whole_ns(defaults.timeout_s if timeout_s is None else timeout_s),
         hold_ns=ns(defaults.hold_s if hold_s is None else hold_s),
     )
 

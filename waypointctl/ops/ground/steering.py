@@ -15,6 +15,7 @@ from collections.abc import Callable
 from typing import Final
 
 from waypointctl.log.messages import Ack, CommandKind, Event, EventKind, PlannedWaypoint, Stage, Telemetry
+from waypointctl.mission.fields import FURTHEST_M
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.executive.rules import FALL, TIMEOUT
 from waypointctl.ops.ground.leg_clock import LegClock
@@ -158,8 +159,8 @@ class HeadingOperator(Operator):
         place = PlannedWaypoint(
             index=CARROT,
             name=f"towards {waypoint.name}",
-            x_m=x_m + part * (waypoint.x_m - x_m),
-            y_m=y_m + part * (waypoint.y_m - y_m),
+            x_m=_in_bounds(x_m + part * (waypoint.x_m - x_m)),
+            y_m=_in_bounds(y_m + part * (waypoint.y_m - y_m)),
             acceptance=waypoint.acceptance,
             tolerance_m=min(waypoint.tolerance_m, self._carrot_m * _NEAR_CARROT),
             timeout_ns=waypoint.timeout_ns,
@@ -167,3 +168,8 @@ class HeadingOperator(Operator):
         )
         order = Order(CommandKind.GO_TO, (place,), self._rule, fleeting=self._continuous)
         return self._clock.of_this_leg(order)
+
+
+def _in_bounds(coordinate_m: float) -> float:
+    """Return a coordinate that the robot accepts: one that has overshot a waypoint at the edge may be beyond it."""
+    return min(max(coordinate_m, -FURTHEST_M), FURTHEST_M)
