@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.importers.plans import EAST_M, NORTH_M, SHAPES, At, Shape
-from tests.importers.reading import imported
+from tests.importers.reading import Imported, imported
 from waypointctl.errors import MissionError
 from waypointctl.ops.executive.rules import rules_of
 
@@ -24,9 +24,15 @@ def test_of_sixty_plans_at_least_fifty_five_are_imported() -> None:
     assert len(IMPORTED) >= 55
 
 
-@pytest.mark.parametrize("shape", IMPORTED, ids=lambda shape: shape.title)
-def test_a_plan_means_what_it_says(tmp_path: Path, shape: Shape) -> None:
-    found = imported(tmp_path, shape.plan)
+@pytest.fixture(scope="module", params=IMPORTED, ids=lambda shape: shape.title)
+def read(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Shape, Imported]:
+    """Return a plan, and what became of it."""
+    shape: Shape = request.param
+    return shape, imported(tmp_path_factory.mktemp("plan"), shape.plan)
+
+
+def test_a_plan_means_what_it_says(read: tuple[Shape, Imported]) -> None:
+    shape, found = read
     expected = [stop if isinstance(stop, At) else At(*stop) for stop in shape.stops]
     assert len(found.all_legs) == len(expected)
     for number, (leg, stop) in enumerate(zip(found.all_legs, expected, strict=True), 1):
@@ -39,19 +45,17 @@ def test_a_plan_means_what_it_says(tmp_path: Path, shape: Shape) -> None:
     assert found.mission.start.position_m == (0, 0)
 
 
-@pytest.mark.parametrize("shape", IMPORTED, ids=lambda shape: shape.title)
-def test_what_is_left_out_of_a_plan_is_named_and_counted(tmp_path: Path, shape: Shape) -> None:
-    found = imported(tmp_path, shape.plan)
+def test_what_is_left_out_of_a_plan_is_named_and_counted(read: tuple[Shape, Imported]) -> None:
+    shape, found = read
     assert len(found.left_out) == len(shape.left_out)
     for line, beginning in zip(found.left_out, shape.left_out, strict=True):
         assert line.startswith(beginning)
         assert f"# Left out: {line}\n" in found.text
 
 
-@pytest.mark.parametrize("shape", IMPORTED, ids=lambda shape: shape.title)
-def test_a_fence_allows_and_forbids_what_the_plans_does(tmp_path: Path, shape: Shape) -> None:
-    mission = imported(tmp_path, shape.plan).mission
-    rules = rules_of(mission)
+def test_a_fence_allows_and_forbids_what_the_plans_does(read: tuple[Shape, Imported]) -> None:
+    shape, found = read
+    rules = rules_of(found.mission)
     assert [rules.fence.breach(*metres(*place)) for place in shape.allowed] == [""] * len(shape.allowed)
     assert all(rules.fence.breach(*metres(*place)) for place in shape.forbidden)
     assert bool(rules.fence.keep_in or rules.fence.keep_out) == bool(shape.forbidden)
