@@ -2,7 +2,7 @@
 
     python docs/readme_suites.py
 
-`waypointctl eval policies/ant-waypoint --suite SUITE --seed 1 --save` makes those.
+`waypointctl eval policies/ant-waypoint --suite SUITE --save` makes those.
 """
 
 from __future__ import annotations

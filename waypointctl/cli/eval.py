@@ -31,7 +31,12 @@ def evaluate_policy(
         int | None,
         typer.Option(min=1, max=100_000, help="How often each path is walked.  [default: the suite's]"),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the postures that trials start in, and of random paths.")] = 0,
+    seed: Annotated[
+        int,
+        typer.Option(
+            min=0, help="Of the postures that trials start in, and of random paths; a training reports the same seed."
+        ),
+    ] = 1,
     acceptance: Annotated[
         str | None,
         typer.Option(metavar="SHAPE:SIZE", help="In place of the suite's, such as radius:0.2 or box:0.5."),

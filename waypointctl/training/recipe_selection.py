@@ -17,7 +17,7 @@ class SelectionRecipe(FileModel):
         "region", description="one that comes with waypointctl, or a YAML file, relative to this one"
     )
     trials: Few = Field(200, description="of each of the suite's cases")
-    # `waypointctl eval` reports seed 0 unless told otherwise.
+    # 0 was the seed that `waypointctl eval` reported by default in earlier versions.
     seed: Annotated[int, Strict(), Field(ge=1, lt=2**32)] = Field(
         1000, description="of the trials; not evaluation.seed: what is reported must not have been chosen by"
     )
