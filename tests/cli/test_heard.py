@@ -47,7 +47,7 @@ def test_a_loss_is_not_heard_of_and_neither_is_what_happens_on_board() -> None:
         stage(1, Stage.LOST, Clock.LINK, 4),
         stage(1, Stage.RECEIVED, Clock.ROBOT, 5),
     ]
-    assert told(*log)[1] == "command 1 go_to \N{REPLACEMENT CHARACTER}[2J: sent 17.00 s ago"
+    assert told(*log)[1] == r"command 1 go_to \u001b[2J: sent 17.00 s ago"
 
 
 def test_what_is_not_known_is_said_and_what_is_heard_later_takes_its_place() -> None:

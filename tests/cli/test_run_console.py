@@ -71,8 +71,8 @@ def test_what_is_no_command_is_answered_and_not_sent(yard: Path) -> None:
     assert code == 0
     assert typed(yard / "log.mcap") == ["quit"]
     assert err.count("not sent: ") == len(wrong) + 2
-    assert "not sent: 'fly' is no command here; there are: goto X Y [m] | hold" in err
-    assert "not sent: goto takes X Y, not '1'" in err
+    assert "not sent: 'fly' is no command here; there are: goto X m Y m [hold T s]" in err
+    assert "not sent: goto takes X m Y m, not '1'" in err
     assert "\x1b" not in err
     assert "Traceback" not in err
 
@@ -90,7 +90,7 @@ def test_status_tells_what_was_heard_and_nothing_else(yard: Path) -> None:
     assert b"started " in wait_for(flight, b"command 1 upload_plan here, there")
     say(flight, "time\nhelp\nquit")
     assert b"at 1 times real time" in wait_for(flight, b"time ")
-    wait_for(flight, b"commands: goto X Y [m] | hold")
+    wait_for(flight, b"commands: goto X m Y m [hold T s]")
     _, rest = flight.communicate(timeout=LIMIT_S)
     assert flight.returncode == 0, rest
     assert typed(yard / "log.mcap") == ["quit"]

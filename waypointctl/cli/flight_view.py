@@ -52,11 +52,15 @@ def flight_view(
     if console:
         from waypointctl.cli.console import console as people
         from waypointctl.cli.console import is_live
+        from waypointctl.cli.view.console_screen import ConsoleScreen
         from waypointctl.cli.view.prompt import Prompt
         from waypointctl.cli.view.typed_lines import TypedLines
 
-        typed = TypedLines(echo=is_live(people(stderr=True)))
-        with Prompt(mission, plan, typed, rate, interrupted) as prompt:
+        shown_on = people(stderr=True)
+        typed = TypedLines(echo=is_live(shown_on))
+        setting = setting_of(mission)
+        screen = ConsoleScreen(shown_on, mission.name, plan, setting) if typed.is_terminal else None
+        with Prompt(mission, plan, typed, rate, interrupted, screen) as prompt:
             yield FlightView(prompt, prompt, prompt.learn, prompt)
         return
     with watch(mission.name, plan, setting_of(mission)) as view:

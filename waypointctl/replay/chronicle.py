@@ -156,6 +156,10 @@ class Chronicle:
         """Return where the robot has been so far, in about `most` rows."""
         return self._truth.track(most)
 
+    def belief(self, most: int) -> Track:
+        """Return where telemetry has seen the robot so far, in about `most` rows."""
+        return self._belief.track(most)
+
     def story(self) -> Story:
         """Return the story so far."""
         outcome, reason, ended_ns = self._ending()

@@ -122,7 +122,7 @@ def _signs(scene: Scene, ascii_only: bool) -> Iterator[_Sign]:
     if scene.home is not None:
         yield _Sign("H" if ascii_only else "⌂", HOME, "home", [scene.home])
     belief = [] if scene.belief is None else [scene.belief]
-    yield _Sign("o" if ascii_only else "◇", BELIEF, _BELIEF, belief)
+    yield _Sign("o" if ascii_only else "◇", BELIEF, _BELIEF if belief else "", belief)
     robot = [(float(truth.x_m[-1]), float(truth.y_m[-1]))] if len(truth) else []
     yield _Sign("@" if ascii_only else "●", ROBOT, "robot", robot)
 

@@ -64,6 +64,16 @@ class Heard:
         """Return what is known at a time on the operator's clock [ns], a line each."""
         return [*self._robot(now_ns), *(self._command(command_id, now_ns) for command_id in self._sent)]
 
+    def rows(self, now_ns: int, most: int) -> list[tuple[str, str, str, str]]:
+        """Return of each of the newest commands: its id, what it is, the stage known of, and how long ago that was."""
+        rows = []
+        for command_id, sent in list(self._sent.items())[-most:]:
+            stage, since_ns = ("no word yet", sent.issued_ns) if sent.stage is None else (str(sent.stage), sent.told_ns)
+            reason = f" ({sent.reason})" if sent.reason else ""
+            ago_s = max(0.0, seconds(now_ns - since_ns))
+            rows.append((str(command_id), sent.what, f"{stage}{reason}", f"{ago_s:.1f} s"))
+        return rows
+
     def _reach(self, command_id: int, stage: Stage, reason: str, time_ns: int) -> None:
         sent = self._sent.get(command_id)
         if sent is not None:

@@ -40,14 +40,18 @@ def heading(title: str, status: str, chronicle: Chronicle, *, ascii_only: bool) 
     return line.append(f"  {status}", "dim")
 
 
-def clocks(chronicle: Chronicle) -> Table:
-    """Return what time it is for the robot, how old what the operator knows is, and how the link is."""
+def clocks(chronicle: Chronicle, *, is_known_only: bool = False) -> Table:
+    """Return what time it is for the robot, how old what the operator knows is, and how the link is.
+
+    With `is_known_only` the time is the operator's: what is true of the robot is not shown.
+    """
     from rich.table import Table
 
     table = Table.grid(padding=(0, 1))
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True, overflow="ellipsis")
-    for label, style, value in (*_robot(chronicle), *_operator(chronicle), *_link(chronicle)):
+    times = [("time", "bold", at(chronicle.now_ns))] if is_known_only else _robot(chronicle)
+    for label, style, value in (*times, *_operator(chronicle), *_link(chronicle)):
         table.add_row(_text(label, style), _text(value))
     return table
 

@@ -11,11 +11,12 @@ from collections.abc import Callable, Iterable, Iterator
 from types import TracebackType
 from typing import Final, Self
 
-from waypointctl.cli.standard_streams import styled
+from waypointctl.cli.view.console_screen import SIGN, ConsoleScreen
 from waypointctl.cli.view.heard import Heard
 from waypointctl.cli.view.pace import Pace
 from waypointctl.cli.view.typed_lines import TypedLines
 from waypointctl.cli.view.words import happening
+from waypointctl.display_text import printable_lines
 from waypointctl.log.messages import Clock, Message, PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.ops.ground.console import USAGE, impossible, order_from
@@ -24,9 +25,8 @@ from waypointctl.ops.setting import setting_of
 from waypointctl.replay.chronicle import Chronicle
 from waypointctl.units import seconds
 
-_SIGN: Final = "> "
-_CLEAR_LINE: Final = "\r\x1b[K"
 HELP: Final = f"commands: {USAGE}"
+_CLOSED: Final = "the console is closed; the flight goes on to its end"
 
 
 class Prompt:
@@ -46,29 +46,36 @@ class Prompt:
         typed: TypedLines,
         rate: float | None,
         interrupted: Callable[[], bool],
+        screen: ConsoleScreen | None = None,
     ) -> None:
-        """Talk on stdin and stderr. Without a `rate` time is real until the console is closed, then it flies."""
+        """Talk on stdin and stderr. Without a `rate` time is real until the console is closed, then it flies.
+
+        A `screen` is what a terminal shows; without one a line is written for each thing that is told.
+        """
         self._mission = mission
         self._waypoints = tuple(waypoints)
         self._typed = typed
         self._keeps_pace = rate is not None
         self._pace = Pace(rate or 1.0, idle=self._listen)
         self._interrupted = interrupted
+        self._screen = screen
         self._taken: deque[str] = deque()
         self._has_begun = self._has_quit = False
         self.restart()
 
     def __call__(self, message: Message) -> None:
         """Take one message of the flight, and tell what the operator learns from it."""
-        self.chronicle(message)
-        self._heard(message)
+        self.learn(message)
         told = happening(message)
         if told is not None and told.clock is Clock.OPERATOR:
             self.say(told.line)
+        self._draw()
 
     def __enter__(self) -> Self:
         """Begin to read."""
         self._typed.__enter__()
+        if self._screen is not None:
+            self._screen.__enter__()
         self.say(f"{HELP}\neach goes over the link; `status` tells what has been heard, `quit` ends the console")
         return self
 
@@ -76,26 +83,30 @@ class Prompt:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         """Leave the terminal as it was."""
-        if self._typed.is_terminal:
-            self._write(_CLEAR_LINE)
+        if self._screen is not None:
+            self._screen.__exit__(kind, error, traceback)
         self._typed.__exit__(kind, error, traceback)
 
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
         self.chronicle = Chronicle(self._waypoints, setting_of(self._mission))
         self._heard = Heard()
+        if self._screen is not None:
+            self._screen.restart()
 
     def learn(self, message: Message) -> None:
         """Take one message without a word: it was told before."""
         self.chronicle(message)
         self._heard(message)
+        if self._screen is not None:
+            self._screen(message)
 
     def say(self, status: str) -> None:
-        """Print a line above what is being typed."""
-        if not self._typed.is_terminal or self._has_quit:
-            self._write(f"{status}\n")
+        """Print lines above what is being typed."""
+        if self._screen is not None:
+            self._screen.say(status)
         else:
-            self._write(f"{_CLEAR_LINE}{status}\n{_SIGN}{self._typed.draft}")
+            print(printable_lines(status), file=sys.stderr, flush=True)
 
     def lines(self, now_ns: int) -> Iterator[str]:
         """Wait until it is time for `now_ns`; yield what has been typed for the operator to do."""
@@ -126,20 +137,32 @@ class Prompt:
     def _listen(self, timeout_s: float) -> None:
         """Take what is typed; what needs no operator is answered at once."""
         before = self._typed.draft
-        for line in self._typed.read(timeout_s):
-            if self._typed.is_terminal:
-                self._write(f"{_CLEAR_LINE}{_SIGN}{line}\n")
+        lines = self._typed.read(timeout_s)
+        for line in lines:
+            if self._screen is not None:
+                self._screen.say(f"{SIGN}{line}")
             self._answer(line)
         if not self._typed.is_open and QUIT not in self._taken and not self._has_quit:
             self._taken.append(QUIT)
-        elif self._typed.is_terminal and self._typed.draft != before:
-            self._write(f"{_CLEAR_LINE}{_SIGN}{self._typed.draft}")
+        self._draw(at_once=bool(lines) or self._typed.draft != before)
+
+    def _draw(self, *, at_once: bool = False) -> None:
+        if self._screen is None:
+            return
+        self._screen.prompt = _CLOSED if self._has_quit else f"{SIGN}{self._typed.draft}"
+        (self._screen.draw if at_once else self._screen.draw_if_due)(self._now_ns)
+
+    @property
+    def _now_ns(self) -> int:
+        """The time on the operator's clock: the simulation is a step ahead of it, or has left it behind."""
+        now_ns = self.chronicle.now_ns
+        return now_ns if self._has_quit or not self._has_begun else max(self._pace.now_ns, now_ns)
 
     def _answer(self, line: str) -> None:
-        now_ns = max(self._pace.now_ns, self.chronicle.now_ns)  # it simulates a step ahead of its time
+        now_ns = self._now_ns
         match line:
             case "":
-                self._write(_SIGN if self._typed.is_terminal else "")
+                return
             case "help":
                 self.say(HELP)
             case "time":
@@ -158,8 +181,3 @@ class Prompt:
             self.say(f"not sent: {wrong}")
             return
         self._taken.append(line)
-
-    def _write(self, text: str) -> None:
-        stream = styled(sys.stderr)
-        stream.write(text)
-        stream.flush()

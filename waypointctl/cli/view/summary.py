@@ -33,15 +33,15 @@ def print_flight(story: Story, recording: Recording, wall_s: float, *, stderr: b
     _print_outcome(out, story)
     _print_tables(out, story)
     for line in (*effort_lines(story), *whereabouts_lines(story), *link_lines(story.link)):
-        out.print(line, soft_wrap=True)
+        _print_line(out, line)
     flown_s = seconds(recording.result.sim_time_ns)
-    out.print(f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
+    _print_line(out, f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
     out.print(f"seed       {recording.seed}")
     if recording.pictures:
         log = shell_word(recording.path)
-        out.print(f"pictures   {recording.pictures}: waypointctl replay {log} --pictures FOLDER", soft_wrap=True)
-    out.print(f"log        {printable(recording.path)} ({size(recording.path.stat().st_size)})", soft_wrap=True)
-    out.print(f"sha256     {recording.sha256}", soft_wrap=True)
+        _print_line(out, f"pictures   {recording.pictures}: waypointctl replay {log} --pictures FOLDER")
+    _print_line(out, f"log        {printable(recording.path)} ({size(recording.path.stat().st_size)})")
+    _print_line(out, f"sha256     {recording.sha256}")
 
 
 def print_verdict(verification: Verification, *, stderr: bool) -> None:
@@ -49,16 +49,16 @@ def print_verdict(verification: Verification, *, stderr: bool) -> None:
     out = console(stderr=stderr)
     verdict = verification.verdict
     style = _GOOD if verdict.is_proof and not verification.not_compared else _PART if verdict.is_proof else _BAD
-    out.print(printable(f"{verdict.upper()}: {verification.reason}"), style=style, soft_wrap=True)
+    _print_line(out, printable(f"{verdict.upper()}: {verification.reason}"), style=style)
     for check in verification.checks:
-        out.print(f"  {check}", soft_wrap=True)
+        _print_line(out, f"  {check}")
     for line in verification.not_compared:
-        out.print(printable(f"  not compared: {line}"), soft_wrap=True)
+        _print_line(out, printable(f"  not compared: {line}"))
     first = verification.first_divergence
     if first is not None:
         where = f"step {first.step}, {seconds(first.time_ns):.3f} s, {first.topic}, {first.component}"
         for line in (where, f"logged    {first.logged}", f"replayed  {first.replayed}"):
-            out.print(f"  {printable(line)}", soft_wrap=True)
+            _print_line(out, f"  {printable(line)}")
     out.print()
 
 
@@ -68,7 +68,7 @@ def print_story(story: Story, title: str, *, stderr: bool) -> None:
     from waypointctl.cli.view.map_scene import scene_of
 
     out = console(stderr=stderr)
-    out.print(printable(title), style="bold", soft_wrap=True)
+    _print_line(out, printable(title), style="bold")
     _print_outcome(out, story)
     out.print()
     scene = scene_of(story, _MAP_COLUMNS * 50)
@@ -81,12 +81,17 @@ def print_story(story: Story, title: str, *, stderr: bool) -> None:
     out.print(reward_table(story))
     out.print()
     for line in (*effort_lines(story), *whereabouts_lines(story), *link_lines(story.link)):
-        out.print(line, soft_wrap=True)
+        _print_line(out, line)
+
+
+def _print_line(out: Console, text: str, style: str = "") -> None:
+    """Print a line: on a terminal broken between words, elsewhere whole, for programs that look for it."""
+    out.print(text, style=style, soft_wrap=not out.is_terminal)
 
 
 def _print_outcome(out: Console, story: Story) -> None:
     style = _GOOD if story.outcome == "success" else _BAD
-    out.print(printable(f"{story.outcome}: {story.reason}"), style=style, soft_wrap=True)
+    _print_line(out, printable(f"{story.outcome}: {story.reason}"), style=style)
 
 
 def _print_tables(out: Console, story: Story) -> None:

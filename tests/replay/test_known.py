@@ -1,0 +1,58 @@
+"""What the ground knows of a flight has arrived there: nothing that is true on board alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.replay.rewriting import Flown, fly_once
+from waypointctl.log.messages import Message, PlannedWaypoint, State, Telemetry
+from waypointctl.log.setting import MissionSetting
+from waypointctl.ops.ground.operator import planned_waypoints
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.replay.known import KnownFlight
+from waypointctl.replay.story import Fate
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., LoadedPolicy]) -> Flown:
+    folder = tmp_path_factory.mktemp("flight")
+    return fly_once(folder, make_policy(folder / "policy", seed=7))
+
+
+def known(messages: list[Message], waypoints: tuple[PlannedWaypoint, ...]) -> KnownFlight:
+    flight = KnownFlight(waypoints, MissionSetting())
+    for message in messages:
+        flight(message)
+    return flight
+
+
+def test_a_waypoint_is_reached_from_when_telemetry_says_so(flown: Flown) -> None:
+    messages, plan = flown.messages, planned_waypoints(flown.mission_file.mission)
+    first = next(at for at, it in enumerate(messages) if isinstance(it, Telemetry) and it.reached)
+    fates = [[it.fate for it in known(messages[:end], plan).chronicle.waypoints] for end in (first, first + 1)]
+    assert fates == [[Fate.OPEN] * 3, [Fate.REACHED, Fate.OPEN, Fate.OPEN]]
+
+
+def test_the_way_is_where_telemetry_has_seen_the_robot(flown: Flown) -> None:
+    chronicle = known(flown.messages, ()).chronicle
+    frames = [message for message in flown.messages if isinstance(message, Telemetry)]
+    assert chronicle.belief(10_000).x_m.tolist() == [frame.x_m for frame in frames]
+    assert len(chronicle.truth(10_000)) == 0
+    assert chronicle.state is None
+
+
+def test_what_is_true_on_board_alone_changes_nothing(flown: Flown) -> None:
+    heard = [it for it in flown.messages if not isinstance(it, State | Telemetry)]
+    chronicle = known([*heard, next(it for it in flown.messages if isinstance(it, State))], ()).chronicle
+    assert all(command.onboard is None for command in chronicle.commands)
+    assert all(event.clock.value == "operator" for event in chronicle.events)
+
+
+def test_time_passes_though_nothing_is_heard(flown: Flown) -> None:
+    flight = known(flown.messages, ())
+    heard_ns = flight.now_ns
+    flight.pass_time(heard_ns + 5)
+    flight.pass_time(heard_ns)
+    assert flight.now_ns == flight.chronicle.now_ns == heard_ns + 5
