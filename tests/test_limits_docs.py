@@ -21,3 +21,9 @@ def test_the_operators_are_those_that_are_read() -> None:
     rows = re.findall(r"^\| [a-z]+ \| (.*) \|$", section, re.MULTILINE)
     listed = [name for row in rows for name in re.findall(r"\b[A-Z]\w+", row)]
     assert sorted(listed) == sorted(RULES)
+
+
+def test_the_log_of_any_policy_that_is_read_is_read() -> None:
+    largest = LIMITS["policy-file"].default
+    assert LIMITS["log-record"].default > largest + 2**20
+    assert LIMITS["log-attachments"].default > 2 * largest + 2**22

@@ -38,7 +38,7 @@ class Limit:
 
 
 LIMITS: Final = {
-    "policy-file": Limit(64 * _MIB, "a policy's policy.onnx, and its weights.safetensors"),
+    "policy-file": Limit(48 * _MIB, "a policy's policy.onnx, and its weights.safetensors"),
     "policy-work": Limit(2**33, "multiplications of a policy's network for 256 observations", is_size=False),
     "log-record": Limit(64 * _MIB, "a record of a log's file: an attachment, a chunk as it is compressed"),
     "log-attachments": Limit(128 * _MIB, "the attachments of a log together"),
