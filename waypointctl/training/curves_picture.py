@@ -46,8 +46,9 @@ def _draw(axes: Axes, found: Curves, quantity: str) -> None:
     for seed, rate in zip(found.seeds, rates, strict=True):
         has = ~np.isnan(rate)
         axes.plot(steps[has], rate[has], color=color, linewidth=0.9, alpha=0.55, label=_once("each seed", seed, found))
-        if has.any() and steps[has][-1] < steps[-1]:  # this one had come far enough
-            axes.plot(steps[has][-1], rate[has][-1], "o", color=color, markersize=5)
+        alone = has.sum() == 1  # no line has one point
+        if has.any() and (alone or steps[has][-1] < steps[-1]):  # or this one had come far enough
+            axes.plot(steps[has][-1], rate[has][-1], "o", color=color, markersize=5, clip_on=False)
     shared = found.shared(quantity)
     if shared.any() and len(found.seeds) > 1:
         low, high = rates[:, shared].min(axis=0), rates[:, shared].max(axis=0)
@@ -62,7 +63,7 @@ def _draw(axes: Axes, found: Curves, quantity: str) -> None:
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.grid(alpha=0.2)
     if np.isnan(rates).all():
-        note = f"no rate: in no {WINDOW} rollouts did {ENOUGH} episodes end"
+        note = f"no rate: fewer than {ENOUGH} episodes ended in any {WINDOW} rollouts"
         axes.text(0.5, 0.5, note, transform=axes.transAxes, ha="center", va="center")
     else:
         axes.legend(loc="best", frameon=False)
