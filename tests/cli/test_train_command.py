@@ -89,6 +89,21 @@ def test_json_is_all_there_is_on_stdout(command: Command) -> None:
     assert (found["curves"], found["picture"]) == ("runs/tiny/curves.csv", "runs/tiny/curves.png")
 
 
+def test_a_run_to_extend_is_named_by_its_folder_or_in_runs_and_a_policy_is_none(command: Command) -> None:
+    command("recipe.yaml")
+    Path("longer.yaml").write_text(
+        RECIPE.replace("name: tiny", "name: longer").replace("checkpoint_steps", "  - {steps: 128}\ncheckpoint_steps")
+    )
+    for named in ("tiny", "runs/tiny"):
+        code, out, err = command("longer.yaml", "--extend", named, "--json")
+        assert (code, json.loads(out)["trained_steps"]) == (0, 1152), err
+    Path("policy").mkdir()
+    for named in ("policy", "ant-waypoint"):
+        code, out, err = command("longer.yaml", "--extend", named)
+        assert (code, out) == (2, "")
+        assert f"error: {named}: is not a run: it has no checkpoints\n  --extend takes the folder of a run" in err
+
+
 def test_merely_trying_it_never_overwrites_a_policy(command: Command) -> None:
     before = Path("recipe.yaml").read_bytes()
     for _ in range(2):
