@@ -48,7 +48,7 @@ LIMITS: Final = {
     "log-expansion": Limit(100, "what a log's chunks unpack to together, in sizes of its file", is_size=False),
     "log-messages": Limit(100_000, "messages of a log beyond one for each 16 bytes of its file", is_size=False),
     "model-elements": Limit(2_000, "elements of the MJCF of a log's robot", is_size=False),
-    "sb3-archive": Limit(64 * _MIB, "a file of stable-baselines3, what its parts unpack to, and its tensors"),
+    "sb3-archive": Limit(32 * _MIB, "a file of stable-baselines3, what its parts unpack to, and its tensors"),
 }
 
 
