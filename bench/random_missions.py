@@ -13,59 +13,14 @@ import argparse
 import sys
 import time
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.ops.flight_oracle import faults  # noqa: E402 - the repository's root is no installed package
-from tests.ops.random_missions import mission_of_seed  # noqa: E402
-from waypointctl.log.messages import Event, EventKind, Message  # noqa: E402
-from waypointctl.mission.files import MissionFile, parse_mission  # noqa: E402
-from waypointctl.ops.outcome import FlightResult  # noqa: E402
-from waypointctl.ops.record import record  # noqa: E402
-from waypointctl.policy.bundle import LoadedPolicy, load_policy  # noqa: E402
-from waypointctl.replay.verdict import Verdict  # noqa: E402
-from waypointctl.replay.verify import verify  # noqa: E402
-
-
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """A flight and what is wrong with it.
-
-    Attributes:
-        result: how it ended.
-        faults: what is wrong, a line each.
-        went_home: whether the robot was on a way home.
-    """
-
-    result: FlightResult
-    faults: tuple[str, ...]
-    went_home: bool
-
-
-def judged(seed: int, policy: LoadedPolicy, folder: Path) -> Judged:
-    """Fly the mission of a seed, prove its log and judge its messages."""
-    mission = mission_of_seed(seed)
-    messages: list[Message] = []
-    path = folder / f"{seed}.mcap"
-    result = record(mission_file(seed), policy, path, watch=messages.append).result
-    found = faults(mission, result, messages)
-    verification = verify(path)
-    path.unlink()
-    if verification.verdict is not Verdict.EXACT:
-        found.append(f"{verification.verdict}: {verification.reason}")
-    went_home = any(isinstance(one, Event) and one.kind is EventKind.RETURN_STARTED for one in messages)
-    return Judged(result, tuple(found), went_home)
-
-
-def mission_file(seed: int) -> MissionFile:
-    """Return the mission of a seed as a file that is read."""
-    path = Path(f"random-{seed}.yaml")
-    source = mission_of_seed(seed).model_dump_json(exclude_unset=True).encode()
-    return MissionFile(parse_mission(source, str(path)), source, path)
+from tests.ops.random_missions import judged  # noqa: E402 - the repository's root is no installed package
+from waypointctl.policy.bundle import load_policy  # noqa: E402
 
 
 def main() -> int:

@@ -6,15 +6,55 @@ Flights are short: waypoints are near, times are short, and where a wait is long
 from __future__ import annotations
 
 import random
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeAlias
 
 from pydantic import ValidationError
 
+from tests.ops.flight_oracle import faults
+from waypointctl.log.messages import Event, EventKind, Message
+from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
+from waypointctl.ops.outcome import FlightResult
+from waypointctl.ops.record import record
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.replay.verdict import Verdict
+from waypointctl.replay.verify import verify
 
 Content: TypeAlias = dict[str, Any]
 
 _AUTONOMIES = ("mission",) * 4 + ("waypoint",) * 3 + ("heading",) * 3 + ("joint",)
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A flight and what is wrong with it.
+
+    Attributes:
+        result: how it ended.
+        faults: what is wrong, a line each.
+        went_home: whether the robot was on a way home.
+    """
+
+    result: FlightResult
+    faults: tuple[str, ...]
+    went_home: bool
+
+
+def judged(seed: int, policy: LoadedPolicy, folder: Path, *, proved: bool = True) -> Judged:
+    """Fly the mission of a seed, judge its messages and, if it is to be proved, its log."""
+    path = folder / f"{seed}.mcap"
+    source = mission_of_seed(seed).model_dump_json(exclude_unset=True).encode()
+    mission_file = MissionFile(parse_mission(source, str(path)), source, path)
+    messages: list[Message] = []
+    result = record(mission_file, policy, path, watch=messages.append).result
+    found = faults(mission_file.mission, result, messages)
+    if proved and (verification := verify(path)).verdict is not Verdict.EXACT:
+        found.append(f"{verification.verdict}: {verification.reason}")
+    path.unlink()
+    went_home = any(isinstance(one, Event) and one.kind is EventKind.RETURN_STARTED for one in messages)
+    return Judged(result, tuple(found), went_home)
 
 
 def mission_of_seed(seed: int) -> Mission:

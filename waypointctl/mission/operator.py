@@ -41,7 +41,9 @@ class Commanding(FileModel):
     acknowledged: Annotated[bool, Strict()] = Field(
         True, description="whether a command is sent again when its acknowledgement is late"
     )
-    retries: Annotated[int, Strict(), Field(ge=0, le=1000)] = Field(3, description="how often a command is sent again")
+    retries: Annotated[int, Strict(), Field(ge=0, le=1000)] = Field(
+        3, description="how often a command is sent again at most, whatever for"
+    )
     margin_s: Annotated[float, Quantity("s", ge=0, le=_DAY_S)] = Field(
         1.0, description="what an acknowledgement may be late beyond round trip, jitter, rate and contacts"
     )
