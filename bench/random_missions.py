@@ -39,6 +39,8 @@ def main() -> int:
             outcomes[flight.result.outcome] += 1
             went_home += flight.went_home
             wrong += bool(flight.faults)
+            if seed % 100 == 99:
+                print(f"{seed - asked.first + 1} flown in {time.monotonic() - began_s:.0f} s", flush=True)
             for fault in flight.faults:
                 print(f"seed {seed}: {fault} [{flight.result.outcome}: {flight.result.reason}]", flush=True)
     took_s = time.monotonic() - began_s

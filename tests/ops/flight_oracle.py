@@ -22,6 +22,7 @@ from waypointctl.log.messages import (
     CommandStage,
     Event,
     EventKind,
+    LinkRecord,
     Message,
     Mode,
     Stage,
@@ -100,8 +101,8 @@ class Told:
                 self._advance(message)
             case CommandStage(stage=Stage.QUEUED):
                 self.sent.setdefault(message.command_id, []).append(message.time_ns)
-            case CommandStage(stage=Stage.LOST):
-                self.lost[message.command_id] = self.lost.get(message.command_id, 0) + 1
+            case LinkRecord(way="up", what="command", arrives_ns=()):
+                self.lost[message.number] = self.lost.get(message.number, 0) + 1
             case Ack():
                 self._know(message.command_id, message.stage, message.received_ns)
                 self.told_fall = self.told_fall or message.reason == "fall"
@@ -189,7 +190,7 @@ def _to_come(mission: Mission, told: Told, end_ns: int, *, beats: bool) -> Itera
     for command_id, sent in told.sent.items():
         if len(sent) > told.lost.get(command_id, 0) + told.arrived.get(command_id, 0):
             yield f"command {command_id} is still under way to the robot"
-    unsent = sum(each.at_s * S > end_ns for each in mission.schedule)
+    unsent = sum(round(each.at_s * S) > end_ns for each in mission.schedule)
     if unsent and not told.told_fall:
         yield f"{unsent} scheduled commands have not been sent"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.ops.flying import UNDER_FOOT, flown, mission_of, only
 from tests.ops.ground.missions import ack, frame
 from tests.ops.ground.missions import mission_of as mission_text
-from waypointctl.log.messages import CommandKind, Stage, State
+from waypointctl.log.messages import CommandKind, Mode, Stage, State
 from waypointctl.ops.ground.leg_clock import LegClock
 from waypointctl.ops.ground.order import Order
 from waypointctl.ops.ground.steering import HeadingOperator
@@ -115,3 +115,41 @@ def test_a_leg_shorter_than_the_round_trip_can_be_steered() -> None:
     result, messages = flown(mission_of(*legs, delay_ms=20_000, autonomy="heading", operator=operator))
     assert (result.outcome, result.waypoints_reached) == ("success", 2)
     assert len(only(State, messages)) < 6000
+
+
+def test_only_what_the_robot_walks_counts() -> None:
+    clock = LegClock(answer_by)
+    for command_id in (1, 2, 3):
+        clock.issued(command_id, clock.of_this_leg(carrot()))
+    started(clock, 1, 20.0)
+    started(clock, 1, 24.0, Stage.COMPLETED)
+    started(clock, 2, 1000.0)
+    clock.hear(frame(issued_ns=1002 * NS_PER_S))
+    assert not clock.is_over(6 * NS_PER_S)
+    assert clock.is_over(6 * NS_PER_S - 1)
+    clock.hear(frame(mode=Mode.PAUSED, issued_ns=1003 * NS_PER_S))
+    clock.hear(frame(mode=Mode.PAUSED, issued_ns=5000 * NS_PER_S))
+    assert not clock.is_over(7 * NS_PER_S)
+    clock.hear(frame(issued_ns=5001 * NS_PER_S))
+    started(clock, 2, 5002.0, Stage.SUPERSEDED)
+    started(clock, 3, 5002.0)
+    clock.hear(frame(issued_ns=5004 * NS_PER_S))
+    assert not clock.is_over(10 * NS_PER_S)
+    assert clock.is_over(10 * NS_PER_S - 1)
+
+
+def test_an_acknowledgement_that_was_overtaken_starts_nothing_again() -> None:
+    clock = LegClock(answer_by)
+    clock.issued(1, clock.of_this_leg(carrot()))
+    started(clock, 1, 24.0, Stage.COMPLETED)
+    started(clock, 1, 20.0)
+    clock.hear(frame(issued_ns=900 * NS_PER_S))
+    assert not clock.is_over(NS_PER_S)
+
+
+def test_a_contact_that_is_still_to_come_is_waited_for() -> None:
+    opens_ns = 1800 * NS_PER_S
+    clock = LegClock(answer_by, lambda sent_ns: max(sent_ns, opens_ns))
+    clock.restart(0)
+    assert not clock.is_silent(opens_ns + RTT_NS + 10 * NS_PER_S, 10 * NS_PER_S)
+    assert clock.is_silent(opens_ns + RTT_NS + 10 * NS_PER_S + 1, 10 * NS_PER_S)
