@@ -1,6 +1,6 @@
 """Whether a flight's cost is linear in its length: CPU seconds a simulated second, at three lengths.
 
-Run: python bench/flight_length.py [--rounds 12,48,192] [--kind steered,...] [--json]
+Run: python bench/flight_length.py [--rounds 12,48,192] [--kinds steered,joint] [--stages record,replay]
 
 Each kind of flight walks rounds of four waypoints. For each length the flight is recorded, its log is read, summarised
 and replayed, and, cut at nine tenths, resumed. The ratio is what a simulated second costs in the longest flight divided
@@ -10,10 +10,10 @@ by what it costs in the shortest one: 1 is linear.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from time import process_time
 from typing import Final
@@ -36,7 +36,7 @@ ROUND_S: Final = 7.0  # what a round takes, roughly
 KINDS: Final = {
     "mission": "autonomy: mission",
     "waypoint": "autonomy: waypoint",
-    "waypoint, lossy": "autonomy: waypoint\nlink: {loss: 20 %}\ncommands: {retries: 50}",
+    "lossy": "autonomy: waypoint\nlink: {loss: 20 %}\ncommands: {retries: 50}",
     "steered": "autonomy: heading\noperator: {steering: continuous, update_rate: 10 Hz, carrot: 2 m}",
     "joint": "autonomy: joint\nlink: {delay: 0 s}",
 }
@@ -45,7 +45,7 @@ STAGES: Final = ("record", "read", "summary", "replay", "resume")
 
 def mission_of(kind: str, rounds: int) -> str:
     """Return the text of a mission of some rounds."""
-    head = f"name: {kind.split(',')[0]}\npolicy: {POLICY}\nrepeat: {rounds}\nwaypoints: {SQUARE}\n"
+    head = f"name: {kind}\npolicy: {POLICY}\nrepeat: {rounds}\nwaypoints: {SQUARE}\n"
     rest = "defaults: {timeout: 10 min}\non_failure: skip\n"
     if kind == "scheduled":
         return f"{head}{rest}schedule:\n{schedule(rounds)}\n"
@@ -65,28 +65,24 @@ def schedule(rounds: int) -> str:
     return "\n".join(lines)
 
 
-def measure(text: str, policy: LoadedPolicy, folder: Path) -> dict[str, float]:
+def measure(text: str, policy: LoadedPolicy, folder: Path, stages: Sequence[str]) -> dict[str, float]:
     """Return the CPU time of each stage [s], the simulated time [s] and the log's size [MB]."""
     path, source = folder / "flight.mcap", folder / "mission.yaml"
     source.write_text(text)
     mission_file = load_mission(source)
     cpu_s = {"record": timed(lambda: _record(mission_file, policy, path))}
-    log = open_log(path)
-    last_ns = 0
-
-    def read() -> None:
-        nonlocal last_ns
-        for message in log.messages():
-            last_ns = max(last_ns, getattr(message, "time_ns", 0))
-
-    cpu_s["read"] = timed(read)
-    cpu_s["summary"] = timed(lambda: _forget(tell(log.messages())))
-    cpu_s["replay"] = timed(lambda: _replay(path))
-    size = path.stat().st_size
-    cut = folder / "cut.mcap.part"
-    cut.write_bytes(path.read_bytes()[: size * 9 // 10])
-    cpu_s["resume"] = timed(lambda: _resume(cut))
-    return {"simulated_s": last_ns / 1e9, "log_mb": size / 1e6, **cpu_s}
+    log, size = open_log(path), path.stat().st_size
+    if "resume" in stages:
+        cut = folder / "cut.mcap.part"
+        cut.write_bytes(path.read_bytes()[: size * 9 // 10])
+    works: dict[str, Callable[[], None]] = {
+        "read": lambda: _forget(deque(log.messages(), maxlen=0)),
+        "summary": lambda: _forget(tell(log.messages())),
+        "replay": lambda: _replay(path),
+        "resume": lambda: _resume(cut),
+    }
+    cpu_s |= {stage: timed(work) for stage, work in works.items() if stage in stages}
+    return {"simulated_s": log.duration_s, "log_mb": size / 1e6, **cpu_s}
 
 
 def _record(mission_file: MissionFile, policy: LoadedPolicy, path: Path) -> None:
@@ -119,41 +115,36 @@ def timed(work: Callable[[], None]) -> float:
     return process_time() - before
 
 
-def print_kind(kind: str, found: Mapping[int, Mapping[str, float]]) -> None:
+def print_kind(kind: str, found: Mapping[int, Mapping[str, float]], stages: Sequence[str]) -> None:
     """Print a table of one kind of flight: a line a length, then the ratios."""
     print(f"\n{kind}: CPU ms a simulated second")
-    print(f"{'simulated':>10} {'log kB/s':>9}" + "".join(f"{stage:>9}" for stage in STAGES))
+    print(f"{'simulated':>10} {'log kB/s':>9}" + "".join(f"{stage:>9}" for stage in stages))
     costs = []
     for one in found.values():
-        per_s = {key: one[key] / one["simulated_s"] * 1000 for key in ("log_mb", *STAGES)}
+        per_s = {key: one[key] / one["simulated_s"] * 1000 for key in ("log_mb", *stages)}
         costs.append(per_s)
-        row = "".join(f"{per_s[stage]:>9.1f}" for stage in STAGES)
+        row = "".join(f"{per_s[stage]:>9.1f}" for stage in stages)
         print(f"{one['simulated_s']:>8.0f} s {per_s['log_mb']:>9.1f}{row}")
     ratios = {key: costs[-1][key] / costs[0][key] for key in costs[0]}
-    print(f"{'ratio':>10} {ratios['log_mb']:>9.2f}" + "".join(f"{ratios[stage]:>9.2f}" for stage in STAGES), flush=True)
+    print(f"{'ratio':>10} {ratios['log_mb']:>9.2f}" + "".join(f"{ratios[stage]:>9.2f}" for stage in stages), flush=True)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Whether a flight's cost is linear in its length.")
     every = [*KINDS, "scheduled"]
     parser.add_argument("--rounds", default="12,48,192", help="lengths, a round is some 7 s; default: %(default)s")
-    parser.add_argument("--kind", help=f"some of: {'; '.join(every)}, separated by ';'")
-    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--kinds", default=",".join(every), help="of flights; default: %(default)s")
+    parser.add_argument("--stages", default=",".join(STAGES), help="record, and what else; default: %(default)s")
     options = parser.parse_args()
-    kinds = every if options.kind is None else options.kind.split(";")
+    stages = [stage for stage in STAGES if stage in ("record", *options.stages.split(","))]
     lengths = [int(part) for part in options.rounds.split(",")]
     policy = load_policy(POLICY)
-    everything = {}
-    for kind in kinds:
+    for kind in options.kinds.split(","):
         found = {}
         for rounds in lengths:
             with tempfile.TemporaryDirectory() as folder:
-                found[rounds] = measure(mission_of(kind, rounds), policy, Path(folder))
-        everything[kind] = found
-        if not options.json:
-            print_kind(kind, found)
-    if options.json:
-        print(json.dumps(everything, indent=2))
+                found[rounds] = measure(mission_of(kind, rounds), policy, Path(folder), stages)
+        print_kind(kind, found, stages)
 
 
 if __name__ == "__main__":
