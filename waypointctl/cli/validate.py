@@ -56,9 +56,10 @@ def validate(
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 if there is a warning.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Check mission files, list every problem, and say what to expect without flying: how long, and what may go wrong.
+    """Check mission files, list every problem, and say what to expect without flying: how it ends, how long it takes.
 
-    Exits with 2 if there is a problem; what may go wrong are warnings.
+    A file without problems is OK, or FAILS where the mission can be flown and is expected to fail. Exits with 2 if
+    there is a problem; what may go wrong are warnings.
     """
     _refuse_missing(policy)
     checked = [_check(path, policy) for path in missions]
