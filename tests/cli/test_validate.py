@@ -134,7 +134,7 @@ def test_what_may_go_wrong_is_a_warning_with_its_place(tmp_path: Path) -> None:
         f"warning: {path}:3:10: expect.max_time: 2 s are allowed, and about 13.4 s are expected",
         f"warning: {path}:6:29: waypoints[1].timeout: WP2 is 36.5 m away: 18.0 s at 2.00 m/s, and has 9 s: "
         "will not be completed",
-        f"warning: {path}:8:3: link.rate: telemetry comes to 3040 bit/s, and the link down carries 1000: what is "
+        f"warning: {path}:8:3: link.rate: telemetry comes to 3560 bit/s, and the link down carries 1000: what is "
         "too much waits, and acknowledgements behind it; once the queue is full they are lost",
     ]
     assert CliRunner().invoke(app, ["validate", "--strict", str(path)]).exit_code == 1
@@ -264,7 +264,7 @@ def test_one_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 def test_one_wrong_reference_is_one_problem(tmp_path: Path) -> None:
     (tmp_path / "p.ionrc").write_text(
-        "a contact 2026/11/22-10:00:00 2026/11/22-10:00:20 1 2 99\na range +0 +20 1 2 1\n"
+        "a contact 2026/11/22-10:00:00 2026/11/22-10:00:20 1 2 99\na contact +0 +20 2 1 99\na range +0 +20 1 2 1\n"
     )
     path = tmp_path / "m.yaml"
     head = "name: dog\npolicy: p\nwaypoints: [[3, 4]]\nlink: {contact_plan: {file: p.ionrc, from_node: 1, to_node: 2"
