@@ -3,6 +3,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -163,6 +164,27 @@ def test_a_source_that_is_not_there_or_damaged_is_refused(shelf: Shelf, tmp_path
     shutil.rmtree(shelf.source)
     with pytest.raises(PolicyError, match=r"\.\./source: no such folder"):
         trained(shelf.recipe_file, tmp_path / "run")
+
+
+@pytest.mark.parametrize(
+    ("kind", "content", "message"),
+    [
+        ("F8_E4M3", bytes(4), "cannot be read: 'F8_E4M3'"),
+        ("BF16", bytes(8), "cannot be read: 'BF16'"),
+        ("F32", struct.pack("<4f", 0, 0, float("nan"), 0), "cannot be used: a is not an array of finite numbers"),
+        ("I32", bytes(16), "cannot be used: a is not an array of finite numbers"),
+        ("C64", bytes(32), "cannot be used: a is not an array of finite numbers"),
+    ],
+)
+def test_weights_that_are_not_plain_numbers_are_refused(shelf: Shelf, kind: str, content: bytes, message: str) -> None:
+    header = json.dumps({"a": {"dtype": kind, "shape": [4], "data_offsets": [0, len(content)]}}).encode()
+    weights = struct.pack("<Q", len(header)) + header + content
+    (shelf.source / "weights.safetensors").write_bytes(weights)
+    manifest = json.loads((shelf.source / "manifest.json").read_bytes())
+    manifest["files"]["weights.safetensors"] = {"sha256": hashlib.sha256(weights).hexdigest(), "size": len(weights)}
+    (shelf.source / "manifest.json").write_text(json.dumps(manifest))
+    with pytest.raises(RecipeError, match=f"weights.safetensors: the weights {message}"):
+        load_origin(shelf.recipe_file)
 
 
 def test_a_checkpoint_from_before_the_sources_selection_was_kept_is_read(shelf: Shelf, tmp_path: Path) -> None:

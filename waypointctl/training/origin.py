@@ -36,22 +36,30 @@ def load_origin(recipe_file: RecipeFile) -> Origin | None:
 
     Raises:
         PolicyError: there is no such policy, or it is damaged.
-        RecipeError: it is of other sizes than the recipe, of another activation or for another robot; or it was chosen
-            with the seed that the recipe's evaluation has.
+        RecipeError: it is of other sizes than the recipe, of another activation or for another robot; its weights are
+            not finite numbers; or it was chosen with the seed that the recipe's evaluation has.
     """
-    from safetensors import SafetensorError  # comes with the train extra alone
-    from safetensors.numpy import load
-
     if recipe_file.recipe.start_from is None:
         return None
     folder = policy_folder(recipe_file.recipe.start_from, recipe_file.path.parent)
     policy = load_policy(folder)
     for fault, mend in misfits(policy, recipe_file.recipe):
         raise refusal(policy, fault, recipe_file, mend)
+    return Origin(policy, _learnt(policy.files[WEIGHTS], str(folder / WEIGHTS)))
+
+
+def _learnt(weights: bytes, where: str) -> dict[str, NDArray[np.generic]]:
+    from safetensors import SafetensorError  # comes with the train extra alone
+    from safetensors.numpy import load
+
     try:
-        return Origin(policy, load(policy.files[WEIGHTS]))
-    except SafetensorError as error:
-        raise RecipeError(f"the weights cannot be read: {error}", where=str(folder / WEIGHTS)) from error
+        arrays: dict[str, NDArray[np.generic]] = load(weights)
+    except (SafetensorError, KeyError) as error:  # the latter: a type of numbers that numpy does not have, such as fp8
+        raise RecipeError(f"the weights cannot be read: {error}", where=where) from error
+    for name, array in arrays.items():
+        if array.dtype.kind != "f" or not np.isfinite(array).all():
+            raise RecipeError(f"the weights cannot be used: {name} is not an array of finite numbers", where=where)
+    return arrays
 
 
 def misfits(policy: LoadedPolicy, recipe: Recipe) -> Iterator[tuple[str, str]]:
