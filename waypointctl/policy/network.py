@@ -74,8 +74,8 @@ def _audited(model: bytes, where: str) -> Audited:
     try:
         return audit(model)
     except Refused as error:
-        problem = f"the model has {error}; a policy is one file of standard, deterministic ONNX operators"
-        raise PolicyError(problem, where=where, mend=f"docs/limits.md lists them. {EXPORT_AGAIN}") from error
+        problem = f"the model has {error}; a policy is one file of standard, deterministic operators (docs/limits.md)"
+        raise PolicyError(problem, where=where, mend=EXPORT_AGAIN) from error
     except TooLarge as error:
         raise PolicyError(str(error), where=where, mend=limit_hint(LIMIT)) from error
     except ValueError as error:
