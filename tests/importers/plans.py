@@ -1,4 +1,4 @@
-"""Sixty plans of the shapes that are found in public repositories, each with what it means, by hand.
+"""Sixty and more plans of the shapes that are found in public repositories, each with what it means, by hand.
 
 Every plan is built from MAVLink's and QGroundControl's documents. Places are counted in steps of 0.0001 degrees north
 and east of the home at 60 N 25 E: a step is 11.141 m north and 5.580 m east there.
@@ -139,6 +139,11 @@ SHAPES: Final = (
     # The way.
     Shape("waypoints alone", plan(A, B), AB),
     Shape("nothing but the mission", {"fileType": "Plan", "version": 1, "mission": plan(A, B)["mission"]}, AB),
+    Shape("items after a return, which no jump leads to", plan(A, B, item(20), item(189), there(21, 9, 9)),
+          (*AB, At(0, 0, name="home")), ("1 x DO_LAND_START", "1 x item after the return (command 20)")),
+    Shape("items after a return, which a jump leads to",
+          plan(A, item(177, 4, 1), item(20), B, item(177, 3, 1), there(21, 9, 9)),
+          (*AB, At(0, 0, name="home")), ("1 x item after the return (command 20)",)),
     Shape("a take-off without a place, and a return", plan(item(22, frame=3), A, B, item(20)),
           (*AB, At(0, 0, name="home")), ("1 x takeoff",)),
     Shape("a take-off with a place of nulls", plan(item(22, 15, 0, 0, None, None, None, 50, frame=3), A, B),
@@ -239,6 +244,8 @@ SHAPES: Final = (
           allowed=((0, 0), (4, 9.1), (-2.9, -8)), forbidden=((4, 8), (-3.5, -8.5), (6, 0))),
     Shape("two inclusions: inside all of them", plan(A, B, fence=fence(YARD, circle(1, 0, 30, inclusion=True))), AB,
           allowed=((2, 0), (1, 5)), forbidden=((1, 8), (5.5, 0), (-3, 0))),
+    Shape("a return point that is not set", plan(A, B, fence=fence(YARD, breachReturn=[None, None, None])), AB,
+          allowed=((0, 0),), forbidden=((6, 0),)),
     Shape("a return point, and rally points",
           plan(A, B, fence=fence(YARD, breachReturn=[*degrees(3, 1), 50]),
                rallyPoints={"version": 2, "points": [[*HOME, 5], [*HOME, 5]]}), AB,

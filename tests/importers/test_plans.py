@@ -1,4 +1,4 @@
-"""Sixty plans of the shapes that are found in public repositories: each means what was written down for it by hand."""
+"""Plans of the shapes that are found in public repositories: each means what was written down for it by hand."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def metres(north: float, east: float) -> tuple[float, float]:
 
 
 def test_of_sixty_plans_at_least_fifty_five_are_imported() -> None:
-    assert (len(SHAPES), len({shape.title for shape in SHAPES})) == (60, 60)
-    assert len(IMPORTED) >= 55
+    assert len(SHAPES) == len({shape.title for shape in SHAPES}) >= 60
+    assert len(IMPORTED) / len(SHAPES) >= 55 / 60
 
 
 @pytest.fixture(scope="module", params=IMPORTED, ids=lambda shape: shape.title)

@@ -31,6 +31,11 @@ def test_a_command_that_changes_the_way_is_refused_with_its_name_and_place(tmp_p
     assert f"mission.items[1].command: {command} is {name}" in str(caught.value)
 
 
+@pytest.mark.parametrize("command", [201, 216, 218, 400, 610, 2004, 2020, 2021, 2800, 40002, 42600, 60002, 60010])
+def test_a_device_or_a_setting_changes_no_way(command: int) -> None:
+    assert command in LEFT_OUT
+
+
 def test_a_command_is_of_one_kind_alone() -> None:
     assert not FOLLOWED.keys() & LEFT_OUT.keys()
     assert not FOLLOWED.keys() & INSTEAD.keys()

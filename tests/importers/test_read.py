@@ -60,6 +60,8 @@ def test_a_file_is_read_as_what_it_is_whatever_it_is_called(tmp_path: Path, what
         ("yard.csv", "lat,lon\n".encode("utf-16"), "is not UTF-8 text but UTF-16: save it as UTF-8"),
         ("yard.shp", b"\x00\x00\x27\x0a", "is a binary file, not text"),
         ("cp.json", '{"contacts": []}', r"is JSON \(a contact plan of HDTN\)"),
+        ("cp.plan", '{"contacts": []}', r"is JSON \(a contact plan of HDTN\)\n  QGroundControl plans"),
+        ("yard.plan", "{}", "plan: 'fileType' is missing$"),
         ("yard.json", '{"waypoints": []}', r"is JSON\n  QGroundControl plans, waypoint files"),
         ("yard.plan", '{"mission": {}}', "'fileType' is missing"),
         ("yard.txt", "1 2 3\n", "is not a file that can be imported: QGroundControl plans, waypoint files"),

@@ -24,6 +24,8 @@ def wpl(*lines: str) -> str:
         wpl(HOME, NORTH, EAST).replace(" ", "\t").replace("QGC\tWPL\t", "QGC WPL "),
         wpl(HOME, NORTH, "", EAST).replace("\n", "\r\n"),
         "\ufeff" + wpl(HOME, NORTH, EAST),
+        wpl("#MISSION", HOME, NORTH, "# the quarry", EAST),
+        "\n \n" + wpl(HOME, NORTH, EAST),
         wpl(HOME, NORTH, EAST).replace("60.0002 25.0 ", "6.00002e1 +25.00000000 "),
         wpl(HOME, NORTH, EAST.replace("5 2 0 0", "5 2 0 nan")),
     ],

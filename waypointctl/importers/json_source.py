@@ -91,6 +91,16 @@ class Part:
         return False
 
 
+def is_number(value: Any) -> bool:
+    """Tell whether a value is given: null and NaN stand for one that is not."""
+    return value is not None and not (isinstance(value, float) and math.isnan(value))
+
+
+def is_unset(part: Part) -> bool:
+    """Tell whether a list [latitude, longitude, ...] has neither."""
+    return isinstance(part.value, list) and not any(map(is_number, part.value[:2]))
+
+
 def place_in(part: Part) -> tuple[float, float] | None:
     """Return the place that a list [latitude, longitude, ...] says, None where it says none, which is reported."""
     if not isinstance(part.value, list) or len(part.value) < 2:

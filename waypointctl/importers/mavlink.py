@@ -51,8 +51,8 @@ FOLLOWED: Final = {
 }
 TAKEOFFS: Final = (TAKEOFF, VTOL_TAKEOFF)
 LANDINGS: Final = (LAND, VTOL_LAND)
-ENDS: Final = (RETURN, LOITER_UNLIMITED)  # what follows them is never reached
 HOLDS: Final = (WAYPOINT, SPLINE, LOITER_TIME, DELAY)  # their first parameter is a time [s]
+ENDS: Final = (RETURN, LOITER_UNLIMITED)  # what follows them is never reached
 JUMPS: Final = (JUMP, JUMP_TO_TAG)
 # Those that may be without a place: then they are about where the vehicle is.
 HERE: Final = (LOITER_UNLIMITED, LOITER_TURNS, LOITER_TIME, LOITER_TO_ALTITUDE, PAYLOAD_PLACE, *TAKEOFFS, *LANDINGS)
@@ -161,6 +161,7 @@ LEFT_OUT: Final = {
     533: ("SET_STORAGE_USAGE", _CAMERA),
     534: ("SET_CAMERA_SOURCE", _CAMERA),
     550: ("SET_AT_S_PARAM", _SETTING),
+    610: ("DO_SET_SYS_CMP_ID", _SETTING),
     611: ("DO_SET_GLOBAL_ORIGIN", _SETTING),
     1000: ("DO_GIMBAL_MANAGER_PITCHYAW", _GIMBAL),
     1001: ("DO_GIMBAL_MANAGER_CONFIGURE", _GIMBAL),
@@ -170,6 +171,8 @@ LEFT_OUT: Final = {
     2004: ("CAMERA_TRACK_POINT", _CAMERA),
     2005: ("CAMERA_TRACK_RECTANGLE", _CAMERA),
     2010: ("CAMERA_STOP_TRACKING", _CAMERA),
+    2020: ("CAMERA_START_MTI", _CAMERA),
+    2021: ("CAMERA_STOP_MTI", _CAMERA),
     2500: ("VIDEO_START_CAPTURE", _CAMERA),
     2501: ("VIDEO_STOP_CAPTURE", _CAMERA),
     2502: ("VIDEO_START_STREAMING", _CAMERA),
@@ -201,6 +204,8 @@ LEFT_OUT: Final = {
     31013: ("USER_4", _DEVICE),
     31014: ("USER_5", _DEVICE),
     32000: ("CAN_FORWARD", _SETTING),
+    40001: ("RESET_MPPT", _DEVICE),
+    40002: ("PAYLOAD_CONTROL", _DEVICE),
     42000: ("POWER_OFF_INITIATED", _SETTING),
     42004: ("FIXED_MAG_CAL", _SETTING),
     42005: ("FIXED_MAG_CAL_FIELD", _SETTING),
@@ -227,6 +232,8 @@ LEFT_OUT: Final = {
     43003: ("EXTERNAL_POSITION_ESTIMATE", _SETTING),
     43004: ("EXTERNAL_WIND_ESTIMATE", _SETTING),
     43005: ("SET_HAGL", _SETTING),
+    60002: ("STORM32_DO_GIMBAL_MANAGER_CONTROL_PITCHYAW", _GIMBAL),
+    60010: ("STORM32_DO_GIMBAL_MANAGER_SETUP", _GIMBAL),
 }
 
 _VEHICLE: Final = "it steers the vehicle by itself; give waypoints in its place"
@@ -264,6 +271,7 @@ INSTEAD: Final = {
     5002: ("NAV_FENCE_POLYGON_VERTEX_EXCLUSION", _FENCE),
     5003: ("NAV_FENCE_CIRCLE_INCLUSION", _FENCE),
     5004: ("NAV_FENCE_CIRCLE_EXCLUSION", _FENCE),
+    5005: ("NAV_FENCE_HOME_CIRCLE_INCLUSION", _FENCE),
     5100: ("NAV_RALLY_POINT", "the robot has one home, the mission's onboard.home"),
     30001: ("PAYLOAD_PREPARE_DEPLOY", "it leads to where a payload is dropped; give a waypoint in its place"),
     **{

@@ -7,7 +7,7 @@ is. A jump is done as often as it says, from its own place, as ArduPilot and PX4
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -109,9 +109,11 @@ class _Way:
         tags = {item.params[0]: place for place, item in backwards if item.command == TAG}
         last = next((place for place, item in backwards if item.command in FOLLOWED and item.command != TAG), 0)
         jumped: Counter[int] = Counter()
+        reached: set[int] = set()
         place = steps = 0
         while place < len(items) and len(self.stops) <= MOST_STOPS and steps < _MOST_STEPS:
             item, steps = items[place], steps + 1
+            reached.add(place)
             if item.command in JUMPS:
                 target = self._target(item, places.get if item.command == JUMP else tags.get)
                 if target is None:
@@ -122,11 +124,19 @@ class _Way:
                     continue
             elif item.command in FOLLOWED and item.command != TAG:
                 self._take(item, is_last=place == last)
+            if item.command == RETURN:  # the mission ends there
+                self._leave_out_after(place, items, reached)
+                place = len(items)
             place += 1
         if place < len(items) or len(self.stops) > MOST_STOPS:
             problem = f"leads to more than the {MOST_STOPS:,} waypoints that a mission can have"
             self.report.complain(items[0].at.rpartition("[")[0], f"{problem}: cut it into several")
         return tuple(self.stops)
+
+    def _leave_out_after(self, end: int, items: Sequence[Item], reached: Container[int]) -> None:
+        for place, item in enumerate(items):
+            if place > end and place not in reached and item.command in FOLLOWED:
+                self._leave_out("item after the return (command 20), which ends the mission")
 
     def _target(self, item: Item, place_of: Callable[[float], int | None]) -> int | None:
         """Return where a jump leads, None where it cannot be done, which is reported."""
@@ -144,7 +154,7 @@ class _Way:
         command = item.command
         if not item.goes_on and not is_last:
             self._leave_out("wait for a person (autoContinue is false): the robot goes on")
-        if command in ENDS and not is_last:
+        if command in ENDS and not is_last and not (command == RETURN and self.stops):
             problem = f"is a {FOLLOWED[command]} (command {command}), which nothing follows, and more does"
             self.report.complain(item.at, f"{problem}: end the plan there, or take it out")
         if command in NOT_DONE:

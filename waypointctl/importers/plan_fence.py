@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from waypointctl.importers.json_source import Part, place_in
+from waypointctl.importers.json_source import Part, is_unset, place_in
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.report import Report
 from waypointctl.importers.survey import Zone
@@ -41,7 +41,7 @@ def read_fence(root: Part, report: Report) -> tuple[tuple[Zone, ...], Place | No
     if (corners := sum(len(zone.corners) for zone in zones)) > _MOST_CORNERS_IN_ALL:
         fence.complain(f"has {corners:,} corners; at most {_MOST_CORNERS_IN_ALL:,} are read")
     breach_return = fence.get("breachReturn")
-    return zones, None if breach_return is None else place_in(breach_return)
+    return zones, None if breach_return is None or is_unset(breach_return) else place_in(breach_return)
 
 
 def _is_read(fence: Part) -> bool:

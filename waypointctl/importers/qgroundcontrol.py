@@ -6,11 +6,10 @@ are walked along the simple items that QGroundControl laid them out as, a landin
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
-from waypointctl.importers.json_source import Part, place_in, read_json
+from waypointctl.importers.json_source import Part, is_number, is_unset, place_in, read_json
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.mavlink import LAND, LOITER_TO_ALTITUDE, VTOL_LAND
 from waypointctl.importers.mavlink_way import PARAMETERS, Item, follow
@@ -59,9 +58,11 @@ def read_plan(source: bytes, report: Report, name: str) -> Survey:
 
 def _mission_of(root: Part) -> Part:
     """Return the part with the waypoints of a plan whose versions are those that are read."""
-    kind, mission = root.at("fileType"), root.at("mission")
+    kind = root.at("fileType")
     root.report.refuse()
     assert kind is not None
+    mission = root.at("mission")
+    root.report.refuse()
     assert mission is not None
     if kind.one_of("Plan") and (version := root.at("version")) is not None:
         version.one_of(1)
@@ -75,13 +76,7 @@ def _mission_of(root: Part) -> Part:
 
 def _home(mission: Part) -> Place | None:
     position = mission.get("plannedHomePosition")
-    if position is None or (isinstance(position.value, list) and not any(map(_is_number, position.value[:2]))):
-        return None
-    return place_in(position)
-
-
-def _is_number(value: Any) -> bool:
-    return value is not None and not (isinstance(value, float) and math.isnan(value))
+    return None if position is None or is_unset(position) else place_in(position)
 
 
 def _items(mission: Part) -> Iterator[Item]:
@@ -147,7 +142,7 @@ def _parameters(item: Part, params: Part) -> tuple[float | None, ...] | None:
         params.complain(f"has {len(values)} {entries}; a simple item has {PARAMETERS}", "number of parameters")
         return None
     for place, value in enumerate(values):
-        if _is_number(value) and (isinstance(value, str) or number_of(value) is None):
+        if is_number(value) and (isinstance(value, str) or number_of(value) is None):
             item.report.complain(f"{params.at_text}[{place}]", f"{shown(value)} is not a number", "not a number")
             return None
     return tuple(number_of(value) for value in values)

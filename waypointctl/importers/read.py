@@ -45,7 +45,7 @@ def read_survey(path: Path) -> Survey:
     source = read_source(path, MissionError, MAX_BYTES)
     report = Report(str(path))
     kind, suffix = kind_of(source), path.suffix.lower()
-    if kind in (FileKind.JSON, FileKind.HDTN_PLAN) and suffix in (".plan", ".geojson"):
+    if kind == FileKind.JSON and suffix in (".plan", ".geojson"):
         kind = FileKind.QGC_PLAN if suffix == ".plan" else FileKind.GEOJSON
     if kind in _READERS:
         read, what, suffixes = _READERS[kind]

@@ -4,7 +4,8 @@
     0  1  0  16  0  0  0  0  60.0    25.0  10  1     number, current, frame, command, seven parameters, autocontinue
     1  0  3  16  5  0  0  0  60.0002 25.0  10  1
 
-The format: https://mavlink.io/en/file_formats/. Item 0 is the home.
+The format: https://mavlink.io/en/file_formats/. Item 0 is the home. Lines that begin with '#' are
+comments, which MAVProxy writes.
 """
 
 from __future__ import annotations
@@ -39,12 +40,13 @@ def read_wpl(source: bytes, report: Report, name: str) -> Survey:
     Raises:
         MissionError: it is none that a walking robot can follow, with all that is wrong.
     """
-    header, *lines = text_of(source, report).splitlines()
+    lines = text_of(source, report).splitlines()
+    begin, header = next((number, line) for number, line in enumerate(lines, 1) if line.strip())
     if header.split() != _HEADER:
-        raise MissionError(f"begins with {shown(header)}; 'QGC WPL 110' is read", where=f"{report.where}:1")
-    if len(lines) > MOST_ENTRIES:
-        raise MissionError(f"has {len(lines):,} lines; at most {MOST_ENTRIES:,} are read", where=report.where)
-    items = list(_items(lines, report))
+        raise MissionError(f"begins with {shown(header)}; 'QGC WPL 110' is read", where=f"{report.where}:{begin}")
+    if (count := len(lines) - begin) > MOST_ENTRIES:
+        raise MissionError(f"has {count:,} lines; at most {MOST_ENTRIES:,} are read", where=report.where)
+    items = list(_items(lines, begin, report))
     home: Place | None = None
     first = next(iter(items), None)
     start_at = "the home (item 0)"
@@ -60,11 +62,12 @@ def read_wpl(source: bytes, report: Report, name: str) -> Survey:
     return Survey(mission_name(name), home, stops, start_at=start_at, is_home=True, left_out=left_out)
 
 
-def _items(lines: list[str], report: Report) -> Iterator[Item]:
-    for number, line in enumerate(lines, 2):
+def _items(lines: list[str], begin: int, report: Report) -> Iterator[Item]:
+    """Yield the items of the lines after the first `begin`."""
+    for number, line in enumerate(lines[begin:], begin + 1):
         values = line.split()
         at = f"line {number}"
-        if not values:
+        if not values or line.startswith("#"):
             continue
         if len(values) != _VALUES:
             report.complain(at, f"has {counted(len(values), 'values')}; an item has {_VALUES}", "number of values")

@@ -34,7 +34,6 @@ _BEGINNINGS: Final = {
     b"\x1f\x8b": FileKind.GZIP,
     BOM_UTF16_LE: FileKind.UTF_16,
     BOM_UTF16_BE: FileKind.UTF_16,
-    b"QGC WPL": FileKind.WPL,
 }
 _ROOTS: Final = {b"html": FileKind.HTML, b"gpx": FileKind.GPX, b"kml": FileKind.KML}
 _ROOT: Final = re.compile(rb"<(?:!doctype\s+)?(?:[\w.-]+:)?([a-z][\w.-]*)", re.IGNORECASE)
@@ -58,6 +57,8 @@ def kind_of(source: bytes) -> FileKind | None:
     if b"\0" in beginning:
         return FileKind.BINARY
     text = beginning.lstrip()
+    if text.startswith(b"QGC WPL"):
+        return FileKind.WPL
     if text.startswith(b"<"):
         root = _ROOT.search(_COMMENT.sub(b"", text))
         return None if root is None else _ROOTS.get(root[1].lower(), FileKind.XML)
