@@ -11,6 +11,8 @@ import pytest
 from waypointctl.errors import OutputError
 from waypointctl.paths import (
     folder_fault,
+    is_being_written,
+    lock,
     open_lock,
     refuse_other_content,
     refuse_unwritable_file,
@@ -172,3 +174,16 @@ def test_a_lock_is_made_and_a_link_or_a_pipe_in_its_place_is_left_alone(tmp_path
         with pytest.raises(OSError, match=name):
             open_lock(tmp_path / name)
     assert (tmp_path / "other.txt").read_text() == "kept"
+
+
+def test_a_file_that_a_flight_is_writing_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "log.mcap.part"
+    path.write_bytes(b"half a flight")
+    with path.open("rb") as flight:
+        assert lock(flight)
+        assert is_being_written(path)
+        with pytest.raises(OutputError, match="a flight under way is writing this file"):
+            refuse_unwritable_file(path, "the evaluation")
+    assert not is_being_written(path)
+    refuse_unwritable_file(path, "the evaluation")
+    assert path.read_bytes() == b"half a flight"

@@ -23,6 +23,14 @@ NAMES = (
         ("{at: 1 s, do: set_tolerance}", "4:12: schedule[0]: set_tolerance needs 'tolerance'"),
         ("{at: 1 s, do: set_timeout}", "4:12: schedule[0]: set_timeout needs 'timeout'"),
         ("{at: 1 s, do: cancel}", "4:12: schedule[0]: cancel needs 'command'"),
+        (
+            "{at: 1 s, do: cancel, command: 9999999999999999999}",
+            "4:43: schedule[0].command: 9999999999999999999 is not <= 1000000000",
+        ),
+        (
+            "{at: 1 s, do: release, released: 9999999999999999999}",
+            "4:45: schedule[0].released: 9999999999999999999 is not <= 1000000000",
+        ),
         ("{at: 1 s, do: hold, tolerance_m: 1}", "4:12: schedule[0]: 'tolerance' is nothing for hold"),
         (
             "{at: 9 s, do: hold, expires: 5 s}",
