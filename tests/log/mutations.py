@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import struct
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from mcap import records as mcap
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
 from tests.log.attacks import ATTACKS, PRIVATE
@@ -39,8 +41,8 @@ def mutated(bases: list[bytes], rng: Random) -> tuple[str, bytes]:
     for name in [*names, *(["claim"] if rng.random() < 0.3 else [])]:
         try:
             MUTATIONS[name](forgery, rng)
-        except (StopIteration, LookupError, ValueError):
-            continue  # an earlier mutation has taken away what this one changes
+        except (StopIteration, LookupError, ValueError, McapError, struct.error):
+            continue  # an earlier mutation has taken away, or damaged, what this one changes
     return "+".join(names), forgery.file()
 
 

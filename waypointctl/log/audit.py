@@ -12,7 +12,7 @@ from mcap.opcode import Opcode
 from waypointctl.log.chunk import encoded
 from waypointctl.log.comparison import FileDifference, FileDiffers, brief, kind_of
 from waypointctl.log.decompress import chunk_bytes
-from waypointctl.log.opening import open_file
+from waypointctl.log.opening import DAMAGE, open_file
 from waypointctl.log.reader import Log
 from waypointctl.log.records import MAGIC, Record, body_stream, inner_records, raw_message, records, shown
 
@@ -60,7 +60,12 @@ def audit(log: Log) -> None:
     found = _Audit()
     with open_file(log.path) as stream:
         for record in records(stream, len(MAGIC), log.contents.size_bytes):
-            found.take(record)
+            try:
+                found.take(record)
+            except DAMAGE as error:
+                where = f"{kind_of(record.opcode)} at byte {record.offset}"
+                expected = f"{kind_of(record.opcode)} that can be read"
+                raise FileDiffers(FileDifference(0, "file", where, str(error), expected)) from error
 
 
 class _Audit:

@@ -11,7 +11,6 @@ from typing import IO, Final, NamedTuple
 from mcap import records as mcap
 from mcap.opcode import Opcode
 
-from waypointctl.display_text import printable
 from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.opening import DAMAGE
 from waypointctl.log.records import (
@@ -132,7 +131,7 @@ class _Part(NamedTuple):
 
 def brief(text: str) -> str:
     """Return as much of a text of a file as is to be shown where it differs."""
-    return printable(text, _SHOWN)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
 def kind_of(opcode: int) -> str:

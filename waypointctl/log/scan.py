@@ -12,7 +12,7 @@ import struct
 import zlib
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, DataEnd, Footer, Header, Metadata, Schema
@@ -197,20 +197,17 @@ class _Survey:
         self.chunks.append(ChunkPlace(record.offset, chunk.message_start_time, chunk.message_end_time))
 
     def _define(self, opcode: int, body: bytes) -> None:
-        # Other writers define everything again in each chunk: what is known takes no more memory.
-        if opcode == Opcode.SCHEMA:
-            schema = Schema.read(body_stream(body))
-            if self._schemas.get(schema.id) != schema:
-                self._bounds.take_description(len(body))
-                self._bounds.take_entries(1)
-                self._schemas[schema.id] = schema
-        else:
-            channel = Channel.read(body_stream(body))
-            if self._channels.get(channel.id) != channel:
-                self._bounds.take_description(len(body))
-                self._bounds.take_entries(1)
-                self._channels[channel.id] = channel
-                self._tallies.setdefault(channel.id, _Tally())
+        known: dict[int, Any] = self._schemas if opcode == Opcode.SCHEMA else self._channels
+        it = (Schema if opcode == Opcode.SCHEMA else Channel).read(body_stream(body))
+        if it.id not in known:
+            self._bounds.take_description(len(body))
+            self._bounds.take_entries(1)
+            known[it.id] = it
+            if opcode == Opcode.CHANNEL:
+                self._tallies[it.id] = _Tally()
+        elif known[it.id] != it:  # MCAP allows it to be there again, and nothing else under its number
+            name = "schema" if opcode == Opcode.SCHEMA else "channel"
+            raise ValueError(f"{name} {it.id} is defined again as another")
 
 
 def _check_crc(written: int, calculated: int) -> None:

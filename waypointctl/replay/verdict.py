@@ -37,6 +37,13 @@ class Divergence:
     logged: str
     replayed: str
 
+    @property
+    def place(self) -> str:
+        """Where it is, in words."""
+        if self.step >= 0:
+            return f"at step {self.step} on {self.topic}, {self.component}"
+        return f"in the file: {self.component if self.topic == 'file' else f'{self.topic}, {self.component}'}"
+
 
 @dataclass(frozen=True, slots=True)
 class Verification:

@@ -87,8 +87,7 @@ def _fly_again(log: Log, carried: Carried) -> Verification:
 
 
 def _diverged(where: Divergence, witness: Witness, log: Log) -> Verification:
-    place = f"at step {where.step}" if where.step >= 0 else "in the file"
-    reason = f"diverged {place} on {where.topic}, {where.component}"
+    reason = f"diverged {where.place}"
     wrote, here = _software(log.metadata), _software(platform_facts())
     if wrote != here:
         reason += (

@@ -56,7 +56,8 @@ def print_verdict(verification: Verification, *, stderr: bool) -> None:
         _print_line(out, printable(f"  not compared: {line}"))
     first = verification.first_divergence
     if first is not None:
-        where = f"step {first.step}, {seconds(first.time_ns):.3f} s, {first.topic}, {first.component}"
+        step = f"step {first.step}, " if first.step >= 0 else ""
+        where = f"{step}{seconds(first.time_ns):.3f} s, {first.topic}, {first.component}"
         for line in (where, f"logged    {first.logged}", f"replayed  {first.replayed}"):
             _print_line(out, f"  {printable(line)}")
     out.print()
