@@ -4,7 +4,7 @@ Run: python bench/giant_logs.py
 
 Each log is read by `info`, `replay --verify`, `replay` and `run --resume`, each a process of its own. Printed are the
 exit code, the CPU time and the largest memory of the process, and the first line that it says. A fault is an exit code
-other than 1 and 2, a traceback, more than 10 s, or more than 1 GiB.
+other than 0, 1 and 2, a traceback, more than 10 s, or more than 1 GiB.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ def tried(command: tuple[str, ...], path: Path) -> bool:
         told.seek(0)
         said = told.read().decode(errors="replace")
     cpu_s, peak = used.ru_utime + used.ru_stime, 1024 * used.ru_maxrss
-    is_fault = code not in (1, 2) or "Traceback" in said or cpu_s > MOST_CPU_S or peak > MOST_BYTES
+    is_fault = code not in (0, 1, 2) or "Traceback" in said or cpu_s > MOST_CPU_S or peak > MOST_BYTES
     first = said.replace(str(path), "LOG").partition("\n")[0][:110]
     told_of = f"{' '.join(command):16} {code:3} {cpu_s:5.1f} s {peak / MIB:5.0f} MiB  {first}"
     print(f"  {told_of}{'  FAULT' if is_fault else ''}", flush=True)
