@@ -89,6 +89,10 @@ FAILS = {
         AHEAD + "link: {up: {windows: [{from: 5 s, to: 60 s}], queue: 16 B}}\ncommands: {retries: 0}\n",
         "the queue has room for 16 bytes",
     ),
+    "a time that setting out makes too short": (
+        "waypoints: [[6, 0]]\nautonomy: waypoint\non_failure: skip\ndefaults: {timeout: 2.8 s}\n",
+        "the mission is expected to fail: not all reached at about",
+    ),
     "actions that wait": (
         AHEAD + "autonomy: joint\nlink: {up: {rate: 20 kbit/s}}\n",
         "they wait, and come later and later",

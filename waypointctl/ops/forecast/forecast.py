@@ -99,7 +99,7 @@ def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
         text = f"{limit_s:g} s are allowed, and about {timed.time_s:.1f} s are expected"
         findings.append(Finding("max_time", ("expect", "max_time_s"), text))
     if own.fails and not any(finding.kind not in _HARMLESS for finding in findings):
-        findings.append(Finding("outcome", (), f"the mission is expected to fail: {own.fails}"))
+        findings.append(Finding("outcome", ("waypoints",), f"the mission is expected to fail: {own.fails}"))
     said = (_concluded(finding, own) for finding in _once(findings))
     chance = _chance(mission, traffic, own)
     return Forecast(speed, times, own, chance, tuple(said), tuple(_not_counted(mission, effect, queue)))
@@ -128,7 +128,7 @@ def _once(findings: Iterable[Finding]) -> Iterator[Finding]:
     seen = set()
     for finding in findings:
         key = (finding.kind, finding.path)
-        if finding.path[0] != "waypoints" or key not in seen:
+        if finding.path[:1] != ("waypoints",) or key not in seen:
             seen.add(key)
             yield finding
 
