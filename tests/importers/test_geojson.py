@@ -40,7 +40,13 @@ def with_crs(name: object) -> dict[str, Any]:
         (collection(feature(LINE, Name="B"), name="route 7"), "B", ()),
         (feature(LINE, name=7), "7", ()),
         (feature({"type": "MultiLineString", "coordinates": [LINE["coordinates"]]}), "line", ()),
+        (
+            {"type": "MultiLineString", "coordinates": [LINE["coordinates"][:2], LINE["coordinates"][1:]]},
+            "line",
+            (),
+        ),
         ({"type": "GeometryCollection", "geometries": [LINE, POINT]}, "line", ("1 Point",)),
+        (collection(None, feature(LINE), None), "line", ("2 x null in place of a Feature",)),
         (collection(feature(POINT), feature(LINE), feature(POINT)), "line", ("2 Points",)),
         (collection(feature(POLYGON), feature(LINE)), "line", ("1 Polygon",)),
         (
@@ -114,6 +120,7 @@ def test_waypoints_are_called_as_the_points_are_and_no_two_alike(tmp_path: Path)
         "urn:ogc:def:crs:EPSG:6.9:4326",
         "urn:x-ogc:def:crs:EPSG:4326",
         "http://www.opengis.net/def/crs/EPSG/0/4326",
+        "http://www.opengis.net/gml/srs/epsg.xml#4326",
         "EPSG:4326",
         "epsg:4979",
         "WGS84",
@@ -192,7 +199,7 @@ def test_a_byte_order_mark_is_no_content(tmp_path: Path) -> None:
         ),
         (
             {"type": "LineString", "coordinates": [[1, 2], [-37.8, 144.9]]},
-            r"coordinates\[1\]: 144\.9 is no latitude: GeoJSON is \[longitude, latitude\], and these look swapped$",
+            r"coordinates\[1\]: 144\.9, -37\.8 is not a latitude .*; they look swapped: GeoJSON is \[longitude, lat",
         ),
         (
             {"type": "LineString", "coordinates": [[385_000, 6_671_000 + at] for at in range(86)]},
@@ -210,7 +217,25 @@ def test_a_byte_order_mark_is_no_content(tmp_path: Path) -> None:
         ({"type": "LineString", "coordinates": [[1, 2], 3]}, r"coordinates\[1\]: 3 is not a list"),
         (with_crs("EPSG:3857"), r"crs\.properties\.name: 'EPSG:3857' is not latitude and longitude .*ogr2ogr -t_srs"),
         (with_crs(4326), r"crs\.properties\.name: 4326 is not latitude and longitude"),
-        (LINE | {"crs": {"type": "link", "properties": {"href": "x"}}}, r"crs\.properties: a mapping is not latitude"),
+        (
+            with_crs("IAU_2015:30110"),
+            r"'IAU_2015:30110' is not latitude and longitude of .* the Moon \(IAU_2015:30100\)",
+        ),
+        (with_crs("IAU_2015:49901"), r"'IAU_2015:49901' is not latitude and longitude of .* Mars \(IAU_2015:49900\)"),
+        (LINE | {"crs": {"type": "link", "properties": {"href": "x"}}}, r"crs\.properties\.href: 'x' is not latitude"),
+        (
+            {"type": "MultiLineString", "coordinates": [LINE["coordinates"], LINE["coordinates"]]},
+            r"has 2 lines \(coordinates\[0\], coordinates\[1\]\)",
+        ),
+        ({"type": "MultiLineString", "coordinates": [[[1, 2], [3, 4]], [[3, 4]]]}, r"coordinates\[1\]: has 1 position"),
+        (
+            {"type": "MultiLineString", "coordinates": [[[1, 2]] * 15_000] * 2},
+            r"coordinates\[0\]: has 30,000 positions; at most 20,000",
+        ),
+        (
+            {"type": "MultiLineString", "coordinates": [[[1, 2], "x"], [[3], []]]},
+            r"coordinates\[0\]\[1\]: 'x' is not a list",
+        ),
     ],
 )
 def test_what_is_no_path_is_refused_one_problem_a_cause(tmp_path: Path, content: object, problem: str) -> None:
@@ -228,6 +253,16 @@ def test_collections_in_collections_have_a_limit(tmp_path: Path) -> None:
         content = {"type": "GeometryCollection", "geometries": [content]}
     with pytest.raises(MissionError, match="is a GeometryCollection more than 20 deep in others"):
         imported(tmp_path, content, "line.geojson")
+
+
+@pytest.mark.parametrize("east", [180.0001, -179.9999])
+def test_a_line_goes_on_across_the_antimeridian(tmp_path: Path, east: float) -> None:
+    whole = {"type": "LineString", "coordinates": [[179.9999, 0], [180, 0], [east, 0]]}
+    cut = {"type": "MultiLineString", "coordinates": [[[179.9999, 0], [180, 0]], [[east - 1e-4, 0], [east, 0]]]}
+    mirrored = {"type": "LineString", "coordinates": [[-179.9999, 0], [-180, 0], [-180.0001, 0]]}
+    assert imported(tmp_path, whole, "line.geojson").legs == [(11.13, 0.0), (22.26, 0.0)]
+    assert imported(tmp_path, cut, "line.geojson").legs == [(11.13, 0.0), (22.26, 0.0)]
+    assert imported(tmp_path, mirrored, "line.geojson").legs == [(-11.13, 0.0), (-22.26, 0.0)]
 
 
 def test_a_line_across_a_country_is_refused(tmp_path: Path) -> None:

@@ -38,11 +38,14 @@ def placemark(geometry: str, name: str = "") -> str:
 
 
 LINE = placemark(f"<LineString><tessellate>1</tessellate>{coordinates(*PLACES)}</LineString>", "the yard")
-GX_TRACK = placemark(
-    "<gx:Track>"
-    + "".join(f"<when>x</when><gx:coord>{east} {north} 0</gx:coord>" for north, east in PLACES)
-    + "</gx:Track>"
-)
+
+
+def track(*places: tuple[float, float]) -> str:
+    inside = (f"<when>x</when><gx:coord>{east} {north} 0</gx:coord>" for north, east in places)
+    return f"<gx:Track>{''.join(inside)}</gx:Track>"
+
+
+GX_TRACK = placemark(track(*PLACES))
 POLYGON = placemark(
     f"<Polygon><outerBoundaryIs><LinearRing>{coordinates(*PLACES)}</LinearRing></outerBoundaryIs></Polygon>"
 )
@@ -65,11 +68,22 @@ POLYGON = placemark(
             "yard",
             ("1 x gap between segments of a track: the robot walks straight across",),
         ),
+        (
+            gpx(ROUTE.replace("<ele>3</ele>", "<extensions><x:E xmlns:x='x'><x:rpt/><x:rpt/></x:E></extensions>", 1)),
+            "the-yard",
+            ("2 x shaping point (rpt) of a route: the robot walks straight between route points",),
+        ),
         (gpx(ROUTE).replace("<?xml version", "\ufeff<?xml version"), "the-yard", ()),
         (gpx(ROUTE).replace('version="1.0"?>', 'version="1.0" encoding="latin-1"?>'), "the-yard", ()),
         (kml(LINE), "the-yard", ()),
         (kml(LINE, prefix="kml:"), "the-yard", ()),
         (kml(GX_TRACK), "yard", ()),
+        (kml(LINE.replace(",", ",\n ")), "the-yard", ()),
+        (
+            kml(placemark(f"<gx:MultiTrack>{track(*PLACES[:1])}{track()}{track(*PLACES[1:])}</gx:MultiTrack>")),
+            "yard",
+            ("1 x gap between segments of a track: the robot walks straight across",),
+        ),
         (kml(placemark(f"<MultiGeometry><LineString>{coordinates(*PLACES)}</LineString></MultiGeometry>")), "yard", ()),
         (
             kml(
@@ -127,7 +141,7 @@ FETCH = '<!DOCTYPE gpx [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
             "m.gpx",
             r"line 1 \(rte\): has 20,001 points; at most 20,000",
         ),
-        (gpx(ROUTE).replace('lat="60.0"', ""), "m.gpx", r"line 1 \(rtept\): '' is not a finite number of degrees"),
+        (gpx(ROUTE).replace('lat="60.0"', ""), "m.gpx", r"line 1 \(rtept\): the latitude is missing$"),
         (gpx(ROUTE).replace('lat="60.0"', 'lat="91"'), "m.gpx", r"line 1 \(rtept\): 91, 25 is not a latitude"),
         (gpx(ROUTE)[:-6], "m.gpx", r"m\.gpx:1:\d+: is not XML: no element found"),
         (gpx(ROUTE).replace("60.0", "&a;"), "m.gpx", r"m\.gpx:1:\d+: is not XML: undefined entity"),
@@ -135,6 +149,11 @@ FETCH = '<!DOCTYPE gpx [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
         (FETCH + gpx(ROUTE)[21:], "m.gpx", r"m\.gpx:1: has a document type declaration"),
         ('<?xml version="1.0" encoding="klingon"?><gpx/>', "m.gpx", "is not XML that can be read: unknown encoding"),
         (gpx("<a>" * 101, "</a>" * 101), "m.gpx", "has elements more than 100 deep"),
+        (
+            kml(LINE).replace("<kml", '<kml hint="target=sky"'),
+            "m.kml",
+            r"line 1 \(kml\): its hint names 'sky', which is",
+        ),
         (kml(), "m.kml", "has no LineString; a mission is one LineString, or 2 Points and more"),
         (kml(POLYGON), "m.kml", "has no LineString and 1 Polygon; a mission is one"),
         (kml(LINE, GX_TRACK), "m.kml", r"has 2 lines \('the yard', line 3 \(Track\)\)"),
@@ -161,6 +180,14 @@ def test_what_is_no_path_is_refused_one_problem_a_cause(tmp_path: Path, content:
     with pytest.raises(MissionError, match=problem) as caught:
         imported(tmp_path, content, file)
     assert str(caught.value).count(file) == 1
+
+
+@pytest.mark.parametrize(
+    ("hint", "metres"), [("target=moon", 6.065), ("a=b target=Mars", 11.855), ("target=earth", 22.28)]
+)
+def test_a_kml_files_hint_names_its_body(tmp_path: Path, hint: str, metres: float) -> None:
+    found = imported(tmp_path, kml(LINE).replace("<kml", f'<kml hint="{hint}"'), "yard.kml")
+    assert found.legs[0] == pytest.approx((0, metres), abs=0.01)
 
 
 def test_elements_have_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -102,7 +102,7 @@ def origin_of(text: str) -> Place:
         latitude, longitude = (float(part) for part in text.split(","))
     except ValueError:
         raise InputError(f"--origin: {text!r} is not two numbers with a comma between them", mend=mend) from None
-    if not (-_MAX_LATITUDE <= latitude <= _MAX_LATITUDE and -180 <= longitude <= 180):
-        problem = f"--origin: {text!r} is not a latitude within -89 and 89 and a longitude within -180 and 180"
+    if not (-_MAX_LATITUDE <= latitude <= _MAX_LATITUDE and -360 <= longitude <= 360):
+        problem = f"--origin: {text!r} is not a latitude within -89 and 89 and a longitude within -360 and 360"
         raise InputError(problem, mend=mend)
     return latitude, longitude

@@ -31,8 +31,8 @@ _COLUMNS: Final = {
     "tolerance": ("tolerance",),
 }
 _COORDINATES: Final = (("latitude", "longitude"), ("x", "y"))
-_UNIT: Final = re.compile(r"(?:[\s_]+|[\s_]*[(\[])(?:deg|degrees|m|s)[)\]]?$")
-_COMMENTS: Final = re.compile(r"\A(?:\s*#[^\n]*\n)*")
+_UNIT: Final = re.compile(r"(?:[\s_]+|[\s_]*[(\[])(?:deg|degrees|°|m|s)[)\]]?$")
+_COMMENT: Final = re.compile(r"#|sep=.$")  # Excel takes a first line "sep=;" for the delimiter, and not for data
 _MOST_COLUMNS: Final = 1000
 _MOST_HEADER: Final = 1000  # characters that are looked at to see whether it is one
 _DELIMITERS: Final = ",;\t"
@@ -43,7 +43,7 @@ _MOST_TOLERANCE_M: Final = 100.0
 
 def is_table(text: str) -> bool:
     """Tell whether a text begins with a row of column names, two of which are coordinates."""
-    header = _COMMENTS.sub("", text, count=1).lstrip().partition("\n")[0][:_MOST_HEADER]
+    header = next((line for line in text.splitlines() if line.strip() and not _COMMENT.match(line)), "")[:_MOST_HEADER]
     columns = _columns(next(csv.reader([header], delimiter=_delimiter(header)), []))
     return any(set(keys) <= columns.keys() for keys in _COORDINATES)
 
@@ -91,7 +91,7 @@ def read_csv(source: bytes, report: Report, name: str) -> Survey:
 
 def _rows(text: str, report: Report) -> tuple[list[str], list[tuple[int, list[str]]], str]:
     """Return the first row, the others with the numbers of their lines, as many as may be, and the delimiter."""
-    lines = ["" if line.startswith("#") else line for line in text.splitlines()]
+    lines = ["" if _COMMENT.match(line) else line for line in text.splitlines()]
     delimiter = _delimiter(next((line for line in lines if line.strip()), ""))
     reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
     rows = ((reader.line_num, row) for row in reader if any(map(str.strip, row)))
@@ -151,7 +151,7 @@ class _Table:
 
     def _text(self, row: list[str], key: str) -> str:
         text = row[self.columns[key]].strip() if key in self.columns else ""
-        is_decimal_comma = self.delimiter != "," and key != "name"
+        is_decimal_comma = key in ("latitude", "longitude") or (self.delimiter != "," and key != "name")
         return text.replace(",", ".") if is_decimal_comma else text
 
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 from typing import Any, Final
 
 from waypointctl.importers.json_source import Part, read_json
-from waypointctl.importers.report import Report
+from waypointctl.importers.report import Report, number_of
 from waypointctl.importers.shapes import Shapes, Spot, too_many
 from waypointctl.importers.survey import MOST_POSITIONS, Survey
 from waypointctl.mission.wording import counted, shown
 
-# Latitude and longitude by the names that GeoServer, GDAL and others give them; of other bodies those of the IAU.
+# Latitude and longitude by the names that GeoServer, GDAL and others give them; of other bodies those of
+# the IAU (00 and 02: planetocentric, east positive; 01 may count longitudes to the west, from 10 on they are metres).
 _DEGREES: Final = re.compile(
     r"(?:urn:(?:x-)?ogc:def:crs:|https?://(?:www\.)?opengis\.net/def/crs/)?"
-    r"(?:OGC[:/][\d.]*[:/]?CRS84h?|EPSG[:/][\d.]*[:/]?(?:4326|4979)|CRS84|WGS ?84"
-    r"|IAU(?:_?\d{4})?[:/]+(?:\d{4}[:/]+)?(?P<naif>301|499)\d\d)",
+    r"(?:https?://(?:www\.)?opengis\.net/gml/srs/epsg\.xml#(?:4326|4979)"
+    r"|OGC[:/][\d.]*[:/]?CRS84h?|EPSG[:/][\d.]*[:/]?(?:4326|4979)|CRS84|WGS ?84"
+    r"|IAU(?:_?\d{4})?[:/]+(?:\d{4}[:/]+)?(?P<naif>301|499)0[02])",
     re.IGNORECASE,
 )
 _BODIES: Final = {"301": "moon", "499": "mars"}
@@ -58,12 +61,13 @@ class _Reader:
         properties = None if crs is None else crs.at("properties")
         if properties is None:
             return
-        name = properties.get("name") or properties.get("code") or properties
+        name = properties.get("name") or properties.get("code") or properties.get("href") or properties
         text = f"EPSG:{name.value}" if name.path[-1] == "code" else name.value
         found = _DEGREES.fullmatch(text.strip()) if isinstance(text, str) else None
         if found is None:
+            known = "WGS 84 (CRS84, EPSG:4326), the Moon (IAU_2015:30100) or Mars (IAU_2015:49900)"
             hint = "GeoJSON is in degrees (RFC 7946): write it with 'ogr2ogr -t_srs EPSG:4326'"
-            name.complain(f"{shown(name.value)} is not latitude and longitude of WGS 84 (CRS84, EPSG:4326); {hint}")
+            name.complain(f"{shown(name.value)} is not latitude and longitude of {known}; {hint}")
         elif found["naif"]:
             self.shapes.body = _BODIES[found["naif"]]
 
@@ -75,7 +79,9 @@ class _Reader:
         if kind.value == "FeatureCollection":
             features = root.at("features")
             for feature in () if features is None else features.elements():
-                if (type_of := feature.at("type")) is not None and type_of.one_of("Feature"):
+                if feature.value is None:
+                    self.shapes.report.left_out["null in place of a Feature"] += 1
+                elif (type_of := feature.at("type")) is not None and type_of.one_of("Feature"):
                     self._feature(feature)
         elif kind.value == "Feature":
             self._feature(root)
@@ -112,30 +118,32 @@ class _Reader:
             self._coordinates(kind.value, coordinates, name)
 
     def _coordinates(self, kind: str, coordinates: Part, name: str) -> None:
-        take = {"LineString": self._line, "Point": self._point}.get(kind.removeprefix("Multi"))
+        parts = coordinates.elements() if kind.startswith("Multi") else iter((coordinates,))
         if coordinates.value == []:  # RFC 7946, 3.1: as good as none
             self.shapes.report.left_out[f"{kind} without coordinates"] += 1
-        elif take is None:
+        elif kind.endswith("LineString"):
+            for line in _joined(parts):
+                self._line(line, name)
+        elif kind.endswith("Point"):
+            for position in parts:
+                self._point(position, name)
+        else:
             self.shapes.others[kind] += 1
-        elif kind.startswith("Multi"):
-            for each in coordinates.elements():
-                take(each, name)
-        else:
-            take(coordinates, name)
 
-    def _line(self, line: Part, name: str) -> None:
-        count = len(line.value) if isinstance(line.value, list) else 0
-        if isinstance(line.value, list) and count < 2:
-            line.complain(f"has {counted(count, 'positions')}; a line has 2 and more")
-        elif count > MOST_POSITIONS:
-            line.complain(too_many(count, "positions"))
+    def _line(self, parts: Sequence[Part], name: str) -> None:
+        counts = [len(part.value) if isinstance(part.value, list) else MOST_POSITIONS for part in parts]
+        if (least := min(counts)) < 2:
+            parts[counts.index(least)].complain(f"has {counted(least, 'positions')}; a line has 2 and more")
+        elif sum(counts) > MOST_POSITIONS:
+            parts[0].complain(too_many(sum(counts), "positions"))
         else:
-            self.shapes.add_line(name, line.at_text, lambda: self._spots(line))
+            self.shapes.add_line(name, parts[0].at_text, lambda: self._spots(parts))
 
-    def _spots(self, line: Part) -> Iterator[Spot]:
-        for position in line.elements():
-            if (spot := self._spot(position, "")) is not None:
-                yield spot
+    def _spots(self, parts: Sequence[Part]) -> Iterator[Spot]:
+        for part in parts:
+            for position in islice(part.elements(), 0 if part is parts[0] else 1, None):
+                if (spot := self._spot(position, "")) is not None:
+                    yield spot
 
     def _point(self, position: Part, name: str) -> None:
         if (spot := self._spot(position, name)) is not None:
@@ -149,17 +157,35 @@ class _Reader:
             position.complain(f"has {counted(len(value), 'numbers')}; {_WANTED}", "too few numbers")
         elif isinstance(value[0], str) or isinstance(value[1], str):
             position.complain(f"{shown(value[0])}, {shown(value[1])} are not numbers", "not numbers")
-        elif _is_swapped(value):
-            problem = f"{value[1]:g} is no latitude: {_ORDER}, and these look swapped"
-            position.complain(problem, "swapped")
-        elif (place := position.report.place(position.at_text, value[1], value[0])) is not None:
+        elif (place := position.report.place(position.at_text, value[1], value[0], _ORDER)) is not None:
             return Spot(place, name, position.at_text)
         return None
 
 
-def _is_swapped(position: list[Any]) -> bool:
-    """Tell whether a position's numbers would be a place the other way round alone."""
-    longitude, latitude = position[:2]
-    if not (isinstance(longitude, int | float) and isinstance(latitude, int | float)):
+def _joined(parts: Iterable[Part]) -> Iterator[list[Part]]:
+    """Yield lines: parts of which each begins where the one before ends are one line.
+
+    RFC 7946 (3.1.9) cuts a line at the antimeridian into such parts.
+    """
+    line: list[Part] = []
+    for part in parts:
+        if line and not _goes_on(line[-1].value, part.value):
+            yield line
+            line = []
+        line.append(part)
+    if line:
+        yield line
+
+
+def _goes_on(before: Any, after: Any) -> bool:
+    """Tell whether a line begins where another ends."""
+    if not (before and after and isinstance(before, list) and isinstance(after, list)):
         return False
-    return abs(longitude) <= 90 < abs(latitude) <= 180
+    end, begin = before[-1], after[0]
+    if not (isinstance(end, list) and isinstance(begin, list) and min(len(end), len(begin)) >= 2):
+        return False
+    numbers = [number_of(value) for value in (*end[:2], *begin[:2])]
+    if None in numbers:
+        return False
+    longitude, latitude, other_longitude, other_latitude = (number or 0.0 for number in numbers)
+    return latitude == other_latitude and (longitude - other_longitude) % 360 == 0

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import chain
 
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Shapes, Spot, too_many
+from waypointctl.importers.shapes import Shapes, Spot, note_gaps, too_many
 from waypointctl.importers.survey import MOST_POSITIONS, Survey
 from waypointctl.importers.xml_source import Element, read_xml
 
@@ -25,12 +25,13 @@ def read_gpx(source: bytes, report: Report, name: str) -> Survey:
     root = read_xml(source, report)
     shapes = Shapes(report, "route or track", "waypoint")
     for route in root.each("rte"):
-        _add(shapes, route, list(route.each("rtept")))
+        points = list(route.each("rtept"))
+        if shaping := sum(map(_shaping_count, points)):
+            report.left_out["shaping point (rpt) of a route: the robot walks straight between route points"] += shaping
+        _add(shapes, route, points)
     for track in root.each("trk"):
         segments = [list(segment.each("trkpt")) for segment in track.each("trkseg")]
-        gaps = sum(bool(segment) for segment in segments) - 1
-        if gaps > 0:
-            report.left_out["gap between segments of a track: the robot walks straight across"] += gaps
+        note_gaps(report, segments)
         _add(shapes, track, list(chain.from_iterable(segments)))
     shapes.points += _spots(report, list(root.each("wpt")))
     return shapes.survey(name)
@@ -43,6 +44,12 @@ def _add(shapes: Shapes, line: Element, points: list[Element]) -> None:
         shapes.report.complain(line.at, too_many(len(points), "points"))
     else:
         shapes.add_line(line.text_of("name"), line.at, lambda: _spots(shapes.report, points))
+
+
+def _shaping_count(point: Element) -> int:
+    """Return how many points Garmin's extension puts between a route point and the next."""
+    extensions = chain.from_iterable(part.children for part in point.each("extensions"))
+    return sum(len(list(extension.each("rpt"))) for extension in extensions)
 
 
 def _spots(report: Report, points: Iterable[Element]) -> Iterable[Spot]:

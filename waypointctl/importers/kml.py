@@ -5,13 +5,21 @@ The format: https://developers.google.com/kml/documentation/kmlreference.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from itertools import chain
+from typing import Final
 
+from waypointctl.importers.local_frame import BODIES
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Shapes, Spot, too_many
+from waypointctl.importers.shapes import Shapes, Spot, note_gaps, too_many
 from waypointctl.importers.survey import MOST_POSITIONS, Survey
 from waypointctl.importers.xml_source import Element, read_xml
 from waypointctl.mission.wording import shown
+
+_ORDER: Final = "KML is longitude,latitude"
+_TARGET: Final = re.compile(r"\btarget=(\w+)")  # of the hint that names the body
+_COMMA: Final = re.compile(r",\s+")
 
 
 def read_kml(source: bytes, report: Report, name: str) -> Survey:
@@ -25,14 +33,25 @@ def read_kml(source: bytes, report: Report, name: str) -> Survey:
     Raises:
         MissionError: it has not one line, and no points instead, with all that is wrong.
     """
-    shapes = Shapes(report, "LineString", "Point", "KML is longitude,latitude")
-    for placemark in _placemarks(read_xml(source, report), report):
+    root = read_xml(source, report)
+    shapes = Shapes(report, "LineString", "Point", _ORDER, _body(root, report))
+    for placemark in _placemarks(root, report):
         geometries = list(_geometries(placemark))
         for geometry in geometries:
             _take(shapes, geometry, placemark.text_of("name"))
         if not geometries:
             report.left_out["Placemark without a geometry"] += 1
     return shapes.survey(name)
+
+
+def _body(root: Element, report: Report) -> str:
+    """Return the body that a file is about, of those that there are; any other is reported."""
+    target = _TARGET.search(root.attributes.get("hint", ""))
+    body = "earth" if target is None else target[1].lower()
+    if body in BODIES:
+        return body
+    report.complain(root.at, f"its hint names {shown(body)}, which is not one of {', '.join(BODIES)}")
+    return "earth"
 
 
 def _placemarks(element: Element, report: Report) -> Iterator[Element]:
@@ -47,22 +66,25 @@ def _placemarks(element: Element, report: Report) -> Iterator[Element]:
 
 def _geometries(element: Element) -> Iterator[Element]:
     for child in element.children:
-        if child.name in ("LineString", "Point", "Polygon", "LinearRing", "Track", "Model"):
+        if child.name in ("LineString", "Point", "Polygon", "LinearRing", "Track", "MultiTrack", "Model"):
             yield child
-        elif child.name in ("MultiGeometry", "MultiTrack"):
+        elif child.name == "MultiGeometry":
             yield from _geometries(child)
 
 
 def _take(shapes: Shapes, geometry: Element, name: str) -> None:
     report = shapes.report
-    if geometry.name not in ("LineString", "Track", "Point"):
+    if geometry.name not in ("LineString", "Track", "MultiTrack", "Point"):
         shapes.others[geometry.name] += 1
         return
-    separator = None if geometry.name == "Track" else ","
+    separator = None if geometry.name.endswith("Track") else ","
     if separator is None:
-        texts = [coord.text for coord in geometry.each("coord")]
+        tracks = list(geometry.each("Track")) if geometry.name == "MultiTrack" else [geometry]
+        parts = [[coord.text for coord in track.each("coord")] for track in tracks]
+        note_gaps(report, parts)
+        texts = list(chain.from_iterable(parts))
     else:
-        texts = geometry.text_of("coordinates").split()
+        texts = _COMMA.sub(",", geometry.text_of("coordinates")).split()
     if not texts:
         report.left_out[f"{geometry.name} without coordinates"] += 1
     elif len(texts) > MOST_POSITIONS:
@@ -79,5 +101,5 @@ def _spots(report: Report, texts: list[str], separator: str | None, geometry: El
         longitude, *others = text.split(separator, 2)
         if not others:
             report.complain(at, f"{shown(text)} is not longitude,latitude", "not longitude,latitude")
-        elif (place := report.place(at, others[0], longitude)) is not None:
+        elif (place := report.place(at, others[0], longitude, _ORDER)) is not None:
             yield Spot(place, name, at)

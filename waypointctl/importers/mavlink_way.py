@@ -40,8 +40,8 @@ _HOLD: Final = 0
 _RADIUS: Final = 1
 _LOITER_RADIUS: Final = 2  # of a waypoint by which to pass it
 _YAW: Final = 3
-_LATITUDE: Final = 4
-_LONGITUDE: Final = 5
+LATITUDE: Final = 4
+LONGITUDE: Final = 5
 _TIMES: Final = 1  # of a jump: how often
 _IMAGES: Final = 2  # of a picture: how many
 _SHOT: Final = 4  # of camera control: 1 to take one
@@ -73,7 +73,7 @@ class Item:
     @property
     def is_here(self) -> bool:
         """Whether the item has no place of its own."""
-        return not any(self.params[_LATITUDE : _LONGITUDE + 1])
+        return not any(self.params[LATITUDE : LONGITUDE + 1])
 
 
 def follow(items: Sequence[Item], report: Report) -> tuple[Stop, ...]:
@@ -178,7 +178,7 @@ class _Way:
             self.report.complain(f"{item.at}.frame", f"{found}; {allowed} are")
             return
         command = item.command
-        place = self.report.place(f"{item.at}.params", item.params[_LATITUDE], item.params[_LONGITUDE])
+        place = self.report.place(f"{item.at}.params", item.params[LATITUDE], item.params[LONGITUDE])
         hold_s = self._hold_s(item)
         radius_m = item.params[_RADIUS] or 0.0 if command == WAYPOINT else 0.0
         if not 0 <= radius_m <= _MOST_RADIUS_M:

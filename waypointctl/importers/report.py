@@ -12,7 +12,7 @@ from waypointctl.importers.local_frame import MAX_LATITUDE, Place
 from waypointctl.mission.wording import shown
 
 _MOST_SHOWN: Final = 20  # of the problems of a file
-_MAX_LONGITUDE: Final = 360.0  # maps of the Moon and Mars count from 0 to 360
+_MAX_LONGITUDE: Final = 360.0  # maps of the Moon and Mars count to 360, lines across the antimeridian beyond 180
 _SCALED: Final = 1e7  # MAVLink's integers are degrees times this
 
 
@@ -74,27 +74,33 @@ class Report:
             details.append(f"{self.where}: and {len(texts) - _MOST_SHOWN} more")
         raise MissionError(f"{len(texts)} problems", where=self.where, details=details)
 
-    def place(self, at: str, latitude: object, longitude: object) -> Place | None:
+    def place(self, at: str, latitude: object, longitude: object, order: str = "") -> Place | None:
         """Return a place [deg], None where it is none, which is reported.
 
         Args:
             at: the place in the file.
             latitude: a number, or text of one.
             longitude: the same.
+            order: how the file's format writes a place, where it is easily written the other way round.
         """
         north, east = number_of(latitude), number_of(longitude)
         if north is None or east is None:
             wrong = latitude if north is None else longitude
+            if wrong == "":
+                self.complain(at, f"the {'latitude' if north is None else 'longitude'} is missing", "missing")
+                return None
             self.complain(at, f"{shown(wrong)} is not a finite number of degrees", "not a number of degrees")
-        elif abs(north) > MAX_LATITUDE or not -180 <= east <= _MAX_LONGITUDE:
+        elif abs(north) > MAX_LATITUDE or abs(east) > _MAX_LONGITUDE:
             problem = (
                 f"{north:.10g}, {east:.10g} is not a latitude within -{MAX_LATITUDE:g} and {MAX_LATITUDE:g} and a "
-                f"longitude within -180 and {_MAX_LONGITUDE:g} [deg]"
+                f"longitude within -{_MAX_LONGITUDE:g} and {_MAX_LONGITUDE:g} [deg]"
             )
             if abs(north) <= 90 * _SCALED and abs(east) <= 180 * _SCALED and max(abs(north), abs(east)) >= _SCALED:
                 problem += "; they look like degrees times 10^7"
             elif max(abs(north), abs(east)) > _MAX_LONGITUDE:
                 problem += "; they look like metres of a projection"
+            elif abs(east) <= 90 < abs(north):
+                problem += f"; they look swapped{order and f': {order}'}"
             self.complain(at, problem, "not a place")
         else:
             return north, east

@@ -105,6 +105,13 @@ class Shapes:
         return self.points
 
 
+def note_gaps(report: Report, parts: Iterable[Sequence[object]]) -> None:
+    """Count the gaps between the parts of a recorded track."""
+    gaps = sum(map(bool, parts)) - 1
+    if gaps > 0:
+        report.left_out["gap between segments of a track: the robot walks straight across"] += gaps
+
+
 def too_many(count: int, things: str) -> str:
     """Return the problem with more positions than a line may have."""
     return f"has {count:,} {things}; at most {MOST_POSITIONS:,} are read: cut it into several"

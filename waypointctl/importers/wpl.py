@@ -18,7 +18,7 @@ from waypointctl.errors import MissionError
 from waypointctl.importers.json_source import MOST_ENTRIES
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.mavlink import WAYPOINT
-from waypointctl.importers.mavlink_way import PARAMETERS, Item, follow
+from waypointctl.importers.mavlink_way import LATITUDE, LONGITUDE, PARAMETERS, Item, follow
 from waypointctl.importers.report import Report, number_of
 from waypointctl.importers.survey import Survey, mission_name
 from waypointctl.importers.text_source import text_of
@@ -52,7 +52,7 @@ def read_wpl(source: bytes, report: Report, name: str) -> Survey:
     start_at = "the home (item 0)"
     if first is not None and first.number == 0 and first.command == WAYPOINT:
         start_at = f"{first.at} (the home)"
-        home = report.place(first.at, *first.params[4:6])
+        home = report.place(first.at, first.params[LATITUDE], first.params[LONGITUDE])
         items = items[1:]
     stops = follow(items, report)
     if not stops and report.is_clean:
