@@ -223,5 +223,5 @@ def test_a_writer_that_cannot_begin_leaves_nothing_open(tmp_path: Path) -> None:
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
 def test_full_disk_is_said_once_and_clearly(tmp_path: Path) -> None:
     (tmp_path / "flight.mcap.part").symlink_to("/dev/full")
-    with pytest.raises(OutputError, match=r"cannot be written: No space left on device\n  .*flight\.mcap\.part"):
+    with pytest.raises(OutputError, match=r"cannot be written: No space left on device\n  Make room on the disk"):
         LogWriter(tmp_path / "flight.mcap", header())
