@@ -110,3 +110,11 @@ def test_a_full_disk_under_stderr_is_no_failure(yard: Path) -> None:
         out, _ = told.communicate(timeout=60)
     assert told.returncode == 0
     assert out
+
+
+def test_a_playback_that_nobody_watches_ends(flown: Path) -> None:
+    command = shlex.join([*PROGRAM, "replay", "easy.mcap", "--rate", "1000", "--loop"])
+    piped = f"{command} 2>&1 | head -n 1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", piped], cwd=flown, capture_output=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert len(done.stdout.splitlines()) == 1

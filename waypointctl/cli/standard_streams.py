@@ -112,6 +112,11 @@ class DisplayStream(StyledStream):
         return len(text)
 
 
+def has_failed(stream: IO[str]) -> bool:
+    """Return whether nothing that is written to a stream is shown any more, such as when its reader has gone."""
+    return isinstance(stream, DisplayStream) and (stream.error or stream.styled.error) is not None
+
+
 def styled(stream: IO[str]) -> IO[str]:
     """Return what a terminal's own sequences are written to."""
     return cast("IO[str]", stream.styled) if isinstance(stream, DisplayStream) else stream

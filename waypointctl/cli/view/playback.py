@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from waypointctl.cli.standard_streams import has_failed
 from waypointctl.cli.view.keyboard import Keyboard
 from waypointctl.cli.view.pace import Pace
 from waypointctl.cli.view.watch import Watch, watch
@@ -76,7 +78,7 @@ class _Player:
 
     @property
     def is_over(self) -> bool:
-        return self._has_quit or self._interrupted()
+        return self._has_quit or self._interrupted() or has_failed(sys.stderr)
 
     def show(self, log: Log) -> None:
         self._pace.restart(self._begin_ns)
