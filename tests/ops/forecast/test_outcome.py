@@ -162,7 +162,7 @@ def test_losses_are_in_the_prediction_as_a_probability() -> None:
 numbers = st.integers(-12, 12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     st.lists(st.tuples(numbers, numbers), min_size=1, max_size=4),
     st.lists(st.tuples(numbers, numbers), max_size=2),
