@@ -118,7 +118,12 @@ def test_a_log_that_is_not_what_happened_exits_with_1(yard: Path, program: Progr
 
 @pytest.mark.parametrize(
     ("content", "problem"),
-    [(None, "no such log"), (b"", "is empty"), (b"PK\x03\x04 and so on", "is not an MCAP file")],
+    [
+        (None, "no such log"),
+        (b"", "is empty"),
+        (b"PK\x03\x04 and so on", "is not an MCAP file"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "is a Git LFS pointer, not the file that it"),
+    ],
 )
 def test_what_is_no_log_is_refused(yard: Path, program: Program, content: bytes | None, problem: str) -> None:
     if content is not None:

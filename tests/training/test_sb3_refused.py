@@ -145,6 +145,8 @@ def test_what_is_no_model_is_refused(model: Path, tmp_path: Path) -> None:
     refused(tmp_path, "is a folder, not a file")
     bad.write_text("hello")
     refused(bad, "not a .zip that can be read: File is not a zip file")
+    bad.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n")
+    refused(bad, "is a Git LFS pointer, not the file that it stands for")
     bad.write_bytes(model.read_bytes()[:-300])
     refused(bad, "not a .zip that can be read|no data in it")  # a .pth is a .zip as well
     refused(with_parts(model, bad, data=None), "no data in it")

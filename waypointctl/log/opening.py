@@ -14,11 +14,13 @@ from waypointctl.display_text import shell_word
 from waypointctl.errors import LogError
 from waypointctl.input_file import NOT_THERE, open_input
 from waypointctl.log.records import MAGIC
+from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
 from waypointctl.paths import command_for_mission, command_for_plan
 
 # What mcap, zstd and protobuf raise over bytes that are not what they should be.
 DAMAGE = (struct.error, ValueError, KeyError, MemoryError, OverflowError, McapError, ZstdError, DecodeError)
 PART: Final = ".part"  # of the name of a log that is being written
+_LOOK_BYTES: Final = 100  # of what is not a log, to see what it is
 
 
 def open_file(path: Path) -> IO[bytes]:
@@ -51,7 +53,9 @@ def check_magic(stream: IO[bytes], path: Path, size: int) -> None:
         raise nothing_flown(path)
     if size == 0:
         raise LogError("is empty", where=str(path))
-    if stream.read(len(MAGIC)) != MAGIC:
+    if (beginning := stream.read(len(MAGIC))) != MAGIC:
+        if is_lfs_pointer(beginning + stream.read(_LOOK_BYTES)):
+            raise LogError(FileKind.LFS_POINTER.value, where=str(path))
         mend = command_for_mission(str(path)) or command_for_plan(str(path)) or "a log is what `waypointctl run` writes"
         raise LogError("is not an MCAP file", where=str(path), mend=f"{mend[0].upper()}{mend[1:]}.")
 

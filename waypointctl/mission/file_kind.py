@@ -27,8 +27,9 @@ class FileKind(Enum):
     JSON = "is JSON"
 
 
+_LFS_POINTER: Final = b"version https://git-lfs.github.com/spec/"
 _BEGINNINGS: Final = {
-    b"version https://git-lfs.github.com/spec/": FileKind.LFS_POINTER,
+    _LFS_POINTER: FileKind.LFS_POINTER,
     b"PK\x03\x04": FileKind.ZIP,
     b"PK\x05\x06": FileKind.ZIP,
     b"\x1f\x8b": FileKind.GZIP,
@@ -45,6 +46,11 @@ _JSON: Final = {
     re.compile(rb'"contacts"\s*:\s*\['): FileKind.HDTN_PLAN,
 }
 _LOOK_BYTES: Final = 8192  # of a file's beginning
+
+
+def is_lfs_pointer(beginning: bytes) -> bool:
+    """Tell whether a file that begins like this is a Git LFS pointer."""
+    return beginning.startswith(_LFS_POINTER)
 
 
 def kind_of(source: bytes) -> FileKind | None:

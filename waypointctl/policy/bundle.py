@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from waypointctl.errors import PolicyError
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.limits import limit, limit_hint
+from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
 from waypointctl.mission.policy_name import policies_there_are
 from waypointctl.paths import folder_fault
 from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
@@ -101,6 +102,9 @@ def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 
     own = {name: files[name] for name in FILES if name in files}
     if missing := [name for name in FILES if name not in own]:
         raise PolicyError(_missing(missing), where=where, mend=_COPY_AGAIN)
+    for name, content in own.items():
+        if is_lfs_pointer(content):
+            raise PolicyError(FileKind.LFS_POINTER.value, where=f"{where}/{name}")
     manifest = _manifest(own[MANIFEST], f"{where}/{MANIFEST}")
     _refuse_damaged(manifest, own, where)
     network = Network(own[NETWORK], f"{where}/{NETWORK}", threads)

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
+from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
+
 MOST_PARTS: Final = 10_000
 
 _ENTRY: Final = b"PK\x01\x02"  # what the central directory has before each part
@@ -24,6 +26,8 @@ def opened_zip(content: bytes) -> Iterator[zipfile.ZipFile]:
     Raises:
         ValueError: it is none, is damaged, or has more than `MOST_PARTS`.
     """
+    if is_lfs_pointer(content):
+        raise ValueError(FileKind.LFS_POINTER.value)
     if content.count(_ENTRY) > MOST_PARTS:  # each would take half a kilobyte of memory
         raise ValueError(f"not a .zip that is read: it has more than {MOST_PARTS:,} parts")
     try:
