@@ -119,7 +119,7 @@ def test_tensors_that_have_no_place_or_are_not_finite_are_refused(model: Path, t
         ("action_net.weight", torch.full((8, 8), torch.nan), "action_net.weight is not an array of finite numbers"),
         ("action_net.weight", torch.zeros(8, 8, dtype=torch.int64), "is not an array of finite numbers"),
         ("action_net.weight", torch.zeros(8, 9), "no plain multilayer perceptron: size mismatch"),
-        ("mlp_extractor.value_net.2.weight", torch.zeros(2**23, 1), "no plain multilayer perceptron: size mismatch"),
+        ("mlp_extractor.value_net.2.weight", torch.zeros(2**22, 1), "no plain multilayer perceptron: size mismatch"),
         ("action_net.weight", torch.zeros(8), "no plain multilayer perceptron|maps 31 observations"),
     ):
         buffer = io.BytesIO()
