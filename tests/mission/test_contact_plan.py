@@ -78,9 +78,30 @@ def test_an_at_line_moves_what_plus_counts_from() -> None:
 def test_absolute_times_count_from_the_missions_reference() -> None:
     source = "a contact 2027/03/01-00:00:00 2027/03/01-01:00:00 1 2 1\n" + RANGE
     assert spans(source, (1, 2), reference="2027/02/28-23:00:00")[0] == [(3600, 7200, 8)]
-    assert problems_of(source, reference="2027/03/01-00:30:00") == [
-        "plan:1:11: 2027/03/01-00:00:00 is before mission start"
+
+
+def test_what_is_over_by_mission_start_is_passed_over_and_what_is_under_way_holds_from_then() -> None:
+    before = "a contact 2027/03/01-00:00:00 2027/03/01-01:00:00 1 2 1\na range 2027/03/01-00:00:00 +9999 1 2 3\n"
+    after = "a contact 2027/03/01-02:00:00 2027/03/01-03:00:00 1 2 2\n"
+    under_way = spans(before + after, (1, 2), reference="2027/03/01-00:30:00")
+    assert under_way == ([(0, 1800, 8), (5400, 9000, 16)], [(0, 9999, 3)])
+    over = spans(before + after, (1, 2), reference="2027/03/01-01:00:00")
+    assert over == ([(3600, 7200, 16)], [(0, 9999, 3)])
+    assert problems_of(before + after, reference="2027/03/01-03:00:00") == [
+        "plan:1:1: this contact is over by mission start, as are all from node 1 to node 2"
     ]
+    gone = "a range 2027/03/01-00:00:00 2027/03/01-00:30:00 1 2 3\na contact +0 +10 1 2 1\na range +0 +10 1 2 2\n"
+    assert spans(gone, (1, 2), reference="2027/03/01-00:30:00") == ([(0, 10, 8)], [(0, 10, 2)])
+
+
+def test_a_plan_with_dates_for_a_mission_without_one_has_one_place() -> None:
+    source = "".join(
+        f"a contact 2027/03/01-0{hour}:00:00 2027/03/01-0{hour}:30:00 {ways} 1\n"
+        for hour, ways in enumerate(("5 6", "1 2", "2 1"))
+    )
+    for way in ((1, 2), (2, 1)):
+        (problem,) = read_contact_plan(source.encode(), "plan", way)[1]
+        assert (problem.line, problem.text.partition(" is an absolute time")[0]) == (1, "2027/03/01-00:00:00")
 
 
 def test_contacts_are_put_in_the_order_of_time_and_ranges_may_follow_on_each_other() -> None:

@@ -212,6 +212,19 @@ def test_mistakes_in_the_mission_and_in_its_files_are_told_together(tmp_path: Pa
     ]
 
 
+def test_one_cause_in_a_file_is_one_problem_however_many_lines_have_it(tmp_path: Path) -> None:
+    lines = [f"a contact +{at} +{at + 1} {ways} 9 0.5\n" for at in range(43) for ways in ("1 2", "2 1")]
+    (tmp_path / "p.ionrc").write_text("".join(lines))
+    path = tmp_path / "m.yaml"
+    path.write_text(HEAD + "link: {delay: 1 s, contact_plan: {file: p.ionrc, from_node: 1, to_node: 2}}\n")
+    with pytest.raises(MissionError) as caught:
+        load_mission(path)
+    assert str(caught.value) == (
+        f"{tmp_path / 'p.ionrc'}:1:23: only a contact that is certain can be flown: leave the confidence out "
+        "(and 85 more of the kind, the last in line 86)"
+    )
+
+
 def test_a_mission_is_read_with_its_files(tmp_path: Path) -> None:
     (tmp_path / "j").mkdir()
     for name, content in FILES.items():

@@ -6,8 +6,8 @@
 '+' counts from mission start, or from what an '@' line sets. A range from a lower node number to a higher one holds
 both ways, unless the opposite direction has ranges of its own. What says nothing of when the two nodes of a link can
 talk is passed over: lines about other nodes, commands that list or set something else, registrations, hypothetical
-contacts (a time of 0), and what '## begin' and '## end' mark as another program's. Those that would change the plan for
-the two nodes are refused.
+contacts (a time of 0), contacts and ranges that are over by mission start, and what '## begin' and '## end' mark as
+another program's. Those that would change the plan for the two nodes are refused.
 """
 
 from __future__ import annotations
@@ -39,7 +39,10 @@ _MAX_DIGITS: Final = 18
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """From when to when [s] after mission start a contact or a range holds in one direction, and its value."""
+    """From when to when [s] after mission start a contact or a range holds in one direction, and its value.
+
+    One that began earlier holds from mission start.
+    """
 
     begin_s: float
     end_s: float
@@ -118,11 +121,14 @@ class _Plan:
         self._hypothetical: Word | None = None
         self._reference = reference
         self._offset_s = 0.0  # of '+0', after mission start
+        self._over: Word | None = None  # a contact that ended before mission start
+        self._absolute: Word | None = None  # the first absolute time, of whatever nodes: one cause has one place
         self._is_dateless = False  # an absolute time without a reference was found: one cause, one problem
 
     def take(self, words: list[Word]) -> None:
         """Read a line."""
         command, *rest = words
+        self._absolute = self._absolute or next((word for word in rest if _ABSOLUTE.fullmatch(word.text)), None)
         if command.text == "@":
             if len(rest) == 1:
                 self._offset_s = self._time(rest[0])
@@ -169,6 +175,10 @@ class _Plan:
         """Report that there is no contact, or one without a range."""
         source, destination = self._way
         if not contacts:
+            if self._over is not None:
+                problem = f"this contact is over by mission start, as are all from node {source} to node {destination}"
+                self.report.add(self._over, problem)
+                return
             known = ", ".join(f"from {a} to {b}" for a, b in sorted(self._others)[:_MOST_SHOWN]) or "none at all"
             known += f" and {len(self._others) - _MOST_SHOWN} more" if len(self._others) > _MOST_SHOWN else ""
             self.report.add(
@@ -195,11 +205,14 @@ class _Plan:
             self.report.add(confidence[0], "only a contact that is certain can be flown: leave the confidence out")
         elif span is not None:
             _, bytes_per_s = span
+            if bytes_per_s.end_s <= 0:
+                self._over = self._over or command
+                return
             self.contacts.append(replace(bytes_per_s, value=BITS_PER_BYTE * bytes_per_s.value))
 
     def _add_range(self, command: Word, words: list[Word]) -> None:
         span = self._span(command, words, _RANGE, least=0)
-        if span is not None:
+        if span is not None and not span[1].end_s <= 0:
             way, light_s = span
             self.ranges.setdefault(way, []).append(light_s)
 
@@ -216,12 +229,10 @@ class _Plan:
         value = self._number(words[4], wanted[4], least)
         if len(self.report.problems) > before:
             return None
-        if begin_s < 0:
-            self.report.add(words[0], f"{words[0].text} is before mission start")
-        elif end_s <= begin_s:
+        if end_s <= begin_s:
             self.report.add(words[1], f"{words[1].text} is not after {words[0].text}")
         else:
-            return (one, other), Span(begin_s, end_s, value, command)
+            return (one, other), Span(max(begin_s, 0.0), end_s, value, command)
         return None
 
     def _time(self, word: Word) -> float:
@@ -235,6 +246,7 @@ class _Plan:
             if self._is_dateless:
                 return math.nan  # in no order with anything: nothing more is said of it
             self._is_dateless = True
+            word = self._absolute or word
             problem = (
                 f"{word.text} is an absolute time, and the mission has no date; write +seconds after mission start, "
                 "or give the contact_plan in the mission the date of its start as 'reference'"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
@@ -109,7 +110,7 @@ def _problems_inside(tree: Tree, mission: Mission | None, files: Mapping[str, by
         for path, name in _references(tree):
             if name in files:
                 found += _problems_anyway(tree, path, files[name], str(folder / name))
-        return list(dict.fromkeys(found))
+        return _one_a_cause(found)
     for way in (mission.link.up, mission.link.down):
         plan, passage = way.contact_plan, None
         if plan is not None and plan.file in files:
@@ -121,7 +122,20 @@ def _problems_inside(tree: Tree, mission: Mission | None, files: Mapping[str, by
         if way.jitter_file is not None and way.jitter_file in files:
             place = str(folder / way.jitter_file)
             found += read_jitter(files[way.jitter_file], place, _least_delay_s(way, passage))[1]
-    return list(dict.fromkeys(found))
+    return _one_a_cause(found)
+
+
+def _one_a_cause(problems: Iterable[Problem]) -> list[Problem]:
+    """Return the first problem of each text and file, with the number of the others."""
+    causes: dict[tuple[str, str], list[Problem]] = {}
+    for problem in dict.fromkeys(problems):
+        causes.setdefault((problem.where, problem.text), []).append(problem)
+    return [
+        replace(first, text=f"{first.text} (and {len(others):,} more of the kind, the last in line {others[-1].line})")
+        if others
+        else first
+        for first, *others in causes.values()
+    ]
 
 
 def _least_delay_s(way: Way, passage: Passage | None) -> float | None:
