@@ -79,6 +79,7 @@ POLYGON = placemark(
         (kml(LINE, prefix="kml:"), "the-yard", ()),
         (kml(GX_TRACK), "yard", ()),
         (kml(LINE.replace(",", ",\n ")), "the-yard", ()),
+        (kml(LINE.replace(",", " , ")), "the-yard", ()),
         (
             kml(placemark(f"<gx:MultiTrack>{track(*PLACES[:1])}{track()}{track(*PLACES[1:])}</gx:MultiTrack>")),
             "yard",

@@ -85,10 +85,13 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
         ),
         (changed("mission", "items", 0, "type", to="Sample"), r"items\[0\]\.type: 'Sample' is not 'SimpleItem'"),
         (changed("mission", "items", 0, "command", to="16"), r"command: '16' is not the number of a command"),
-        (changed("mission", "items", 0, "command", to=17), r"items\[0\]: is a loiter without end .* nothing follows"),
+        (
+            changed("mission", "items", 0, "command", to=17),
+            r"items\[0\]: is a loiter without end .* and items follow it",
+        ),
         (
             changed("mission", "items", 0, "command", to=20),
-            r"items\[0\]: is a return \(command 20\), which nothing fol",
+            r"items\[0\]: is a return \(command 20\), and items follow",
         ),
         (changed("mission", "items", 0, "frame", to=1), r"items\[0\]\.frame: 1 is not one with latitude and longitude"),
         (changed("mission", "items", 0, "frame", to=None), r"items\[0\]\.frame: is missing; 0, 3, 5"),

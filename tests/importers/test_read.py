@@ -62,6 +62,7 @@ def test_a_file_is_read_as_what_it_is_whatever_it_is_called(tmp_path: Path, what
         ("cp.json", '{"contacts": []}', r"is JSON \(a contact plan of HDTN\)"),
         ("cp.plan", '{"contacts": []}', r"is JSON \(a contact plan of HDTN\)\n  QGroundControl plans"),
         ("yard.plan", "{}", "plan: 'fileType' is missing$"),
+        ("yard.plan", '{"fileType": "Parameters"}', "plan: fileType: 'Parameters' is not 'Plan'$"),
         ("yard.json", '{"waypoints": []}', r"is JSON\n  QGroundControl plans, waypoint files"),
         ("yard.plan", '{"mission": {}}', "'fileType' is missing"),
         ("yard.txt", "1 2 3\n", "is not a file that can be imported: QGroundControl plans, waypoint files"),

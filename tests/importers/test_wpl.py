@@ -52,7 +52,7 @@ def test_commands_mean_what_they_mean_in_a_plan(tmp_path: Path) -> None:
     assert found.legs == [(0.0, 22.28), (0.0, 22.28), (0.0, 0.0)]
     assert [leg.hold_s for leg in found.all_legs] == [30, 30, 0]
     assert found.left_out == (
-        "1 x DO_CHANGE_SPEED (command 178): the policy walks at its own speed",
+        "1 x DO_CHANGE_SPEED (command 178): the policy sets the speed",
         "1 x takeoff (command 22): the robot stays on the ground",
         "2 x wait for a person (autoContinue is false): the robot goes on",
     )

@@ -120,7 +120,7 @@ class _Table:
         assert self.keys is not None
         if len(row) != self.width:
             problem = f"has {counted(len(row), 'values')}; the first line names {counted(self.width, 'columns')}"
-            self.report.complain(at, problem, "number of values")
+            self.report.add_problem(at, problem, "number of values")
             return None
         one, other = (self._text(row, key) for key in self.keys)
         place = self.report.place(at, one, other) if self.keys[0] == "latitude" else self._point(at, one, other)
@@ -133,10 +133,10 @@ class _Table:
     def _point(self, at: str, x: str, y: str) -> Place | None:
         x_m, y_m = number_of(x), number_of(y)
         if x_m is None or y_m is None:
-            self.report.complain(at, f"{shown(x if x_m is None else y)} is not a number of metres", "not metres")
+            self.report.add_problem(at, f"{shown(x if x_m is None else y)} is not a number of metres", "not metres")
         elif max(abs(x_m), abs(y_m)) > _MOST_COORDINATE_M:
             problem = f"({x_m:.10g}, {y_m:.10g}) is not within {_MOST_COORDINATE_M:g} m of (0, 0)"
-            self.report.complain(at, problem, "too far")
+            self.report.add_problem(at, problem, "too far")
         else:
             return x_m, y_m
         return None
@@ -146,7 +146,7 @@ class _Table:
         number = number_of(text) if text else 0.0
         if number is not None and 0 <= number <= most:
             return number
-        self.report.complain(at, f"{key} {shown(text)} is not a number within 0 and {most:g}", key)
+        self.report.add_problem(at, f"{key} {shown(text)} is not a number within 0 and {most:g}", key)
         return 0.0
 
     def _text(self, row: list[str], key: str) -> str:

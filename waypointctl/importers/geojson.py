@@ -67,7 +67,7 @@ class _Reader:
         if found is None:
             known = "WGS 84 (CRS84, EPSG:4326), the Moon (IAU_2015:30100) or Mars (IAU_2015:49900)"
             hint = "GeoJSON is in degrees (RFC 7946): write it with 'ogr2ogr -t_srs EPSG:4326'"
-            name.complain(f"{shown(name.value)} is not latitude and longitude of {known}; {hint}")
+            name.add_problem(f"{shown(name.value)} is not latitude and longitude of {known}; {hint}")
         elif found["naif"]:
             self.shapes.body = _BODIES[found["naif"]]
 
@@ -108,7 +108,7 @@ class _Reader:
             return
         if kind.value == _COLLECTION:
             if depth == _MOST_DEPTH:
-                part.complain(f"is a {_COLLECTION} more than {_MOST_DEPTH} deep in others")
+                part.add_problem(f"is a {_COLLECTION} more than {_MOST_DEPTH} deep in others")
                 return
             for inner in part.each("geometries"):
                 self._geometry(inner, name, depth=depth + 1)
@@ -119,7 +119,7 @@ class _Reader:
 
     def _coordinates(self, kind: str, coordinates: Part, name: str) -> None:
         parts = coordinates.elements() if kind.startswith("Multi") else iter((coordinates,))
-        if coordinates.value == []:  # RFC 7946, 3.1: as good as none
+        if coordinates.value == []:  # RFC 7946, 3.1: an empty list stands for no place
             self.shapes.report.left_out[f"{kind} without coordinates"] += 1
         elif kind.endswith("LineString"):
             for line in _joined(parts):
@@ -133,9 +133,9 @@ class _Reader:
     def _line(self, parts: Sequence[Part], name: str) -> None:
         counts = [len(part.value) if isinstance(part.value, list) else MOST_POSITIONS for part in parts]
         if (least := min(counts)) < 2:
-            parts[counts.index(least)].complain(f"has {counted(least, 'positions')}; a line has 2 and more")
+            parts[counts.index(least)].add_problem(f"has {counted(least, 'positions')}; a line has 2 and more")
         elif sum(counts) > MOST_POSITIONS:
-            parts[0].complain(too_many(sum(counts), "positions"))
+            parts[0].add_problem(too_many(sum(counts), "positions"))
         else:
             self.shapes.add_line(name, parts[0].at_text, lambda: self._spots(parts))
 
@@ -152,11 +152,11 @@ class _Reader:
     def _spot(self, position: Part, name: str) -> Spot | None:
         value = position.value
         if not isinstance(value, list):
-            position.complain(f"{shown(value)} is not a list", "not a list")
+            position.add_problem(f"{shown(value)} is not a list", "not a list")
         elif len(value) < 2:
-            position.complain(f"has {counted(len(value), 'numbers')}; {_WANTED}", "too few numbers")
+            position.add_problem(f"has {counted(len(value), 'numbers')}; {_WANTED}", "too few numbers")
         elif isinstance(value[0], str) or isinstance(value[1], str):
-            position.complain(f"{shown(value[0])}, {shown(value[1])} are not numbers", "not numbers")
+            position.add_problem(f"{shown(value[0])}, {shown(value[1])} are not numbers", "not numbers")
         elif (place := position.report.place(position.at_text, value[1], value[0], _ORDER)) is not None:
             return Spot(place, name, position.at_text)
         return None

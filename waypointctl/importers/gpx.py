@@ -41,7 +41,7 @@ def _add(shapes: Shapes, line: Element, points: list[Element]) -> None:
     if not points:
         shapes.report.left_out[f"{line.name} without points"] += 1
     elif len(points) > MOST_POSITIONS:
-        shapes.report.complain(line.at, too_many(len(points), "points"))
+        shapes.report.add_problem(line.at, too_many(len(points), "points"))
     else:
         shapes.add_line(line.text_of("name"), line.at, lambda: _spots(shapes.report, points))
 

@@ -28,9 +28,9 @@ class Part:
         """The place in the file, as "mission.items[3]"."""
         return path_text(self.path)
 
-    def complain(self, problem: str, cause: str | None = None) -> None:
-        """Report a problem here (see Report.complain)."""
-        self.report.complain(self.at_text, problem, cause)
+    def add_problem(self, problem: str, cause: str | None = None) -> None:
+        """Report a problem here (see Report.add_problem)."""
+        self.report.add_problem(self.at_text, problem, cause)
 
     def has(self, key: str) -> bool:
         """Tell whether there is something under a key."""
@@ -43,9 +43,9 @@ class Part:
     def at(self, key: str) -> Part | None:
         """Return what is under a key; that there is nothing, or that this is no mapping, is reported."""
         if not isinstance(self.value, dict):
-            self.complain(f"{shown(self.value)} is not a mapping of keys to values", "not a mapping")
+            self.add_problem(f"{shown(self.value)} is not a mapping of keys to values", "not a mapping")
         elif not self.has(key):
-            self.complain(f"'{key}' is missing")
+            self.add_problem(f"'{key}' is missing")
         return self.get(key)
 
     def each(self, key: str, most: int = MOST_ENTRIES) -> Iterator[Part]:
@@ -57,10 +57,10 @@ class Part:
     def elements(self, most: int = MOST_ENTRIES) -> Iterator[Part]:
         """Yield the elements of a list."""
         if not isinstance(self.value, list):
-            self.complain(f"{shown(self.value)} is not a list", "not a list")
+            self.add_problem(f"{shown(self.value)} is not a list", "not a list")
             return
         if len(self.value) > most:
-            self.complain(f"has {len(self.value):,} entries; at most {most:,} are read", "too many entries")
+            self.add_problem(f"has {len(self.value):,} entries; at most {most:,} are read", "too many entries")
             return
         for index, value in enumerate(self.value):
             yield Part(value, (*self.path, index), self.report)
@@ -69,12 +69,12 @@ class Part:
         """Return a finite number within bounds."""
         number = None if isinstance(self.value, str) else number_of(self.value)
         if number is None:
-            self.complain(f"{shown(self.value)} is not a finite number", "not a finite number")
+            self.add_problem(f"{shown(self.value)} is not a finite number", "not a finite number")
         elif low <= number <= high:
             return number
         else:
             limits = f">= {low:g}" if high == math.inf else f"within {low:g} and {high:g}"
-            self.complain(f"{shown(self.value)} is not a number {limits}", f"not {limits}")
+            self.add_problem(f"{shown(self.value)} is not a number {limits}", f"not {limits}")
         return None
 
     def whole(self) -> int | None:
@@ -83,11 +83,11 @@ class Part:
         return int(number) if number is not None and number.is_integer() else None
 
     def one_of(self, *allowed: object) -> bool:
-        """Tell whether the value is one of these; that it is none is reported. A whole float is the integer it is."""
+        """Tell whether the value is one of these; another is reported. A whole float counts as its integer."""
         value = int(self.value) if isinstance(self.value, float) and self.value.is_integer() else self.value
         if any(type(each) is type(value) and each == value for each in allowed):
             return True
-        self.complain(f"{shown(self.value)} is not {' or '.join(shown(each) for each in allowed)}")
+        self.add_problem(f"{shown(self.value)} is not {' or '.join(shown(each) for each in allowed)}")
         return False
 
 
@@ -105,9 +105,9 @@ def place_in(part: Part) -> tuple[float, float] | None:
     """Return the place that a list [latitude, longitude, ...] says, None where it says none, which is reported."""
     if not isinstance(part.value, list) or len(part.value) < 2:
         if isinstance(part.value, list):
-            part.complain(f"has {counted(len(part.value), 'numbers')}; latitude and longitude are needed")
+            part.add_problem(f"has {counted(len(part.value), 'numbers')}; latitude and longitude are needed")
         else:
-            part.complain(f"{shown(part.value)} is not a list", "not a list")
+            part.add_problem(f"{shown(part.value)} is not a list", "not a list")
         return None
     return part.report.place(part.at_text, part.value[0], part.value[1])
 

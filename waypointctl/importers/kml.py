@@ -19,7 +19,7 @@ from waypointctl.mission.wording import shown
 
 _ORDER: Final = "KML is longitude,latitude"
 _TARGET: Final = re.compile(r"\btarget=(\w+)")  # of the hint that names the body
-_COMMA: Final = re.compile(r",\s+")
+_COMMA: Final = re.compile(r"\s{0,9},\s*")  # bounded: long runs of white space stay linear
 
 
 def read_kml(source: bytes, report: Report, name: str) -> Survey:
@@ -50,7 +50,7 @@ def _body(root: Element, report: Report) -> str:
     body = "earth" if target is None else target[1].lower()
     if body in BODIES:
         return body
-    report.complain(root.at, f"its hint names {shown(body)}, which is not one of {', '.join(BODIES)}")
+    report.add_problem(root.at, f"its hint names {shown(body)}, which is not one of {', '.join(BODIES)}")
     return "earth"
 
 
@@ -88,7 +88,7 @@ def _take(shapes: Shapes, geometry: Element, name: str) -> None:
     if not texts:
         report.left_out[f"{geometry.name} without coordinates"] += 1
     elif len(texts) > MOST_POSITIONS:
-        report.complain(geometry.at, too_many(len(texts), "positions"))
+        report.add_problem(geometry.at, too_many(len(texts), "positions"))
     elif geometry.name == "Point":
         shapes.points += _spots(report, texts[:1], separator, geometry, name)
     else:
@@ -100,6 +100,6 @@ def _spots(report: Report, texts: list[str], separator: str | None, geometry: El
         at = geometry.at if len(texts) == 1 else f"{geometry.at}, position {number}"
         longitude, *others = text.split(separator, 2)
         if not others:
-            report.complain(at, f"{shown(text)} is not longitude,latitude", "not longitude,latitude")
+            report.add_problem(at, f"{shown(text)} is not longitude,latitude", "not longitude,latitude")
         elif (place := report.place(at, others[0], longitude, _ORDER)) is not None:
             yield Spot(place, name, at)

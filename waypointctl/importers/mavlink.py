@@ -70,12 +70,12 @@ NOT_DONE: Final = {
     PAYLOAD_PLACE: "the robot walks to its place and carries nothing",
 }
 
-_SPEED: Final = "the policy walks at its own speed"
-_FACING: Final = "where it faces is the policy's own"
+_SPEED: Final = "the policy sets the speed"
+_FACING: Final = "the policy sets the heading"
 _CAMERA: Final = "the camera takes one picture at a time, at a waypoint"
 _GIMBAL: Final = "there is no gimbal to point"
 _GROUND: Final = "the robot stays on the ground"
-_WAIT: Final = "nothing that is left in waits for it"
+_WAIT: Final = "no command that is kept waits for it"
 _DEVICE: Final = "there is no such device"
 _MARK: Final = "the mission is walked from its start"
 _SETTING: Final = "it sets up or asks for what a mission file does not have"

@@ -1,6 +1,6 @@
 """Where a list of MAVLink mission items leads a robot that walks.
 
-Altitudes are no matter, and where latitude and longitude are both 0 or not a number the item is about where the vehicle
+Altitudes are not used, and where latitude and longitude are both 0 or not a number the item is about where the vehicle
 is. A jump is done as often as it says, from its own place, as ArduPilot and PX4 do it.
 """
 
@@ -97,10 +97,10 @@ class _Way:
             self._leave_out(f"{name} (command {number}): {why}")
         elif number in INSTEAD:
             name, why = INSTEAD[number]
-            self.report.complain(f"{item.at}.command", f"{number} is {name}: {why}")
+            self.report.add_problem(f"{item.at}.command", f"{number} is {name}: {why}")
         elif number not in FOLLOWED:
             problem = f"{number} is not a mission command of MAVLink that is known"
-            self.report.complain(f"{item.at}.command", problem, "unknown command")
+            self.report.add_problem(f"{item.at}.command", problem, "unknown command")
 
     def walked(self, items: Sequence[Item]) -> tuple[Stop, ...]:
         """Return the stops of items that can be followed, their jumps unrolled."""
@@ -130,7 +130,7 @@ class _Way:
             place += 1
         if place < len(items) or len(self.stops) > MOST_STOPS:
             problem = f"leads to more than the {MOST_STOPS:,} waypoints that a mission can have"
-            self.report.complain(items[0].at.rpartition("[")[0], f"{problem}: cut it into several")
+            self.report.add_problem(items[0].at.rpartition("[")[0], f"{problem}: cut it into several")
         return tuple(self.stops)
 
     def _leave_out_after(self, end: int, items: Sequence[Item], reached: Container[int]) -> None:
@@ -143,11 +143,11 @@ class _Way:
         number, times = item.params[0], item.params[_TIMES]
         what = f"is a {FOLLOWED[item.command]} (command {item.command})"
         if times is not None and times < 0:
-            self.report.complain(item.at, f"{what} without end: the mission's 'repeat' walks the whole of it again")
+            self.report.add_problem(item.at, f"{what} without end: the mission's 'repeat' walks the whole of it again")
             return None
         target = None if number is None else place_of(number)
         if target is None:
-            self.report.complain(item.at, f"{what} to {_shown(number)}, and no item has that number")
+            self.report.add_problem(item.at, f"{what} to {_shown(number)}, and no item has that number")
         return target
 
     def _take(self, item: Item, *, is_last: bool) -> None:
@@ -155,8 +155,8 @@ class _Way:
         if not item.goes_on and not is_last:
             self._leave_out("wait for a person (autoContinue is false): the robot goes on")
         if command in ENDS and not is_last and not (command == RETURN and self.stops):
-            problem = f"is a {FOLLOWED[command]} (command {command}), which nothing follows, and more does"
-            self.report.complain(item.at, f"{problem}: end the plan there, or take it out")
+            problem = f"is a {FOLLOWED[command]} (command {command}), and items follow it, which are never reached"
+            self.report.add_problem(item.at, f"{problem}: end the plan there, or remove it")
         if command in NOT_DONE:
             self._leave_out(f"{FOLLOWED[command]} (command {command}): {NOT_DONE[command]}")
         if command == RETURN:
@@ -175,7 +175,7 @@ class _Way:
         if item.frame not in GLOBAL_FRAMES:
             allowed = ", ".join(map(str, GLOBAL_FRAMES))
             found = "is missing" if item.frame is None else f"{item.frame} is not one with latitude and longitude"
-            self.report.complain(f"{item.at}.frame", f"{found}; {allowed} are")
+            self.report.add_problem(f"{item.at}.frame", f"{found}; {allowed} are")
             return
         command = item.command
         place = self.report.place(f"{item.at}.params", item.params[LATITUDE], item.params[LONGITUDE])
@@ -183,7 +183,7 @@ class _Way:
         radius_m = item.params[_RADIUS] or 0.0 if command == WAYPOINT else 0.0
         if not 0 <= radius_m <= _MOST_RADIUS_M:
             problem = f"an acceptance radius of {radius_m:g} m is not within 0 and {_MOST_RADIUS_M:g} m"
-            self.report.complain(f"{item.at}.params[{_RADIUS}]", problem, "radius")
+            self.report.add_problem(f"{item.at}.params[{_RADIUS}]", problem, "radius")
         self._note_what_is_not_done(item)
         if place is not None and hold_s is not None:
             name = "land" if command in LANDINGS else "takeoff" if command in TAKEOFFS else ""
@@ -194,7 +194,7 @@ class _Way:
         """Take an item that is about where the robot is."""
         if item.command not in HERE:
             problem = "has no place: latitude and longitude (the fifth and the sixth) are 0 or null"
-            self.report.complain(f"{item.at}.params", problem)
+            self.report.add_problem(f"{item.at}.params", problem)
         elif hold_s := self._hold_s(item):
             self._stop_here(hold_s=hold_s)
 
@@ -202,7 +202,7 @@ class _Way:
         delay_s = item.params[_HOLD] or 0.0
         if delay_s < 0:
             problem = "waits for a time of day, which a mission does not know: give seconds (the first parameter)"
-            self.report.complain(item.at, problem)
+            self.report.add_problem(item.at, problem)
         elif hold_s := self._hold_s(item):
             self._stop_here(hold_s=hold_s)
 
@@ -227,7 +227,7 @@ class _Way:
         hold_s = item.params[_HOLD] or 0.0 if item.command in HOLDS else 0.0
         if 0 <= hold_s <= _DAY_S:
             return hold_s
-        self.report.complain(f"{item.at}.params[{_HOLD}]", f"{hold_s:g} s is not within 0 and {_DAY_S:g} s", "hold")
+        self.report.add_problem(f"{item.at}.params[{_HOLD}]", f"{hold_s:g} s is not within 0 and {_DAY_S:g} s", "hold")
         return None
 
     def _note_what_is_not_done(self, item: Item) -> None:
@@ -236,7 +236,7 @@ class _Way:
         if item.command == LOITER_TIME and item.params[_LOITER_RADIUS]:
             self._leave_out("loiter radius: the robot stands at the centre")
         if item.command in (WAYPOINT, *LANDINGS, *TAKEOFFS) and item.params[_YAW]:
-            self._leave_out("heading at a waypoint: where the robot faces is the policy's own")
+            self._leave_out("heading at a waypoint: the policy sets the heading")
 
     def _leave_out(self, what: str) -> None:
         self.report.left_out[what] += 1

@@ -1,4 +1,4 @@
-"""The mission file that becomes of what another tool's file says."""
+"""The mission file that is made from another tool's file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MOST_NAME: Final = 60  # characters of a waypoint's name
 def mission_text(
     survey: Survey, where: str, policy: str, origin: Place | None = None, body: Body | None = None
 ) -> tuple[str, Placed]:
-    """Return the mission file of what another tool's file says, and that in metres.
+    """Return the mission file made from what another tool's file says, and its places in metres.
 
     Args:
         survey: what it says.

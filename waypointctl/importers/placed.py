@@ -197,7 +197,7 @@ def _refuse_wrong_zones(zones: tuple[tuple[Zone, tuple[Point, ...]], ...], where
         try:
             Area.model_validate(shape)
         except ValidationError as error:
-            report.complain(zone.at, error.errors()[0]["msg"].removeprefix("Value error, "))
+            report.add_problem(zone.at, error.errors()[0]["msg"].removeprefix("Value error, "))
     report.refuse()
 
 

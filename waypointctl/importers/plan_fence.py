@@ -39,7 +39,7 @@ def read_fence(root: Part, report: Report) -> tuple[tuple[Zone, ...], Place | No
         return (), None
     zones = (*_circles(fence), *_polygons(fence))
     if (corners := sum(len(zone.corners) for zone in zones)) > _MOST_CORNERS_IN_ALL:
-        fence.complain(f"has {corners:,} corners; at most {_MOST_CORNERS_IN_ALL:,} are read")
+        fence.add_problem(f"has {corners:,} corners; at most {_MOST_CORNERS_IN_ALL:,} are read")
     breach_return = fence.get("breachReturn")
     return zones, None if breach_return is None or is_unset(breach_return) else place_in(breach_return)
 
@@ -51,7 +51,7 @@ def _is_read(fence: Part) -> bool:
     if version is not None and not version.one_of(_VERSION):
         return False
     if old is not None:
-        fence.complain(f"has a '{old}', as version 1 had; version 2 has 'polygons' and 'circles'")
+        fence.add_problem(f"has a '{old}', as version 1 had; version 2 has 'polygons' and 'circles'")
     return old is None
 
 
@@ -76,7 +76,7 @@ def _polygons(fence: Part) -> Iterator[Zone]:
         if len(places) >= 3:
             yield Zone(inclusion.value, tuple(places), None, polygon.at_text)
         elif isinstance(corners.value, list) and len(corners.value) < 3:
-            corners.complain(f"has {counted(len(corners.value), 'corners')}; at least 3 are needed")
+            corners.add_problem(f"has {counted(len(corners.value), 'corners')}; at least 3 are needed")
 
 
 def _is_known(shape: Part) -> bool:

@@ -32,7 +32,7 @@ def read_plan(source: bytes, report: Report, name: str) -> Survey:
         name: of the mission.
 
     Raises:
-        MissionError: it is no plan that a walking robot can follow, with all that is wrong.
+        MissionError: a walking robot cannot follow it, with all that is wrong.
     """
     root = read_json(source, report)
     mission = _mission_of(root)
@@ -40,7 +40,7 @@ def read_plan(source: bytes, report: Report, name: str) -> Survey:
     stops = follow(list(_items(mission)), report)
     zones, return_to = read_fence(root, report)
     if not stops and report.is_clean:
-        mission.complain("has no waypoint to walk to: at least one item of command 16 is needed")
+        mission.add_problem("has no waypoint to walk to: at least one item of command 16 is needed")
     report.refuse()
     if rally := _rally_count(root):
         report.left_out[f"rally point{'s' if rally > 1 else ''}: the robot has one home, onboard.home"] += rally
@@ -58,13 +58,13 @@ def read_plan(source: bytes, report: Report, name: str) -> Survey:
 
 def _mission_of(root: Part) -> Part:
     """Return the part with the waypoints of a plan whose versions are those that are read."""
-    kind = root.at("fileType")
+    if (kind := root.at("fileType")) is not None:
+        kind.one_of("Plan")
     root.report.refuse()
-    assert kind is not None
     mission = root.at("mission")
     root.report.refuse()
     assert mission is not None
-    if kind.one_of("Plan") and (version := root.at("version")) is not None:
+    if (version := root.at("version")) is not None:
         version.one_of(1)
     if not isinstance(mission.value, dict):
         mission.at("items")
@@ -97,7 +97,7 @@ def _laid_out(part: Part) -> Iterator[Item]:
         yield from (item for inner in transects.each("Items") if (item := _item(inner)) is not None)
     else:
         what = shown(kind) if isinstance(kind, str) else "of no type"
-        part.complain(f"is a ComplexItem ({what}) without the simple items of a survey: draw its waypoints")
+        part.add_problem(f"is a ComplexItem ({what}) without the simple items of a survey: draw its waypoints")
 
 
 def _landing(part: Part, command: int) -> Iterator[Item]:
@@ -119,7 +119,7 @@ def _item(part: Part) -> Item | None:
     number, frame = (None if each is None else each.whole() for each in (command, part.get("frame")))
     values = None if params is None else _parameters(part, params)
     if command is not None and number is None:
-        command.complain(f"{shown(command.value)} is not the number of a command")
+        command.add_problem(f"{shown(command.value)} is not the number of a command")
     if number is None or values is None:
         return None
     jump_id = part.get("doJumpId")
@@ -132,18 +132,18 @@ def _item(part: Part) -> Item | None:
 def _parameters(item: Part, params: Part) -> tuple[float | None, ...] | None:
     values = params.value
     if not isinstance(values, list):
-        params.complain(f"{shown(values)} is not a list", "not a list")
+        params.add_problem(f"{shown(values)} is not a list", "not a list")
         return None
     coordinate = item.value.get("coordinate")
     if len(values) == _OLD_PARAMETERS and isinstance(coordinate, list) and len(coordinate) == PARAMETERS - len(values):
         values = [*values, *coordinate]
     if len(values) != PARAMETERS:
         entries = "entry" if len(values) == 1 else "entries"
-        params.complain(f"has {len(values)} {entries}; a simple item has {PARAMETERS}", "number of parameters")
+        params.add_problem(f"has {len(values)} {entries}; a simple item has {PARAMETERS}", "number of parameters")
         return None
     for place, value in enumerate(values):
         if is_number(value) and (isinstance(value, str) or number_of(value) is None):
-            item.report.complain(f"{params.at_text}[{place}]", f"{shown(value)} is not a number", "not a number")
+            item.report.add_problem(f"{params.at_text}[{place}]", f"{shown(value)} is not a number", "not a number")
             return None
     return tuple(number_of(value) for value in values)
 

@@ -40,7 +40,7 @@ def read_survey(path: Path) -> Survey:
     """Return what a file of another tool says of a mission.
 
     Raises:
-        MissionError: there is no such file, or it is none that is read, or something is wrong with it.
+        MissionError: the file does not exist, is not of a kind that is read, or has an error.
     """
     source = read_source(path, MissionError, MAX_BYTES)
     report = Report(str(path))

@@ -43,7 +43,7 @@ class Report:
         """Whether nothing was found wrong so far."""
         return not self._causes
 
-    def complain(self, place: str, problem: str, cause: str | None = None) -> None:
+    def add_problem(self, place: str, problem: str, cause: str | None = None) -> None:
         """Note a problem.
 
         Args:
@@ -87,9 +87,9 @@ class Report:
         if north is None or east is None:
             wrong = latitude if north is None else longitude
             if wrong == "":
-                self.complain(at, f"the {'latitude' if north is None else 'longitude'} is missing", "missing")
+                self.add_problem(at, f"the {'latitude' if north is None else 'longitude'} is missing", "missing")
                 return None
-            self.complain(at, f"{shown(wrong)} is not a finite number of degrees", "not a number of degrees")
+            self.add_problem(at, f"{shown(wrong)} is not a finite number of degrees", "not a number of degrees")
         elif abs(north) > MAX_LATITUDE or abs(east) > _MAX_LONGITUDE:
             problem = (
                 f"{north:.10g}, {east:.10g} is not a latitude within -{MAX_LATITUDE:g} and {MAX_LATITUDE:g} and a "
@@ -101,7 +101,7 @@ class Report:
                 problem += "; they look like metres of a projection"
             elif abs(east) <= 90 < abs(north):
                 problem += f"; they look swapped{order and f': {order}'}"
-            self.complain(at, problem, "not a place")
+            self.add_problem(at, problem, "not a place")
         else:
             return north, east
         return None

@@ -90,7 +90,7 @@ class Shapes:
             named = ", ".join(shown(line.name) if line.name else line.at for line in self.lines[:5])
             more = f" and {len(self.lines) - 5:,} more" if len(self.lines) > 5 else ""
             problem = f"has {len(self.lines):,} lines ({named}{more}); a mission is one {self.line_word}: keep one"
-            self.report.complain("", problem)
+            self.report.add_problem("", problem)
         elif len(self.points) < 2:
             found = [counted(len(self.points), f"{self.point_word}s")] if self.points else []
             found += [counted(count, f"{what}s") for what, count in self.others.items()]
@@ -98,10 +98,10 @@ class Shapes:
             problem = (
                 f"has no {self.line_word}{beside}; a mission is one {self.line_word}, or 2 {self.point_word}s and more"
             )
-            self.report.complain("", problem)
+            self.report.add_problem("", problem)
         elif len(self.points) > MOST_STOPS + 1:
             limit = f"at most {MOST_STOPS + 1:,} are allowed, the start and {MOST_STOPS:,} waypoints"
-            self.report.complain("", f"has {len(self.points):,} {self.point_word}s; {limit}: cut it into several")
+            self.report.add_problem("", f"has {len(self.points):,} {self.point_word}s; {limit}: cut it into several")
         return self.points
 
 

@@ -38,7 +38,7 @@ def read_wpl(source: bytes, report: Report, name: str) -> Survey:
         name: of the mission.
 
     Raises:
-        MissionError: it is none that a walking robot can follow, with all that is wrong.
+        MissionError: a walking robot cannot follow it, with all that is wrong.
     """
     lines = text_of(source, report).splitlines()
     begin, header = next((number, line) for number, line in enumerate(lines, 1) if line.strip())
@@ -56,7 +56,7 @@ def read_wpl(source: bytes, report: Report, name: str) -> Survey:
         items = items[1:]
     stops = follow(items, report)
     if not stops and report.is_clean:
-        report.complain("", "has no waypoint to walk to: at least one item of command 16 beside the home is needed")
+        report.add_problem("", "has no waypoint to walk to: at least one item of command 16 beside the home is needed")
     report.refuse()
     left_out = tuple(f"{count} x {what}" for what, count in report.left_out.items())
     return Survey(mission_name(name), home, stops, start_at=start_at, is_home=True, left_out=left_out)
@@ -70,13 +70,15 @@ def _items(lines: list[str], begin: int, report: Report) -> Iterator[Item]:
         if not values or line.startswith("#"):
             continue
         if len(values) != _VALUES:
-            report.complain(at, f"has {counted(len(values), 'values')}; an item has {_VALUES}", "number of values")
+            report.add_problem(at, f"has {counted(len(values), 'values')}; an item has {_VALUES}", "number of values")
             continue
         wrong = next((value for value in values if number_of(value) is None and not _is_nan(value)), None)
         whole = [_whole(values[place]) for place in (_NUMBER, _FRAME, _COMMAND)]
         if wrong is not None or None in whole:
             found = shown(wrong) if wrong is not None else "its number, frame or command"
-            report.complain(at, f"{found} is not a {'number' if wrong is not None else 'whole number'}", "not a number")
+            report.add_problem(
+                at, f"{found} is not a {'number' if wrong is not None else 'whole number'}", "not a number"
+            )
             continue
         index, frame, command = (each for each in whole if each is not None)
         if number_of(values[_CURRENT]) and index > 1:
