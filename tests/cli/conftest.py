@@ -16,8 +16,11 @@ from waypointctl.policy.bundle import LoadedPolicy
 
 @pytest.fixture(autouse=True)
 def _signals() -> Iterator[None]:
-    """Give signals back their meaning: the program takes it from them as it ends."""
+    """Give signals their meaning, which nohup takes from them, and give it back: the program takes it as it ends."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
