@@ -218,6 +218,7 @@ def main() -> None:
             slowest, largest = max(slowest, case.cpu_s), max(largest, case.peak_bytes)
             for fault in case.faults:
                 print(f"case {case.index} ({case.done}): {fault}", flush=True)
+        print(f"{first + BATCH - options.first} done", file=sys.stderr, flush=True)
     for outcome, count in sorted(outcomes.items()):
         print(f"{count:6}  {outcome}")
     print(
