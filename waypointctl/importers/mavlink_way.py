@@ -37,6 +37,7 @@ from waypointctl.importers.survey import MOST_STOPS, Stop
 
 PARAMETERS: Final = 7
 _HOLD: Final = 0
+_TIME_OF_DAY: Final = slice(1, 4)  # of a delay: hour, minute, second, -1 for none
 _RADIUS: Final = 1
 _LOITER_RADIUS: Final = 2  # of a waypoint by which to pass it
 _YAW: Final = 3
@@ -200,7 +201,8 @@ class _Way:
 
     def _wait(self, item: Item) -> None:
         delay_s = item.params[_HOLD] or 0.0
-        if delay_s < 0:
+        has_time_of_day = any((number or 0.0) > 0 for number in item.params[_TIME_OF_DAY])
+        if delay_s < 0 or (not delay_s and has_time_of_day):
             problem = "waits for a time of day, which a mission does not know: give seconds (the first parameter)"
             self.report.add_problem(item.at, problem)
         elif hold_s := self._hold_s(item):

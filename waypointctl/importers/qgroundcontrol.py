@@ -52,7 +52,7 @@ def read_plan(source: bytes, report: Report, name: str) -> Survey:
         is_home=True,
         zones=zones,
         return_to=return_to,
-        left_out=tuple(f"{count} x {what}" for what, count in report.left_out.items()),
+        left_out=report.left_out_lines,
     )
 
 

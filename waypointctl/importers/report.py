@@ -43,6 +43,11 @@ class Report:
         """Whether nothing was found wrong so far."""
         return not self._causes
 
+    @property
+    def left_out_lines(self) -> tuple[str, ...]:
+        """What is left out, each kind with its number."""
+        return tuple(f"{count} x {what}" for what, count in self.left_out.items())
+
     def add_problem(self, place: str, problem: str, cause: str | None = None) -> None:
         """Note a problem.
 

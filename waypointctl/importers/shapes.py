@@ -70,7 +70,7 @@ class Shapes:
         left_out = [f"{count} {what}{'s' if count > 1 else ''}" for what, count in self.others.items()]
         if self.lines and self.points:
             left_out.insert(0, counted(len(self.points), f"{self.point_word}s"))
-        left_out += [f"{count} x {what}" for what, count in self.report.left_out.items()]
+        left_out += self.report.left_out_lines
         own = self.lines[0].name if self.lines else ""
         return Survey(
             mission_name(own or name),

@@ -58,8 +58,7 @@ def read_wpl(source: bytes, report: Report, name: str) -> Survey:
     if not stops and report.is_clean:
         report.add_problem("", "has no waypoint to walk to: at least one item of command 16 beside the home is needed")
     report.refuse()
-    left_out = tuple(f"{count} x {what}" for what, count in report.left_out.items())
-    return Survey(mission_name(name), home, stops, start_at=start_at, is_home=True, left_out=left_out)
+    return Survey(mission_name(name), home, stops, start_at=start_at, is_home=True, left_out=report.left_out_lines)
 
 
 def _items(lines: list[str], begin: int, report: Report) -> Iterator[Item]:
