@@ -183,7 +183,6 @@ SHAPES: Final = (
     Shape("a loiter to a height", plan(A, there(31, 2, 4)), AB, ("1 x loiter to altitude",)),
     Shape("a delay", plan(A, item(93, 12.5, -1, -1, -1), B), (At(2, 0, 12.5), (2, 4))),
     Shape("a delay first", plan(item(93, 5, -1, -1, -1), A), (At(0, 0, 5, name="start"), (2, 0))),
-    Shape("a delay until a time of day", plan(A, item(93, 0, 12, 30, 0), B), refused=r"items\[1\]: waits for a time of day"),
     Shape("a landing midway", plan(A, there(21, 2, 4), item(93, 30), there(22, 2, 4), wp(0, 4)),
           ((2, 0), At(2, 4, 30, name="land"), (0, 4)), ("1 x landing", "1 x takeoff")),
     Shape("a landing midway where the vehicle is", plan(A, item(21, frame=3), item(93, 30), item(22, frame=3), B),

@@ -93,6 +93,8 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
             changed("mission", "items", 0, "command", to=20),
             r"items\[0\]: is a return \(command 20\), and items follow",
         ),
+        (plan(A, item(93, 0, 12, 30)), r"items\[1\]: waits for a time of day, which a mission does not know"),
+        (plan(A, item(93, -1, -1, -1, 20)), r"items\[1\]: waits for a time of day"),
         (changed("mission", "items", 0, "frame", to=1), r"items\[0\]\.frame: 1 is not one with latitude and longitude"),
         (changed("mission", "items", 0, "frame", to=None), r"items\[0\]\.frame: is missing; 0, 3, 5"),
         (
