@@ -147,7 +147,7 @@ def faults(mission: Mission, result: FlightResult, messages: Sequence[Message]) 
     told = Told()
     for message in messages:
         told.take(message)
-    end_ns = max(result.sim_time_ns, *(one.time_ns for one in messages if isinstance(one, Action)))
+    end_ns = max([result.sim_time_ns, *(one.time_ns for one in messages if isinstance(one, Action))])
     return [
         *_unfinished(mission, result, told, end_ns),
         *_insisted(mission, told),

@@ -133,6 +133,20 @@ def test_what_the_loss_of_the_link_will_do_is_waited_for_where_nothing_keeps_it(
     assert result.reason.startswith("link lost: ")
 
 
+def test_so_it_is_where_the_operator_has_given_the_mission_up() -> None:
+    mission = mission_of(
+        OUT_OF_REACH,
+        autonomy="heading",
+        operator={"steering": "continuous", "update_rate_hz": 2.0},
+        on_failure="hold",
+        onboard={"link_loss": {"after_s": 20.0, "do": "return_home"}} | AWAY,
+    )
+    result, messages = flown(mission)
+    assert result.reason.startswith("timeout: ")
+    (ended,) = times_ns(EventKind.RETURN_FAILED, messages)
+    assert result.known_ns < ended <= result.sim_time_ns
+
+
 @pytest.mark.parametrize("loss", [0.5, 0.9])
 def test_frames_that_are_lost_are_waited_for_until_one_arrives(loss: float) -> None:
     for seed in range(4):

@@ -108,3 +108,17 @@ def test_a_hold_at_the_last_waypoint_is_kept_to_its_end(policy: LoadedPolicy) ->
     assert from_afar.sim_time_ns == pytest.approx(on_board.sim_time_ns, abs=40_000_000)
     (held,) = (event for event in only(Event, messages) if event.kind is EventKind.HOLD_COMPLETED)
     assert held.time_ns <= from_afar.sim_time_ns
+
+
+@pytest.mark.parametrize(("does", "reason"), [("return_home", "geofence: "), ("hold", "geofence: the robot is inside")])
+def test_a_rule_that_takes_the_motors_is_named_and_a_way_home_is_not_cut_off(
+    policy: LoadedPolicy, does: str, reason: str
+) -> None:
+    fence = {"keep_out": [{"center_m": [4.0, 0.0], "radius_m": 0.5}], "do": does}
+    places = ({"position_m": [2.0, 0.0]}, {"position_m": [6.0, 0.0], "timeout_s": 3.0})
+    result, messages = flown(mission_of(*places, autonomy="joint", seed=5, onboard={"geofence": fence}), policy)
+    kinds = [event.kind for event in only(Event, messages)]
+    assert kinds.count(EventKind.RETURN_STARTED) == kinds.count(EventKind.HOME_REACHED) == (does == "return_home")
+    assert kinds.index(EventKind.GEOFENCE_BREACHED) < kinds.index(EventKind.WAYPOINT_TIMEOUT)
+    assert result.reason.startswith(reason)
+    assert ("the robot is at home" in result.reason) == (does == "return_home")

@@ -53,9 +53,6 @@ class Closing:
             return False
         if self.station.acts_on_states and not (self.down.is_dead(now_ns) or self.up.is_dead(now_ns)):
             return False
-        gives_up_ns = self.executive.gives_up_ns
-        if gives_up_ns is not None and not self._is_heard_before(now_ns, gives_up_ns):
-            return False
         return self._is_told(now_ns) and not any(isinstance(one, Ack) for _, one in self.down.under_way)
 
     def _is_quiet(self, now_ns: int) -> bool:
@@ -64,6 +61,9 @@ class Closing:
         if executive.mode is Mode.FALLEN:
             return True
         if executive.plans or any(not isinstance(one, Heartbeat) for _, one in self.up.under_way):
+            return False
+        gives_up_ns = executive.gives_up_ns
+        if gives_up_ns is not None and not self._is_heard_before(now_ns, gives_up_ns):
             return False
         return not (executive.waits_for_ground and self._is_heard(now_ns))
 

@@ -28,7 +28,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.executive.rules import FALL, TIMEOUT
+from waypointctl.ops.executive.rules import AT_HOME, FALL, TIMEOUT
 from waypointctl.ops.ground.operator import Operator, ended_by_robot, leg_failed
 from waypointctl.ops.ground.order import Order
 from waypointctl.ops.link.frames import BodyFrame
@@ -118,11 +118,11 @@ class Pilot(Operator):
         if self._skips:
             self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, waypoint, f"skipped: {TIMEOUT}")
             return self._next_leg(frame.issued_ns, 0)
-        return [Order(CommandKind.HOLD), *self._finish(TIMEOUT)]
+        return [*self._stop(), *self._finish(self._taken_by or TIMEOUT)]
 
     def _next_leg(self, since_ns: int, hold_ns: int) -> list[Order]:
         """Turn to the next waypoint, after a hold; since_ns is on the robot's clock."""
-        orders = [Order(CommandKind.HOLD)] if hold_ns or self._is_last else []
+        orders = self._stop() if hold_ns or self._is_last else []
         if self._is_last:
             return orders + self._finish()
         self._leg += 1
@@ -130,6 +130,18 @@ class Pilot(Operator):
         self._rests_until_ns = since_ns + hold_ns if hold_ns else -1
         self._since_ns = max(since_ns, self._rests_until_ns)
         return orders
+
+    def _stop(self) -> list[Order]:
+        """Return what makes the robot stand; nothing where it is known to be on its way home, which is not cut off."""
+        frame = self.belief.telemetry
+        return [] if frame is not None and frame.mode is Mode.RETURNING else [Order(CommandKind.HOLD)]
+
+    @property
+    def _taken_by(self) -> str:
+        """The rule on board that has taken the motors from the ground, as the newest frame tells it; empty for none."""
+        frame = self.belief.telemetry
+        taken = frame is not None and frame.mode in (Mode.RETURNING, Mode.SAFE)
+        return frame.cause.removeprefix(AT_HOME) if frame is not None and taken else ""
 
     @property
     def _is_last(self) -> bool:
