@@ -104,6 +104,13 @@ def test_what_is_no_regular_file_is_never_replaced(folder: Path, force: bool) ->
     assert (folder / "pipe").is_fifo()
 
 
+def test_a_pipe_in_the_place_of_the_part_is_named(folder: Path) -> None:
+    os.mkfifo(folder / "log.mcap.part")
+    with pytest.raises(OutputError, match=r"log\.mcap\.part, or it is not a regular file"):
+        claimed("m", folder / "log.mcap", force=True).__enter__()
+    assert (folder / "log.mcap.part").is_fifo()
+
+
 def test_a_name_that_is_too_long_is_refused(folder: Path) -> None:
     with pytest.raises(OutputError, match="cannot be written: File name too long"):
         claimed("m", folder / ("x" * 5000), force=True).__enter__()

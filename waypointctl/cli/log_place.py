@@ -84,8 +84,11 @@ def _claim(path: Path, *, replace: bool = False) -> IO[bytes] | None:
         descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | (0 if replace else os.O_EXCL), 0o666)
     except FileExistsError:
         return None
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        return None
     claim = open(descriptor, "r+b")  # noqa: SIM115 the caller closes it
-    if stat.S_ISREG(os.fstat(descriptor).st_mode) and lock(claim) and _stands_at(claim, part):
+    if lock(claim) and _stands_at(claim, part):
         claim.truncate(0)
         return claim
     claim.close()

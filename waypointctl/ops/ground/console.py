@@ -62,6 +62,8 @@ def _place(text: str, mission: Mission) -> PlannedWaypoint:
     if max(abs(x_m), abs(y_m)) > FURTHEST_M:
         raise ValueError(f"goto: {x_m:g} {y_m:g} is further than {FURTHEST_M:g} m")
     planned = place((x_m, y_m), mission)
+    if twice := next((name for name in _OPTIONS if options[::2].count(name) > 1), ""):
+        raise ValueError(f"goto: {twice} is given twice; give it once")
     for name, given in zip(options[::2], options[1::2], strict=True):
         planned = _OPTIONS[name](planned, given)
     return planned
@@ -82,18 +84,21 @@ def _hold_s(text: str) -> float:
     return value
 
 
-def _within(text: str, read: Callable[[str], float], is_allowed: Callable[[float], bool], field: object) -> float:
+def _within(name: str, value: float, is_allowed: Callable[[float], bool], field: object) -> float:
     """Return the value of an option of `goto`, within the bounds of a mission file's field."""
-    value = read(text)
     if not is_allowed(value):
-        raise ValueError(f"goto: {value:g} is not {_range(field)}")
+        raise ValueError(f"goto: {name} {value:g} is not {_range(field)}")
     return value
 
 
 _OPTIONS: Final[Mapping[str, Callable[[PlannedWaypoint, str], PlannedWaypoint]]] = {
-    "tolerance": lambda it, text: replace(it, tolerance_m=_within(text, _tolerance_m, is_tolerance, Tolerance)),
-    "timeout": lambda it, text: replace(it, timeout_ns=whole_ns(_within(text, _timeout_s, is_timeout, Timeout))),
-    "hold": lambda it, text: replace(it, hold_ns=ns(_within(text, _hold_s, is_hold, Hold))),
+    "tolerance": lambda it, text: replace(
+        it, tolerance_m=_within("tolerance", _tolerance_m(text), is_tolerance, Tolerance)
+    ),
+    "timeout": lambda it, text: replace(
+        it, timeout_ns=whole_ns(_within("timeout", _timeout_s(text), is_timeout, Timeout))
+    ),
+    "hold": lambda it, text: replace(it, hold_ns=ns(_within("hold", _hold_s(text), is_hold, Hold))),
 }
 
 
