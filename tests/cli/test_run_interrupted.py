@@ -17,10 +17,10 @@ from waypointctl.replay.logged import story_of
 LIMIT_S = 60.0
 
 
-def fly(yard: Path, *more: str) -> subprocess.Popen[bytes]:
+def fly(yard: Path, *more: str, stdout: int = subprocess.PIPE) -> subprocess.Popen[bytes]:
     """Start a long flight and return when the robot has begun to hold."""
     arguments = ("run", "long.yaml", "--out", "log.mcap", *more)
-    flight = start(yard, *arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    flight = start(yard, *arguments, stdout=stdout, stderr=subprocess.PIPE)
     assert flight.stderr is not None
     while b"holding at rest" not in flight.stderr.readline():
         assert flight.poll() is None
@@ -42,6 +42,16 @@ def test_the_first_signal_closes_the_log(yard: Path, number: signal.Signals, mor
     assert story_of(log).outcome == "interrupted"
     assert b"interrupted: 1 of 1 waypoints reached" in out
     assert not (yard / "log.mcap.part").exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_an_interrupted_flight_is_one_also_where_its_answer_cannot_be_written(yard: Path) -> None:
+    with Path("/dev/full").open("wb") as full:
+        flight = fly(yard, "--rate", "1", stdout=full.fileno())
+    flight.send_signal(signal.SIGINT)
+    _, said = flight.communicate(timeout=LIMIT_S)
+    assert flight.returncode == 130
+    assert b"error: the answer cannot be written" in said
 
 
 def test_a_mission_that_never_comes_does_not_keep_the_program(yard: Path) -> None:

@@ -18,7 +18,8 @@ def run_program() -> int | str | None:
     """Run the command line; print what waypointctl refuses as one message and return what to exit with.
 
     Under --json the message stands on stdout too, as an object: a program that reads one has one in any case. A reader
-    that goes away changes neither what is done nor the exit code; an answer that cannot be written is exit code 2.
+    that goes away changes neither what is done nor the exit code; an answer that cannot be written is exit code 2,
+    unless the command was interrupted.
     """
     from waypointctl.cli.app import app  # before Ctrl-C raises: what is raised in an import may be caught there
 
@@ -32,7 +33,7 @@ def run_program() -> int | str | None:
         out.flush()
         if out.failure is not None:
             print(f"error: the answer cannot be written: {out.failure.strerror}", file=sys.stderr)
-            code = 2
+            code = code if code == INTERRUPTED else 2
     return INTERRUPTED if Ending.is_forced else code
 
 

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 PERIOD_S: Final = 0.1  # of wall time between two pictures
 SIGN: Final = "> "
 _FACTS_COLUMNS: Final = 34
-_FACTS_LINES: Final = 6
 _LEAST_MAP_COLUMNS: Final = 22
 _LEAST_MAP_LINES: Final = 4
 _MOST_COMMANDS: Final = 5
