@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 from pathlib import Path
+from time import sleep
 
 import pytest
 
@@ -99,6 +100,38 @@ def test_a_process_that_is_killed_ends_the_study_and_nothing_is_lost(field: Path
     assert b"error: a process that flew was killed; the same command goes on" in err
     assert b"Traceback" not in err
     assert len((field / "runs/study-delay/flights.jsonl").read_bytes().splitlines()) > 10
+
+
+def starting(running: subprocess.Popen[bytes], loaded: bytes) -> list[int]:
+    """Wait until a process that is to fly has loaded a library of this name; return all that have been started."""
+    while running.poll() is None:
+        children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+        flying = [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+        if any(loaded in Path(f"/proc/{pid}/maps").read_bytes() for pid in flying):
+            return [int(pid) for pid in flying]
+        sleep(0.001)
+    raise AssertionError("it has ended before")
+
+
+@pytest.mark.parametrize("loaded", [b"", b"numpy"])
+def test_ctrl_c_while_its_processes_start_is_no_traceback_and_no_hang(field: Path, loaded: bytes) -> None:
+    many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "10", "--seeds", "100")
+    running = start(field, *many, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    for pid in (*starting(running, loaded), running.pid):  # a terminal sends it to all of them
+        os.kill(pid, signal.SIGINT)
+    out, err = running.communicate(timeout=60)
+    assert (running.returncode, out) == (130, b"")
+    said = b"interrupted; runs/study-delay has what was flown, and the same command goes on"
+    assert err.splitlines() == [b"0 of 100 flights", said]
+
+
+def test_a_process_that_is_killed_before_it_reads_its_work_is_noticed(field: Path) -> None:
+    (field / "here.yaml").write_bytes(HERE + b"# a long comment\n" * 20_000)  # more than a pipe holds
+    running = start(field, *SMALL[:-1], "2", "--autonomy", "mission", stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    os.kill(starting(running, b"")[0], signal.SIGKILL)
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 1
+    assert err.splitlines()[-1] == b"error: a process that flew was killed; the same command goes on"
 
 
 @pytest.mark.parametrize(

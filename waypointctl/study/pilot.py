@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import pickle
 import signal
+import tempfile
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from multiprocessing.reduction import DupFd
 from multiprocessing.synchronize import Event
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from waypointctl.errors import WaypointctlError
 from waypointctl.mission.files import MissionFile, dump_mission
@@ -102,11 +107,15 @@ def _side_by_side(plan: Plan, cases: Sequence[Case], jobs: int, interrupted: Cal
     context = multiprocessing.get_context("spawn")  # forked, onnxruntime's and mujoco's threads would be missing
     stop = context.Event()
     to_fly, under_way = deque(cases), set[Future[Flown | None]]()
-    with ProcessPoolExecutor(jobs, context, _begin_process, (plan, stop)) as executor:
+    with (
+        _plan_file(plan) as given,
+        ProcessPoolExecutor(jobs, context, _begin_process, (given, stop)) as executor,
+    ):
         try:
             while (to_fly or under_way) and not interrupted():
-                while to_fly and len(under_way) < 2 * jobs:
-                    under_way.add(executor.submit(_fly_in_process, to_fly.popleft()))
+                with _sigint_blocked():  # submitting starts the processes
+                    while to_fly and len(under_way) < 2 * jobs:
+                        under_way.add(executor.submit(_fly_in_process, to_fly.popleft()))
                 done, under_way = wait(under_way, _WAIT_S, FIRST_COMPLETED)
                 yield from (flown for flown in (future.result() for future in done) if flown is not None)
         except BrokenProcessPool as error:
@@ -116,15 +125,57 @@ def _side_by_side(plan: Plan, cases: Sequence[Case], jobs: int, interrupted: Cal
             stop.set()
 
 
+class _PlanFile:
+    """A plan in an open file, which a process that starts is given.
+
+    What a process is given at its start goes through a pipe. If the process is killed before it has read the pipe, a
+    parent that writes more than the pipe holds waits forever. A plan, with its policy, can be larger than a pipe.
+    """
+
+    def __init__(self, fd: int) -> None:
+        """Take the descriptor of the file."""
+        self._fd = fd
+
+    def __reduce__(self) -> tuple[Callable[[Any], _PlanFile], tuple[Any]]:
+        """Hand the open file over."""
+        return _inherited, (DupFd(self._fd),)
+
+    def plan(self) -> Plan:
+        """Return the plan; the position in the file, which is common to all processes, stays."""
+        plan: Plan = pickle.loads(os.pread(self._fd, os.fstat(self._fd).st_size, 0))
+        return plan
+
+
+@contextmanager
+def _plan_file(plan: Plan) -> Iterator[_PlanFile]:
+    with tempfile.TemporaryFile() as file:  # it has no name, so that nothing stays of it, however this process ends
+        pickle.dump(plan, file)
+        file.flush()
+        yield _PlanFile(file.fileno())
+
+
+def _inherited(shared: Any) -> _PlanFile:
+    return _PlanFile(shared.detach())
+
+
+@contextmanager
+def _sigint_blocked() -> Iterator[None]:
+    """Hold Ctrl-C back in a `with` block; processes that are started in it never get it, also while they import."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 _pilot: Pilot
 _stop: Event
 
 
-def _begin_process(plan: Plan, stop: Event) -> None:
-    """Make this process one that flies; Ctrl-C reaches it too, but its parent says when it ends."""
+def _begin_process(file: _PlanFile, stop: Event) -> None:
+    """Make this process one that flies; its parent, which has Ctrl-C, says when it ends."""
     global _pilot, _stop
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _pilot, _stop = Pilot(plan), stop
+    _pilot, _stop = Pilot(file.plan()), stop
 
 
 def _fly_in_process(case: Case) -> Flown | None:
