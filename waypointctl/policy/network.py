@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from waypointctl.errors import PolicyError
 from waypointctl.limits import limit_hint
-from waypointctl.policy.onnx_audit import LIMIT, Audited, TooLarge, audit
+from waypointctl.policy.onnx_audit import LIMIT, TooLarge, audit
 from waypointctl.policy.protobuf_fields import Refused
 
 if TYPE_CHECKING:
@@ -38,8 +40,10 @@ class Network:
             PolicyError: it is not an ONNX model of that shape, has what a policy must not have, or does not run.
         """
         self._where = where
-        audited = _audited(model, where)
-        self.input_size, self.output_size = audited.inputs, audited.outputs
+        with _refusing(where):
+            self._audited = audit(model)
+        self._allowed: set[int] = set()  # numbers of observations that it may run on
+        self.input_size, self.output_size = self._audited.inputs, self._audited.outputs
         self._session = _session(model, where, threads)
         self._input_name: str = self._session.get_inputs()[0].name
         self._output_names: list[str] = [self._session.get_outputs()[0].name]
@@ -49,8 +53,13 @@ class Network:
         """Return actions (n, nu) for observations (n, k).
 
         Raises:
-            PolicyError: onnxruntime cannot run the network, or an action is not a finite number.
+            PolicyError: onnxruntime cannot run the network, or must not on so many observations, or an action is not a
+                finite number.
         """
+        if len(observation) not in self._allowed:
+            with _refusing(self._where):
+                self._audited.require(len(observation))
+            self._allowed.add(len(observation))
         feed = {self._input_name: observation.astype(np.float32)}
         try:
             (found,) = self._session.run(self._output_names, feed)
@@ -70,9 +79,11 @@ class Network:
 _OTHER: Final = "choose another policy, or train this one again"
 
 
-def _audited(model: bytes, where: str) -> Audited:
+@contextmanager
+def _refusing(where: str) -> Iterator[None]:
+    """Say of a network that must not run what is wrong with it."""
     try:
-        return audit(model)
+        yield
     except Refused as error:
         problem = f"the model has {error}; a policy is one file of standard, deterministic operators (docs/limits.md)"
         raise PolicyError(problem, where=where, mend=EXPORT_AGAIN) from error

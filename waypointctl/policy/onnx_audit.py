@@ -17,7 +17,7 @@ from waypointctl.policy.onnx_shapes import output_values
 from waypointctl.policy.onnx_values import Value, constant
 from waypointctl.policy.protobuf_fields import Refused
 
-ROWS: Final = 256  # observations that a network is thought to be given at once
+ROWS: Final = 256  # observations that a network is thought to be given at once; the limits are for as many
 MOST_NODES: Final = 2_000
 MOST_NUMBERS: Final = 2**24  # of one tensor, and 4 times as many of all that are computed
 LIMIT: Final = "policy-work"
@@ -31,6 +31,18 @@ class Audited:
 
     inputs: int
     outputs: int
+    graph: Graph
+
+    def require(self, rows: int) -> None:
+        """Work out every shape for another number of observations: a shape can depend on it in any way.
+
+        Raises:
+            Refused, TooLarge, ValueError: as for `audit`.
+        """
+        given = _evaluated(self.graph, self.inputs, rows).get(self.graph.outputs[0].name)
+        if given is None or given.shape != (rows, self.outputs):
+            found = "nothing" if given is None else f"shape {given.shape}"
+            raise ValueError(f"the output for {rows} observations is {found}, not {(rows, self.outputs)}")
 
 
 class TooLarge(ValueError):
@@ -48,24 +60,27 @@ def audit(model: bytes) -> Audited:
     graph = read_graph(model)
     if len(graph.inputs) != 1 or len(graph.outputs) != 1:
         raise ValueError(f"{len(graph.inputs)} inputs and {len(graph.outputs)} outputs; a policy has one of each")
-    into, out = _width(graph.inputs[0], "input"), _width(graph.outputs[0], "output")
-    given = _evaluated(graph, into).get(graph.outputs[0].name)
-    if given is None or given.shape != (ROWS, out):
-        found = "nothing" if given is None else f"shape {given.shape}"
-        raise ValueError(f"the output for {ROWS} observations is {found}, not {(ROWS, out)}")
-    return Audited(into, out)
+    audited = Audited(_width(graph.inputs[0], "input"), _width(graph.outputs[0], "output"), graph)
+    audited.require(ROWS)
+    return audited
 
 
-def _evaluated(graph: Graph, into: int) -> dict[str, Value]:
-    """Return every value of a graph for `ROWS` observations."""
+def _evaluated(graph: Graph, into: int, rows: int) -> dict[str, Value]:
+    """Return every value of a graph for `rows` observations of `into` numbers."""
     if len(graph.nodes) > MOST_NODES:
         raise Refused(f"more than {MOST_NODES:,} operators")
     values: dict[str, Value] = {each.name: constant(each) for each in graph.constants}
-    values[graph.inputs[0].name] = Value((ROWS, into))
+    if len(values) < len(graph.constants):  # of two, another reader may take the other
+        raise ValueError("two constants of one name")
+    values[graph.inputs[0].name] = Value((rows, into))
+    share = max(1.0, rows / ROWS)  # who runs it on more observations has asked for more
+    most, most_work = share * MOST_NUMBERS, share * limit(LIMIT)
     numbers = work = 0
     for node in graph.nodes:
         if missing := [name for name in node.inputs if name and name not in values]:
             raise ValueError(f"{node.operator[:40]} takes {missing[0][:80]!r}, which nothing before it gives")
+        if doubled := [name for name in node.outputs if name and name in values]:
+            raise ValueError(f"{node.operator[:40]} gives {doubled[0][:80]!r}, which is there already")
         try:
             found, more = output_values(node, [values[name] if name else None for name in node.inputs])
         except Refused:
@@ -74,9 +89,9 @@ def _evaluated(graph: Graph, into: int) -> dict[str, Value]:
             raise ValueError(f"the operator {node.operator} does not fit what it takes: {error}") from error
         sizes = [math.prod(value.shape) for value in found]
         numbers, work = numbers + sum(sizes), work + more
-        if max(sizes, default=0) > MOST_NUMBERS or numbers > 4 * MOST_NUMBERS:
+        if max(sizes, default=0) > most or numbers > 4 * most:
             raise Refused(f"more than {MOST_NUMBERS:,} numbers in a tensor, or {4 * MOST_NUMBERS:,} in all")
-        if work > limit(LIMIT):
+        if work > most_work:
             raise TooLarge(f"it takes more than the {limit(LIMIT):,} multiplications for {ROWS} observations")
         values |= zip(node.outputs, found, strict=False)
     return values

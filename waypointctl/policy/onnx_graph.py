@@ -34,7 +34,7 @@ BOOL: Final = 9
 # Bytes of a number of each element type that is read; 6 is int32, 10 float16, 11 float64.
 ITEM_BYTES: Final = MappingProxyType({FLOAT: 4, 6: 4, INT64: 8, BOOL: 1, 10: 2, 11: 8})
 
-_ATTRIBUTE_VALUES: Final = frozenset({2, 3, 4, 5, 7, 8, 9})
+_ATTRIBUTE_TYPES: Final = {2: 1, 3: 2, 4: 3, 5: 4, 7: 6, 8: 7, 9: 8}  # field that holds a value: number of its type
 Integers: TypeAlias = NDArray[np.int64]
 
 
@@ -119,10 +119,14 @@ def _node(reader: Reader, fields: Fields) -> Node:
     for attribute in reader.messages(fields, 5):
         if attribute.keys() & {6, 11}:
             raise Refused("a graph within a graph")
-        if attribute.keys() & {10, 15, 14, 21, 22, 23} or len(attribute.keys() & _ATTRIBUTE_VALUES) > 1:
+        held = attribute.keys() & _ATTRIBUTE_TYPES.keys()
+        if attribute.keys() & {10, 15, 14, 21, 22, 23} or len(held) > 1:
             raise Refused("an attribute of a kind that is not read")
-        if (value := _attribute(reader, attribute)) is not None:
-            attributes[text(attribute, 1)] = value
+        name, value = text(attribute, 1), _attribute(reader, attribute)
+        if name in attributes or any(number(attribute, 20) != _ATTRIBUTE_TYPES[field] for field in held):
+            raise ValueError(f"the attribute {name[:40]!r} is there twice, or of another type than it says")
+        if value is not None:
+            attributes[name] = value
     return Node(text(fields, 4), texts(fields, 1), texts(fields, 2), attributes)
 
 

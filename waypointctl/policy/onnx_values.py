@@ -75,6 +75,8 @@ def constant(tensor: Tensor) -> Value:
 def of_node(given: Given) -> Value:
     """Return the value of a node that is a constant."""
     attributes = given.node.attributes
+    if len(attributes) != 1:  # onnxruntime takes the first, whatever it is
+        raise Refused("a constant of no value, or of several")
     value = next((attributes[name] for name in ("value", "value_float", "value_floats") if name in attributes), None)
     if isinstance(value, Tensor):
         return constant(value)
