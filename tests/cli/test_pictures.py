@@ -69,7 +69,7 @@ def test_a_log_is_proved_where_another_renderer_is(survey: Path, program: Progra
     elsewhere = start(survey, "replay", "survey.mcap", "--verify", stdout=subprocess.PIPE, LP_NATIVE_VECTOR_WIDTH=width)
     out, _ = elsewhere.communicate(timeout=120)
     assert elsewhere.returncode == 0, out
-    assert b"\n  2 pictures not compared: another renderer drew them\n" in out
+    assert b"\n  not compared: 2 pictures: another renderer drew them\n" in out
     assert "\n  2 pictures, drawn again, byte for byte\n" in program("replay", "survey.mcap", "--verify")[1]
 
 
@@ -168,7 +168,7 @@ def test_a_log_without_pictures_writes_none_and_says_so(yard: Path, program: Pro
 def test_shown_again_it_writes_no_pictures(survey: Path, program: Program) -> None:
     code, out, err = program("replay", "survey.mcap", "--rate", "2", "--pictures", "seen")
     assert (code, out) == (2, "")
-    assert "leave out --verify, --json, --png and --pictures" in err.replace("\n", " ").replace("│", "").replace(
+    assert "leave out --verify, --strict, --json, --png, --pictures" in err.replace("\n", " ").replace("│", "").replace(
         "  ", " "
     )
 

@@ -88,6 +88,16 @@ def schema_of_another_name(forged: Forgery) -> None:
     _redefine(forged, Opcode.SCHEMA, "waypointctl.State", lambda schema: replace(schema, name="waypointctl.Reward"))
 
 
+def schema_with_more(forged: Forgery) -> None:
+    """Hide bytes in a field that no description of schemas has."""
+    hidden = b"\xba\x3e\x06hidden"
+    _redefine(forged, Opcode.SCHEMA, "waypointctl.State", lambda schema: replace(schema, data=schema.data + hidden))
+
+
+def schema_of_nothing(forged: Forgery) -> None:
+    _define(forged.chunks[0], mcap.Schema(900, b"hidden", "protobuf", "waypointctl.State"), at=0)
+
+
 def channel_of_another_encoding(forged: Forgery) -> None:
     _redefine(forged, Opcode.CHANNEL, "/state", lambda channel: replace(channel, message_encoding="json"))
 
@@ -223,6 +233,8 @@ ATTACKS: Final[dict[str, Callable[[Forgery], None]]] = {
         other_statistics,
         swapped_fields,
         schema_of_another_name,
+        schema_with_more,
+        schema_of_nothing,
         channel_of_another_encoding,
         channel_with_metadata,
         channel_of_another_topic,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from onnx import GraphProto, ModelProto, NodeProto, TensorProto, helper, numpy_helper
+from onnx import AttributeProto, GraphProto, ModelProto, NodeProto, TensorProto, helper, numpy_helper
 
 INNER = "a graph within a graph"
 
@@ -38,6 +38,23 @@ def sized(*sides: int) -> np.ndarray[Any, Any]:
     return np.array(sides, np.int64)
 
 
+ENLARGED = node("ConstantOfShape", "k", "c")
+
+
+def _two_values(first: str, second: str) -> NodeProto:
+    """Return a constant of which one reader sees one number, and onnxruntime 2**28."""
+    constant = node("Constant", "", "k", **{first: [2**28]})
+    value = numpy_helper.from_array(sized(1)) if second == "value" else [1]
+    constant.attribute.append(helper.make_attribute(second, value))
+    return constant
+
+
+def _of_another_type() -> NodeProto:
+    constant = node("Constant", "", "k", value_ints=[1])
+    constant.attribute[0].type = AttributeProto.INT
+    return constant
+
+
 HOSTILE: dict[str, tuple[bytes, str]] = {
     "ConstantOfShape": (network(node("ConstantOfShape", "s", "c"), LAST, s=sized(2**20, 2**20)), "in a tensor"),
     "many ConstantOfShape": (
@@ -66,6 +83,30 @@ HOSTILE: dict[str, tuple[bytes, str]] = {
     "shape of the observation": (
         network(node("Cast", "x", "s", to=7), node("ConstantOfShape", "s", "c"), LAST),
         "a shape that is not known before it runs, in the operator 'ConstantOfShape'",
+    ),
+    "large for fewer observations": (
+        network(
+            *[node("Shape", "x", "s"), node("Gather", "s i", "n"), node("Equal", "n many", "e")],
+            *[node("Where", "e small large", "k"), node("ConstantOfShape", "k", "c"), LAST],
+            i=sized(0),
+            many=sized(256),
+            small=sized(1),
+            large=sized(2**28),
+        ),
+        "in a tensor",
+    ),
+    "constant of two values": (
+        network(_two_values("value_ints", "value"), ENLARGED, LAST),
+        "a constant of no value, or",
+    ),
+    "attribute twice": (
+        network(_two_values("value_ints", "value_ints"), ENLARGED, LAST),
+        "'value_ints' is there twice",
+    ),
+    "attribute of another type": (network(_of_another_type(), ENLARGED, LAST), "of another type than it says"),
+    "constant that another one replaces": (
+        network(ENLARGED, node("Constant", "", "k", value_ints=[2**28]), LAST, k=sized(1)),
+        "gives 'k', which is there already",
     ),
     "Tile": (network(node("Tile", "x s", "c"), LAST, s=sized(2**30, 1)), "the operator 'Tile'"),
     "Pad": (network(node("Pad", "x s", "c"), LAST, s=sized(0, 0, 0, 2**40)), "the operator 'Pad'"),

@@ -59,6 +59,15 @@ def test_what_only_training_uses_is_free() -> None:
     assert weights_fault(save(arrays), ONNX) == ""
 
 
+@pytest.mark.parametrize("name", ["mlp_extractor.policy_net.0.weight", "action_net.weight", "normaliser.mean"])
+def test_what_training_begins_with_is_compared_whatever_else_is_there(name: str) -> None:
+    """The network's own matrices under names that nothing reads do not make others right."""
+    arrays = load(TENSORS)
+    assert weights_fault(save(arrays | {"action_net.weight": arrays["2.weight"]}), ONNX) == ""
+    other = np.full((8, 31), 0.5, np.float32)
+    assert weights_fault(save(arrays | {name: other}), ONNX) == f"its {name} is not that of the network"
+
+
 @pytest.mark.parametrize(
     "content",
     [

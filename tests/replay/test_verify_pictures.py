@@ -125,6 +125,20 @@ def test_a_picture_that_is_not_there_is_said(changed: Callable[[int, Change], Ve
     ]
 
 
+def test_a_log_without_its_pictures_is_not_what_is_written_where_something_can_draw(
+    survey: Flown, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    messages = [message for message in survey.messages if not isinstance(message, Picture)]
+    path = survey.rewritten(tmp_path / "without.mcap", messages)
+    found = verify(path)
+    assert (found.verdict, found.not_compared) == (
+        Verdict.EQUIVALENT,
+        ("2 observations without a picture in the log",),
+    )
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    assert verify(path).verdict is Verdict.EXACT
+
+
 def test_their_files_have_safe_names(survey: Flown) -> None:
     log = open_log(survey.path)
     files = pictures_in(log)

@@ -44,6 +44,7 @@ class _Comparison:
         self._found = log.raw_messages()
         self._attached: set[str] = set()
         self._topics: list[str] = []  # by channel, as they are opened
+        self._schemas: set[int] = set()  # that those have
 
     def attach(self, attachment: Attachment) -> None:
         name = attachment.name
@@ -74,6 +75,7 @@ class _Comparison:
                 self._refuse("file", f"schema of {topic}", "another", f"{schema.DESCRIPTOR.full_name} in {_ENCODING}")
             elif not _same_fields(found.data, schema):
                 self._refuse("file", f"schema of {topic}", shown(found.data), f"the fields of {found.name}")
+            self._schemas.add(channel.schema_id)
         self.count += 2
         self._topics.append(topic)
         return Channel(len(self._topics) - 1)
@@ -97,6 +99,7 @@ class _Comparison:
         for what, found, known in (
             ("attachment", self._log.attachments, self._attached),
             ("channel of", {it.topic: it for it in self._log.contents.channels.values()}, set(self._topics)),
+            ("schema", self._log.contents.schemas, self._schemas),
         ):
             unknown = next((name for name in found if name not in known), None)
             if unknown is not None:
@@ -113,7 +116,8 @@ def _same_fields(data: bytes, schema: type[ProtobufMessage]) -> bool:
     except DecodeError:
         return False
     ours = build_file_descriptor_set(schema)
-    return {it.name: it for it in found.file} == {it.name: it for it in ours.file} and len(found.file) == len(ours.file)
+    same_files = {it.name: it for it in found.file} == {it.name: it for it in ours.file}
+    return same_files and found.ByteSize() == ours.ByteSize()  # nothing twice, or in a field that nobody knows
 
 
 def _named(message: tuple[str, RawMessage] | None) -> str:

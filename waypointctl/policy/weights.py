@@ -22,6 +22,8 @@ _MOST_HEADER_BYTES: Final = 2**20
 _TYPES: Final = {"F32": "<f4", "F64": "<f8"}
 _WEIGHT: Final = ".weight"  # ends the name of a layer's matrix
 _BIAS: Final = ".bias"
+# What training begins the network with, by the names that `waypointctl.training.export.weights` gives.
+_READ: Final = ("mlp_extractor.policy_net.", "action_net.", "normaliser.mean")
 
 Arrays = dict[str, NDArray[np.float32]]
 
@@ -29,8 +31,9 @@ Arrays = dict[str, NDArray[np.float32]]
 def weights_fault(safetensors: bytes, network: bytes) -> str:
     """Return why the weights are not those of the network, in words; empty if they are.
 
-    Every matrix of the network has to be among them, and the bias that belongs to each. What training alone uses, such
-    as a value function, is in no network and is not compared.
+    Every matrix of the network has to be among them, and the bias that belongs to each; and what training begins the
+    network with has to be in it. What training alone uses, such as a value function, is in no network and is not
+    compared.
     """
     try:
         arrays = _floats(safetensors)
@@ -43,7 +46,8 @@ def weights_fault(safetensors: bytes, network: bytes) -> str:
     if sum(arrays[name].size for name in used) < needed:
         return "it does not have the weights of the network"
     biases = (f"{name.removesuffix(_WEIGHT)}{_BIAS}" for name in used if name.endswith(_WEIGHT))
-    other = next((name for name in sorted(biases) if name in arrays and not _is_in(arrays[name], contents)), None)
+    compared = {*biases, *(name for name in arrays if name.startswith(_READ))}
+    other = next((name for name in sorted(compared) if name in arrays and not _is_in(arrays[name], contents)), None)
     return "" if other is None else f"its {other} is not that of the network"
 
 

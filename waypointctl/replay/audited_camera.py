@@ -13,7 +13,8 @@ class AuditedCamera:
     """Takes the pictures that the log has: only of the renderer that drew them the same bytes are expected.
 
     A picture that another renderer drew is checked by its checksums, and handed on as it is. Where the log has none,
-    nothing could draw when it was flown, and none is drawn now.
+    none is drawn now: nothing could draw when it was flown, or they were taken out. Where something can draw, the log
+    is then not what is written here.
 
     Attributes:
         drawn_again: how many pictures were.
@@ -49,7 +50,7 @@ class AuditedCamera:
         lines = []
         if self.drawn_again:
             lines.append(f"{_pictures(self.drawn_again)}, drawn again, byte for byte")
-        if self.missing and not (self.drawn_again or self.handed_on):
+        if self.missing and not self._could_be_there:
             lines.append(self._without)
         return tuple(lines)
 
@@ -59,9 +60,14 @@ class AuditedCamera:
         lines = []
         if self.handed_on:
             lines.append(f"{_pictures(self.handed_on)}: {self._why_not}")
-        if self.missing and (self.drawn_again or self.handed_on):
+        if self.missing and self._could_be_there:
             lines.append(self._without)
         return tuple(lines)
+
+    @property
+    def _could_be_there(self) -> bool:
+        """Whether a picture that the log does not have would be there if the flight were flown here."""
+        return bool(self.drawn_again or self.handed_on or self._camera.renderer)
 
     @property
     def _without(self) -> str:
