@@ -48,7 +48,7 @@ def judged(seed: int, policy: LoadedPolicy, folder: Path, *, proved: bool = True
     source = mission_of_seed(seed).model_dump_json(exclude_unset=True).encode()
     mission_file = MissionFile(parse_mission(source, str(path)), source, path)
     messages: list[Message] = []
-    result = record(mission_file, policy, path, watch=messages.append).result
+    result = record(mission_file, policy, path, watch=messages.append, pictures=proved).result
     found = faults(mission_file.mission, result, messages)
     if proved and (verification := verify(path)).verdict is not Verdict.EXACT:
         found.append(f"{verification.verdict}: {verification.reason}")

@@ -157,6 +157,7 @@ def test_a_git_lfs_pointer_is_named_for_what_it_is(folder: Path, name: str) -> N
         ("{}", "must be an object with a whole number as schema_version"),
         ('{"schema_version": true}', "must be an object with a whole number as schema_version"),
         ('{"schema_version": 7}', "schema_version is 7; this waypointctl reads 1"),
+        ('{"schema_version": 1, "name": "a", "name": "b"}', "not JSON: a key of schema_version, name is there twice"),
         ('{"schema_version": 1}', "name: Field required"),
     ],
 )

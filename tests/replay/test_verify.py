@@ -135,7 +135,7 @@ def test_the_log_is_enough(tmp_path: Path, make_policy: Callable[..., LoadedPoli
 @pytest.mark.parametrize("path", sorted((REPOSITORY / "missions").glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_shipped_mission_succeeds_and_is_replayed_exactly(tmp_path: Path, path: Path) -> None:
     mission_file = load_mission(path)
-    recording = record(mission_file, load_policy(mission_file.policy_path), tmp_path / "flight.mcap")
+    recording = record(mission_file, load_policy(mission_file.policy_path), tmp_path / "flight.mcap", pictures=True)
     assert recording.result.outcome == "success", recording.result.reason
     found = verify(recording.path)
     assert found.verdict is Verdict.EXACT, found.reason

@@ -71,6 +71,28 @@ def test_weights_that_are_not_the_networks_lower_the_verdict(flown: Flown, tmp_p
     assert found.not_compared == ("policy/weights.safetensors: it is not a safetensors file",)
 
 
+@pytest.mark.parametrize(
+    ("part", "field", "value", "fault"),
+    [
+        ("action", "limits", [-0.5, 0.5], "made for other actions"),
+        ("observation", "scales", [2.0] * 31, "made for another observation layout"),
+        (None, "control_period_ns", 40_000_000, "made for a control period of 40 ms"),
+    ],
+)
+def test_a_manifest_of_a_policy_that_could_not_fly_the_flight_is_no_proof(
+    flown: Flown, tmp_path: Path, part: str | None, field: str, value: object, fault: str
+) -> None:
+    """Other readers take from it what the observations and actions in the log mean."""
+    manifest = json.loads(content(flown, "policy/manifest.json"))
+    (manifest[part] if part else manifest)[field] = value
+    data = json.dumps(manifest).encode()
+    sha256 = hashlib.sha256(data).hexdigest()
+    changed = {"policy/manifest.json": data}
+    found = verify(flown.rewritten(tmp_path / "other.mcap", attachments=changed, metadata={"sha256_policy": sha256}))
+    assert found.verdict is Verdict.UNVERIFIABLE
+    assert fault in found.reason
+
+
 def test_another_seed_than_was_flown_is_found_in_the_first_state(flown: Flown, tmp_path: Path) -> None:
     found = verify(flown.rewritten(tmp_path / "altered.mcap", metadata={"seed": "99"}))
     assert found.verdict is Verdict.DIVERGED

@@ -99,7 +99,7 @@ class _Comparison:
         for what, found, known in (
             ("attachment", self._log.attachments, self._attached),
             ("channel of", {it.topic: it for it in self._log.contents.channels.values()}, set(self._topics)),
-            ("schema", self._log.contents.schemas, self._schemas),
+            ("schema of no channel:", self._log.contents.schemas, self._schemas),
         ):
             unknown = next((name for name in found if name not in known), None)
             if unknown is not None:

@@ -19,7 +19,7 @@ from waypointctl.ops.shutter import with_pictures
 from waypointctl.ops.sink import Sink, tee
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.require import require
-from waypointctl.sim.robots import load_robot
+from waypointctl.sim.robots import Robot, load_robot
 from waypointctl.task.observation import layout
 
 
@@ -71,13 +71,7 @@ def record(
     """
     mission = mission_file.mission
     robot = load_robot(mission.robot)
-    require(
-        policy,
-        robot=robot.name,
-        num_joints=robot.num_joints,
-        components=layout(policy.observation_layout).components,
-        control_period_ns=robot.control_period_ns,
-    )
+    refuse_misfit(policy, robot)
     with (
         OnboardCamera(robot, planned_waypoints(mission)) as camera,
         LogWriter(out, flight_header(mission_file, policy, robot)) as writer,
@@ -87,6 +81,22 @@ def record(
             sink = with_pictures(sink, camera)
         result = fly(mission, policy, sink, robot=robot, interrupted=interrupted, console=console)
     return recording_of(result, out, mission.seed, camera.taken, camera.trouble)
+
+
+def refuse_misfit(policy: LoadedPolicy, robot: Robot) -> None:
+    """Refuse a policy that was not made for a robot.
+
+    Raises:
+        PolicyError: it was made for another robot, observation layout, control period or kind of action.
+        InputError: there is no such observation layout.
+    """
+    require(
+        policy,
+        robot=robot.name,
+        num_joints=robot.num_joints,
+        components=layout(policy.observation_layout).components,
+        control_period_ns=robot.control_period_ns,
+    )
 
 
 def recording_of(result: FlightResult, out: Path, seed: int, pictures: int = 0, no_pictures: str = "") -> Recording:

@@ -121,7 +121,7 @@ def _read(folder: Path, name: str) -> bytes:
 
 def _manifest(text: bytes, where: str) -> Manifest:
     try:
-        content: Any = json.loads(text)
+        content: Any = json.loads(text, object_pairs_hook=_without_doubles)
     except (ValueError, RecursionError) as error:  # the latter: nested some thousand deep
         raise PolicyError(f"not JSON: {error}", where=where, mend=_COPY_AGAIN) from error
     version = content.get("schema_version") if isinstance(content, dict) else None
@@ -135,6 +135,14 @@ def _manifest(text: bytes, where: str) -> Manifest:
         return Manifest.model_validate_json(text)
     except ValidationError as error:
         raise PolicyError(_found(error), where=where, mend=_COPY_AGAIN) from error
+
+
+def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a JSON object; of a key that is there twice, one reader takes the first and another the last."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError(f"a key of {', '.join(found)[:200]} is there twice")
+    return found
 
 
 def _missing(names: Sequence[str]) -> str:

@@ -28,6 +28,7 @@ from waypointctl.ops.header import (
     flight_header,
     platform_facts,
 )
+from waypointctl.ops.record import refuse_misfit
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import MANIFEST, Manifest
 from waypointctl.replay.verdict import Divergence
@@ -97,6 +98,7 @@ def carried_by(log: Log) -> Carried:
     mission = mission.model_copy(update={"seed": int(seed)})
     robot = robot_from_source(mission.robot, attachments[MJCF], attachments[MJB], f"{log.path}/{MJCF}")
     policy = load_policy_bytes(_policy_files(attachments), f"{log.path}/{POLICY_FOLDER}")
+    refuse_misfit(policy, robot)  # as what flies it does: its manifest says how others are to read the observations
     return Carried(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
 

@@ -10,8 +10,8 @@ from typing import Final
 
 from waypointctl.mission.files import MissionFile
 from waypointctl.ops.header import source_revision
+from waypointctl.ops.record import refuse_misfit
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.policy.require import require
 from waypointctl.sim.robots import load_robot
 from waypointctl.study.case import Case
 from waypointctl.study.delay import DelayStudy, conclude
@@ -19,7 +19,6 @@ from waypointctl.study.files import write_study
 from waypointctl.study.pilot import Plan, fly_cases
 from waypointctl.study.results_file import Conditions, ResultsFile
 from waypointctl.study.varied_link import refuse_what_is_not_kept
-from waypointctl.task.observation import layout
 
 LOGS: Final = "logs"
 
@@ -120,11 +119,4 @@ def refuse_policy(policy: LoadedPolicy, routes: Mapping[str, MissionFile]) -> No
         PolicyError: it was made for another robot, observation layout, control period or kind of action.
     """
     for name in {file.mission.robot for file in routes.values()}:
-        robot = load_robot(name)
-        require(
-            policy,
-            robot=robot.name,
-            num_joints=robot.num_joints,
-            components=layout(policy.observation_layout).components,
-            control_period_ns=robot.control_period_ns,
-        )
+        refuse_misfit(policy, load_robot(name))
