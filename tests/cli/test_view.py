@@ -170,8 +170,9 @@ def test_the_view_tells_truth_from_belief() -> None:
     assert "1 of 2 reached, 1 known" in picture
     assert "robot      5.00 s" in picture
     # The newest frame was sampled at 2 s where x was 2 m; at 5 s the robot is at (6.3, 0.4).
-    assert "knows of 2.00 s" in picture
-    assert "3.00 s, 4.3 m astray" in picture
+    assert "telemetry from 2.00 s " in picture
+    assert "3.00 s, error 4.3 m" in picture
+    assert "last known position (2.0, 0.0)" in picture
     assert "2.00 s, newest measured" in picture
     assert re.search(r"1 upload_plan near, far +0\.00 s +1\.00 s +failed +failed +2\.00 s", picture)
     assert "failure: timeout: 1 of 2" in picture

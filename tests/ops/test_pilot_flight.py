@@ -96,7 +96,7 @@ def test_a_picture_that_is_given_up_ends_the_mission(policy: LoadedPolicy) -> No
     schedule = [{"at_s": 2.0, "do": "abort"}]
     result, messages = flown(mission_of(OBSERVED, PLACES[1], autonomy="joint", schedule=schedule), policy)
     assert result.outcome == "failure"
-    assert result.reason.startswith("cancelled by command 2:")
+    assert result.reason.startswith("cancelled by command 2 (abort):")
     assert all(event.kind is not EventKind.OBSERVATION_TAKEN for event in only(Event, messages))
 
 

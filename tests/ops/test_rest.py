@@ -3,7 +3,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from tests.ops.flying import OUT_OF_REACH, UNDER_FOOT, flown, mission_of, only, times_ns
-from waypointctl.log.messages import EventKind, State, Telemetry
+from waypointctl.log.messages import Event, EventKind, State, Telemetry
 from waypointctl.ops.vehicle import REST_AFTER_NS
 from waypointctl.units import NS_PER_S
 
@@ -23,6 +23,9 @@ def test_physics_sleeps_only_where_nothing_moves_and_wakes_with_what_arrives() -
     (slept, *_), (woke, *_) = times_ns(EventKind.REST_STARTED, messages), times_ns(EventKind.REST_ENDED, messages)
     assert slept >= REST_AFTER_NS
     assert woke == 60 * NS_PER_S == times_ns(EventKind.COMMAND_RECEIVED, messages)[0]
+    kinds = (EventKind.REST_STARTED, EventKind.REST_ENDED)
+    texts = [event.text for event in only(Event, messages) if event.kind in kinds]
+    assert texts[:2] == ["robot at rest: simulation skips to the next event", "simulation continues"]
     states = {state.time_ns: state for state in only(State, messages)}
     assert not [time for time in states if slept < time < woke], "no state is made up"
     before, after = states[slept - 20_000_000], states[woke]

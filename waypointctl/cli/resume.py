@@ -71,7 +71,9 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
     if others := made_elsewhere(flight.log):
         note = "it is gone on with only if it is the same flight here, and the finished log will name this program"
         typer.echo(f"note: {log} was made elsewhere ({printable(', '.join(others))}): {note}", err=True)
-    typer.echo(f"{mission.name}: flown again up to {_end_s(flight):.2f} s, then on", err=True)
+    typer.echo(
+        f"{mission.name}: repeated up to {_end_s(flight):.2f} s from the log; the flight continues from there", err=True
+    )
     began_s = time.monotonic()
     try:
         with (

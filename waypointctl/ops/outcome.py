@@ -13,7 +13,7 @@ from waypointctl.ops.ground.station import Station
 from waypointctl.units import ns, seconds
 
 SILENT: Final = "the robot rests, and nothing is left that the operator could hear or send"
-UNTOLD: Final = ", and nobody tells it to go on"
+NO_COMMAND_FOLLOWED: Final = ", and no command followed"
 _CUT_SHORT: Final = (GEOFENCE, LINK_LOST)  # by these a plan fails of which every waypoint may have been reached
 
 
@@ -74,7 +74,7 @@ def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) ->
     if station.verdict == FALL or (frame is not None and frame.mode is Mode.FALLEN):
         return FALL, expected
     if not over and (stands or reached < wanted):
-        return stands + UNTOLD if stands else station.missing or SILENT, ""
+        return stands + NO_COMMAND_FOLLOWED if stands else station.missing or SILENT, ""
     if reached < wanted:
         return station.verdict or "not all reached", expected
     if frame is not None and frame.cause.startswith(RETURN_FAILED):

@@ -124,9 +124,9 @@ class Vehicle:
         if still != self._rests:
             self._rests = still
             kind, text = (
-                (EventKind.REST_STARTED, "standing still: physics sleeps until something happens")
+                (EventKind.REST_STARTED, "robot at rest: simulation skips to the next event")
                 if still
-                else (EventKind.REST_ENDED, "physics wakes")
+                else (EventKind.REST_ENDED, "simulation continues")
             )
             self._sink(Event(now_ns, kind, Clock.ROBOT, Severity.INFO, text))
             if still:

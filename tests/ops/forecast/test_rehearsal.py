@@ -23,7 +23,7 @@ FENCED = (
     "name: n\npolicy: p\nlink: {delay: 1.28 s}\nwaypoints: [[5, 0], [5, 5], [20, 5]]\n"
     "onboard: {geofence: {keep_in: [{corners: [[-1, -1], [10, -1], [10, 10], [-1, 10]]}]}}\n"
 )
-NEVER_ENDS = "nothing after this hold tells the robot to go on: the mission never ends"
+NEVER_ENDS = "no command follows this hold: the mission never ends"
 FAIL = "the mission is expected to fail by this "
 
 

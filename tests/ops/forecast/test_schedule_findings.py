@@ -126,7 +126,7 @@ def test_an_abort_does_not_stop_a_pilot_and_a_hold_does() -> None:
     ]
     steps, texts = stood("hold")
     assert steps >= 49
-    assert texts == ["nothing after this hold tells the robot to go on: the mission never ends"]
+    assert texts == ["no command follows this hold: the mission never ends"]
 
 
 def test_a_release_is_obeyed_where_a_plan_is_on_board() -> None:

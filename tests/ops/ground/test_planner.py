@@ -4,6 +4,7 @@ import pytest
 
 from tests.ops.ground.missions import ack, mission_of
 from waypointctl.log.messages import CommandKind, Stage
+from waypointctl.ops.ground.operator import ended_by_robot
 from waypointctl.ops.ground.planner import MissionOperator, WaypointOperator
 from waypointctl.units import NS_PER_S
 
@@ -49,3 +50,18 @@ def test_what_another_command_did_to_the_plan_is_said() -> None:
     operator.issued(1, plan)
     operator.hear(0, ack(Stage.SUPERSEDED, reason="by command 2"))
     assert (operator.finished, operator.verdict) == (True, "superseded by command 2")
+
+
+@pytest.mark.parametrize(
+    ("stage", "own", "other", "verdict"),
+    [
+        (Stage.SUPERSEDED, CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, "command 2 (go_to) replaced the plan"),
+        (Stage.SUPERSEDED, CommandKind.GO_TO, CommandKind.GO_TO, "command 2 (go_to) replaced command 1"),
+        (Stage.CANCELLED, CommandKind.UPLOAD_PLAN, CommandKind.ABORT, "cancelled by command 2 (abort)"),
+    ],
+)
+def test_the_command_that_ended_another_is_named_with_its_kind(
+    stage: Stage, own: CommandKind, other: CommandKind, verdict: str
+) -> None:
+    said = ack(stage, reason="by command 2")
+    assert ended_by_robot(said, {1: own, 2: other}) == verdict

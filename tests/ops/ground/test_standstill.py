@@ -1,4 +1,4 @@
-"""A flight that ends because nobody tells the robot to go on says so."""
+"""A flight that ends because no command follows says so."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ FAR = OUT_OF_REACH | {"name": "far"}
 def test_a_robot_that_holds_after_a_failed_leg_is_told_of(autonomy: str) -> None:
     result, _ = flown(mission_of(UNDER_FOOT, FAR, autonomy=autonomy, on_failure={"then": "hold"}, delay_ms=1000))
     assert result.outcome == "failure"
-    said = "the robot holds after a failed leg at far, and nobody tells it to go on: 1 of 2 waypoints reached in "
+    said = "the robot holds after a failed leg at far, and no command followed: 1 of 2 waypoints reached in "
     assert result.reason.startswith(said)
 
 
 def test_so_is_one_that_waits_or_was_told_to_hold() -> None:
     result, _ = flown(mission_of(FAR, operator={"released": 0}))
-    assert result.reason.startswith("the robot waits for the release of far, and nobody tells it to go on: 0 of 1")
+    assert result.reason.startswith("the robot waits for the release of far, and no command followed: 0 of 1")
     slow = FAR | {"timeout_s": 60.0}
     result, _ = flown(mission_of(slow, schedule=[{"at_s": 0.5, "do": "hold"}]))
-    assert result.reason.startswith("the robot holds by command, and nobody tells it to go on: 0 of 1")
+    assert result.reason.startswith("the robot holds by command, and no command followed: 0 of 1")
 
 
 def test_a_mission_whose_time_is_over_first_says_it_too() -> None:
@@ -56,12 +56,12 @@ def test_each_rule_has_its_words(cause: str, said: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "cause", "ends"),
     [
-        ({"on_failure": "hold"}, "leg failed: far timeout", "after a failed leg at far, and nobody tells it to go on"),
+        ({"on_failure": "hold"}, "leg failed: far timeout", "after a failed leg at far, and no command followed"),
         ({"on_failure": "return_home"}, "at home: timeout", "the robot is at home, at"),
         (
             {"onboard": {"link_loss": {"after_s": 0.5, "do": "hold"}}},
             "link lost",
-            "the robot holds because it hears nothing from the ground, and nobody tells it to go on",
+            "the robot holds because it hears nothing from the ground, and no command followed",
         ),
         (
             {"onboard": {"link_loss": {"after_s": 0.5, "do": "return_home"}}},

@@ -110,9 +110,9 @@ def _operator(chronicle: Chronicle) -> Rows:
     if frame is None:
         return [("operator", "bold magenta", "has heard nothing yet"), trip]
     return [
-        ("operator", "bold magenta", f"knows of {at(frame.issued_ns)}"),
-        ("age", "", f"{at(chronicle.now_ns - frame.issued_ns)}{_astray(chronicle, frame)}"),
-        ("believes", "", _place(frame.x_m, frame.y_m)),
+        ("operator", "bold magenta", f"telemetry from {at(frame.issued_ns)}"),
+        ("age", "", f"{at(chronicle.now_ns - frame.issued_ns)}{_position_error(chronicle, frame)}"),
+        ("last known", "", f"position {_place(frame.x_m, frame.y_m)}"),
         ("mode", "", _mode(chronicle, frame)),
         trip,
     ]
@@ -134,11 +134,11 @@ def _link(chronicle: Chronicle) -> Rows:
     return rows
 
 
-def _astray(chronicle: Chronicle, frame: Telemetry) -> str:
+def _position_error(chronicle: Chronicle, frame: Telemetry) -> str:
     if chronicle.state is None:
         return ""
     x_m, y_m = float(chronicle.state.qpos[0]), float(chronicle.state.qpos[1])
-    return f", {math.hypot(frame.x_m - x_m, frame.y_m - y_m):.1f} m astray"
+    return f", error {math.hypot(frame.x_m - x_m, frame.y_m - y_m):.1f} m"
 
 
 def _mode(chronicle: Chronicle, frame: Telemetry) -> str:

@@ -92,12 +92,12 @@ def _fails_by(mission: Mission, command: ScheduledCommand, effect: Effect) -> tu
     """Return what becomes of a mission by one command of its schedule."""
     rehearsed = effect.rehearsed
     if rehearsed is None or (not rehearsed.ends and command.do == "hold"):
-        return "do", "nothing after this hold tells the robot to go on: the mission never ends"
+        return "do", "no command follows this hold: the mission never ends"
     count = mission.num_legs
     facts = f"{rehearsed.reached} of {count} waypoint{'s' * (count > 1)} reached"
     meant = "; if that is meant, set expect.reached" if command.do in _ENDING else ""
     if not rehearsed.ends:
-        why = f"{rehearsed.reason}, and nobody tells it to go on" if rehearsed.reason else "nothing more happens"
+        why = f"{rehearsed.reason}, and no command follows" if rehearsed.reason else "nothing more happens"
         return "do", f"the mission never ends after this {command.do}: {why}, {facts}{meant}"
     at = f"at about {rehearsed.time_s:.1f} s"
     return "do", f"the mission is expected to fail by this {command.do}, {at}: {rehearsed.reason}, {facts}{meant}"

@@ -206,10 +206,16 @@ class Dispatcher:
             if not heard:
                 self._unanswered[command_id] = self._open.pop(command_id)
             return
-        why = f"{UNANSWERED} after {sent.attempt}"
+        why = f"sending {sent.attempt} was not acknowledged"
         if heard:
             why = f"its end was not heard of, only that it was {sent.stage}"
-        self._announce(now_ns, EventKind.COMMAND_SENT, command_id, f"sent again: {why}", Severity.WARNING)
+        self._announce(
+            now_ns,
+            EventKind.COMMAND_SENT,
+            command_id,
+            f"sent again (sending {sent.attempt + 1}): {why}",
+            Severity.WARNING,
+        )
         self._send(now_ns, command_id)
 
     def _suspect(self, now_ns: int, frame: Telemetry) -> None:

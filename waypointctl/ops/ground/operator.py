@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Final
 
 from waypointctl.log.messages import (
@@ -30,6 +31,8 @@ CARROT: Final = -1  # index of a place that is none of the mission's waypoints
 
 # What somebody else's command, or the clock, did to it: the reason alone says who or when, not what.
 _BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
+_COMMAND: Final = re.compile(r"\bby command ([0-9]{1,18})$")
+_NO_KINDS: Final[Mapping[int, CommandKind]] = {}
 
 
 class Operator(ABC):
@@ -55,6 +58,7 @@ class Operator(ABC):
         self._think_ns = ns(mission.operator.think_s)
         self._agenda: Agenda[Order] = Agenda()
         self._newest: dict[CommandKind, int] = {}  # the newest command of each kind
+        self._kinds: dict[int, CommandKind] = {}  # of every command that has been sent, whoever sent it
 
     @property
     def wake_ns(self) -> int | None:
@@ -90,6 +94,10 @@ class Operator(ABC):
     def issued(self, command_id: int, order: Order) -> None:
         """Learn the id of an order that has been sent."""
         self._newest[order.kind] = command_id
+
+    def note_kind(self, command_id: int, kind: CommandKind) -> None:
+        """Learn the kind of a command that has been sent, by whomever."""
+        self._kinds[command_id] = kind
 
     def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
         """Take what has arrived; return what to send on hearing it."""
@@ -152,11 +160,24 @@ def rule_of_leg(mission: Mission) -> str:
     return "" if mission.failure_rule.then in ("hold", "return_home") else "abort"
 
 
-def ended_by_robot(ack: Ack) -> str:
-    """Return why a command that did not complete ended, in a word or two."""
+def ended_by_robot(ack: Ack, kinds: Mapping[int, CommandKind] = _NO_KINDS) -> str:
+    """Return why a command that did not complete ended, in a few words; `kinds` are of the commands that were sent."""
     if ack.stage in _BY_ANOTHER:
-        return f"{ack.stage} {ack.reason}".rstrip()
+        return _ended_by_another(ack, kinds)
     return ack.reason or ("" if ack.stage is Stage.COMPLETED else ack.stage.value)
+
+
+def _ended_by_another(ack: Ack, kinds: Mapping[int, CommandKind]) -> str:
+    """Return which command, or what else, ended a command; with the kind of each that is known."""
+    said = f"{ack.stage} {ack.reason}".rstrip()
+    named = _COMMAND.search(ack.reason)
+    kind = kinds.get(int(named[1])) if named else None
+    if named is None or kind is None:
+        return said
+    if ack.stage is not Stage.SUPERSEDED:
+        return f"{said} ({kind})"
+    replaced = "the plan" if kinds.get(ack.command_id) is CommandKind.UPLOAD_PLAN else f"command {ack.command_id}"
+    return f"command {named[1]} ({kind}) replaced {replaced}"
 
 
 def planned_waypoints(mission: Mission) -> tuple[PlannedWaypoint, ...]:

@@ -162,4 +162,4 @@ class Pilot(Operator):
         self._at_task = False
         if ack.stage is Stage.COMPLETED or (self._skips and leg_failed(ack)):
             return self._next_leg(ack.issued_ns, 0)
-        return self._finish(ended_by_robot(ack))
+        return self._finish(ended_by_robot(ack, self._kinds))

@@ -24,7 +24,11 @@ class MissionOperator(Operator):
         return [Order(CommandKind.UPLOAD_PLAN, self._plan, self._on_failure, self._released)]
 
     def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
-        return self._finish(ended_by_robot(ack)) if ack.command_id == self._newest.get(CommandKind.UPLOAD_PLAN) else []
+        return (
+            self._finish(ended_by_robot(ack, self._kinds))
+            if ack.command_id == self._newest.get(CommandKind.UPLOAD_PLAN)
+            else []
+        )
 
 
 class WaypointOperator(Operator):
@@ -52,5 +56,5 @@ class WaypointOperator(Operator):
         if self._skips and leg_failed(ack):
             self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, self._plan[self._sent - 1], f"skipped: {ack.reason}")
         elif ack.stage is not Stage.COMPLETED:
-            return self._finish(ended_by_robot(ack))
+            return self._finish(ended_by_robot(ack, self._kinds))
         return self._after_thought(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()

@@ -127,6 +127,7 @@ class Station:
         """Send orders; the operator is told the ids of its own."""
         for order in orders:
             command_id = self.dispatcher.issue(now_ns, order)
+            self.operator.note_kind(command_id, order.kind)
             if own:
                 self.operator.issued(command_id, order)
             elif not self.operator.finished:

@@ -104,7 +104,9 @@ class HeadingOperator(Operator):
             if self._clock.is_over(self._plan[self._leg].timeout_ns):
                 return self._give_up_leg(now_ns, TIMEOUT)
             return self._unless_suspended(self._after_thought(now_ns, self._carrot()))
-        return self._give_up_leg(now_ns, ack.reason) if leg_failed(ack) else self._finish(ended_by_robot(ack))
+        return (
+            self._give_up_leg(now_ns, ack.reason) if leg_failed(ack) else self._finish(ended_by_robot(ack, self._kinds))
+        )
 
     def _is_out_of_time(self, now_ns: int) -> bool:
         """Tell whether the robot's time for the leg is over, or nobody has told by when one should have heard of it."""
