@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from tests.ops.flying import (
@@ -95,3 +97,20 @@ def test_success_that_is_heard_of_too_late_is_no_success() -> None:
     assert result.outcome == "failure"
     result, _ = flown(mission_of(UNDER_FOOT, delay_ms=1000.0, expect={"max_time_s": 2.02}))
     assert result.outcome == "success"
+
+
+@pytest.mark.parametrize(
+    ("expect", "said"),
+    [
+        ({}, "timeout: 1 of 2 waypoints reached, 2 expected; "),
+        ({"max_time_s": 3.0}, "longer than 3 s: 1 of 2 waypoints reached; "),
+    ],
+)
+def test_a_flight_that_goes_on_after_its_plan_names_both_times(expect: dict[str, Any], said: str) -> None:
+    home = {"home": {"position_m": [5.0, 0.0], "timeout_s": 4.0}}
+    then: dict[str, Any] = {"on_failure": "return_home", "onboard": home, "delay_ms": 250.0}
+    result, _ = flown(mission_of(UNDER_FOOT, OUT_OF_REACH, expect=expect, **then))
+    known_s, ended_s = result.known_ns / 1e9, result.sim_time_ns / 1e9
+    assert ended_s > known_s + 1.0
+    times = f"the end of the plan was known at {known_s:.2f} s, the flight ended at {ended_s:.2f} s"
+    assert result.reason.startswith(said + times)

@@ -31,7 +31,7 @@ from waypointctl.log.messages import (
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.zones import Zone
 from waypointctl.replay.chronicle import tell
-from waypointctl.replay.picture.page import HEIGHT, WIDTH, _draw_parts
+from waypointctl.replay.picture.page import HEIGHT, WIDTH, _draw_parts, _wrapped
 from waypointctl.replay.picture.speed import _drawn
 from waypointctl.replay.picture.time_axis import _along, _knots, _ticks, time_text, waits_in
 from waypointctl.replay.story import Story
@@ -231,3 +231,28 @@ def test_a_metre_is_as_long_along_both_axes(far_m: float) -> None:
     axes = parts(tell(flight(), (NEAR, replace(FAR, x_m=far_m)), SETTING)).axes[0]
     (x0, y0), (x1, y1) = axes.transData.transform([(0.0, 0.0), (1.0, 1.0)])
     assert x1 - x0 == pytest.approx(y1 - y0)
+
+
+def test_a_commanded_place_that_is_no_waypoint_is_marked_and_named() -> None:
+    place = PlannedWaypoint(-1, "(3, 4)", 3.0, 4.0, "radius", 0.5, NS_PER_S, 0)
+    console = [*flight(), Command(2, CommandKind.GO_TO, (place,), "", 0, ns(1.0))]
+    axes = parts(tell(console, (NEAR, FAR))).axes[0]
+    (marks,) = (line for line in axes.lines if line.get_label() == "commanded place")
+    assert (list(marks.get_xdata()), list(marks.get_ydata())) == ([3.0], [4.0])  # type: ignore[arg-type]
+    assert "(3, 4)" in {text.get_text() for text in axes.texts}
+    assert "commanded place" not in legends(parts(tell(flight(), (NEAR, FAR))))
+
+
+def test_the_legend_of_the_path_names_only_what_is_drawn() -> None:
+    lines = parts(tell([], (NEAR, FAR))).axes[0].get_legend()
+    assert lines is None or not lines.get_texts()
+
+
+@pytest.mark.parametrize("count", [1, 30, 200])
+def test_a_long_headline_is_broken_between_words(count: int) -> None:
+    text = _wrapped("failure: " + "the robot stands at (4.19, -11.25) m; " * count)
+    lines = text.split("\n")
+    assert len(lines) == min(count, 2)
+    assert max(map(len, lines)) <= 170
+    whole = {"failure:", "the", "robot", "stands", "at", "(4.19,", "-11.25)", "m;", "\N{HORIZONTAL ELLIPSIS}"}
+    assert set(text.split()) <= whole

@@ -30,6 +30,15 @@ def test_the_outcome_is_what_the_operator_said_last() -> None:
     assert story.steps == 10
 
 
+def test_the_headline_keeps_what_is_known_apart_from_what_is_true() -> None:
+    messages = [*flight()][:-1]
+    ended = event(5, EventKind.MISSION_ENDED, "interrupted: 0 of 2 waypoints known to be reached", Clock.OPERATOR)
+    assert tell([*messages, ended]).headline == ended.text, "both know of one"
+    unheard = [message for message in messages if not isinstance(message, Telemetry)]
+    assert tell([*unheard, ended]).headline == f"{ended.text}; the robot reached 1, the operator knows of 0"
+    assert tell(unheard).headline == "unfinished: the log has no end"
+
+
 def test_a_command_is_told_on_both_clocks() -> None:
     (command,) = tell(flight()).commands
     assert (command.id, command.what) == (1, "upload_plan near, far")
@@ -182,8 +191,18 @@ def test_a_command_that_was_lost_and_sent_again_says_so() -> None:
     assert (command.attempts, command.losses) == (2, 1)
     assert (command.issued_ns, command.received_ns) == (0, ns(4.0)), "from the first sending on"
     assert command.uplink_ns == ns(1.0), "of the one that arrived"
-    assert command.round_trip_ns == ns(5.0)
+    assert command.round_trip_ns == ns(2.0), "of the same sending"
     assert command.onboard is Stage.RECEIVED
+
+
+def test_the_round_trip_is_of_the_sending_that_was_acknowledged() -> None:
+    """Both sendings arrive; of the first one the acknowledgement is lost."""
+    first = Command(1, CommandKind.GO_TO, (NEAR,), "abort", 0, ns(1.0), attempt=1)
+    second = replace(first, issued_ns=ns(3.0), received_ns=ns(4.0), attempt=2)
+    (command,) = tell([first, second, ack(Stage.RECEIVED, 4.0)]).commands
+    assert (command.received_ns, command.round_trip_ns) == (ns(1.0), ns(2.0))
+    (command,) = tell([first, ack(Stage.RECEIVED, 1.0), second]).commands
+    assert command.round_trip_ns == ns(2.0), "a sending that arrives later changes nothing"
 
 
 def test_a_rejected_command_is_concluded() -> None:

@@ -104,7 +104,7 @@ def _say_complete(asked: Resumption) -> int:
     path = asked.log.with_name(asked.log.name.removesuffix(PART))
     log = open_log(path)
     story = story_of(log)
-    typer.echo(printable(f"{path} is complete: {story.outcome}: {story.reason}"), err=True)
+    typer.echo(printable(f"{path} is complete: {story.headline}"), err=True)
     if asked.json:
         reached, total, ended_ns = story.learned, len(story.waypoints), story.ended_ns
         result = FlightResult(story.outcome, story.reason, reached, total, ended_ns, ended_ns)

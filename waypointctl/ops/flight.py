@@ -185,7 +185,7 @@ class Flight:
     def interrupt(self) -> FlightResult:
         """Close the flight because somebody asked for it."""
         reached, total, now_ns = len(self._station.reached), self._mission.num_legs, self._now_ns
-        facts = f"{reached} of {total} waypoints reached"
+        facts = f"{reached} of {total} waypoints known to be reached"
         return self._close(FlightResult("interrupted", facts, reached, total, now_ns, now_ns))
 
     def _close(self, result: FlightResult) -> FlightResult:

@@ -50,16 +50,26 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     """
     total, reached = mission.num_legs, len(station.reached)
     told_ns = ended_ns if known_ns is None else known_ns
-    facts = f"{reached} of {total} waypoints reached in {seconds(told_ns):.2f} s"
     where = where_it_is(mission, station.belief.telemetry, went_home=station.belief.went_home)
     limit_s = mission.expect.max_time_s
     late = late or (limit_s is not None and known_ns is not None and known_ns > ns(limit_s))
     problem, expected = problem_of(mission, station, over=known_ns is not None, late=late)
+    facts = _facts(station, total, ended_ns, told_ns, expected, late=late)
     if problem:
-        reason = f"{problem}: {facts}{expected}{'; ' * bool(where)}{where}"
+        reason = f"{problem}: {facts}{'; ' * bool(where)}{where}"
         return FlightResult("failure", reason, reached, total, ended_ns, told_ns)
     reason = f"{facts}; {where}" if station.belief.went_home else facts
     return FlightResult("success", reason, reached, total, ended_ns, told_ns)
+
+
+def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: str, *, late: bool) -> str:
+    """Return how many waypoints are known to be reached; and when that was, or both times where the flight went on."""
+    reached, told, ended = len(station.reached), f"{seconds(told_ns):.2f} s", f"{seconds(ended_ns):.2f} s"
+    goes_on = late or station.belief.went_home or reached < total
+    if told == ended or not goes_on:
+        return f"{reached} of {total} waypoints reached in {told}{expected}"
+    times = f"the end of the plan was known at {told}, the flight ended at {ended}"
+    return f"{reached} of {total} waypoints reached{expected}; {times}"
 
 
 def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) -> tuple[str, str]:

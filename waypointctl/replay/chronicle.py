@@ -31,7 +31,7 @@ from waypointctl.replay.effort import EffortTally
 from waypointctl.replay.growing_records import GrowingCommand, GrowingWaypoint
 from waypointctl.replay.link_story import LinkTally
 from waypointctl.replay.return_home import ReturnHome, ReturnsFold
-from waypointctl.replay.story import CommandStory, Fate, Story, WaypointStory
+from waypointctl.replay.story import UNFINISHED, CommandStory, Fate, Story, WaypointStory
 from waypointctl.replay.track import GrowingTrack, Track, is_on_map
 
 _FATES: Final = {
@@ -91,6 +91,7 @@ class Chronicle:
         self._waypoints = {waypoint.index: GrowingWaypoint(waypoint) for waypoint in waypoints}
         self._leg: GrowingWaypoint | None = None  # the one that was begun last
         self._commands: dict[int, GrowingCommand] = {}
+        self._places: dict[tuple[float, float], PlannedWaypoint] = {}  # commanded, and none of the waypoints
         self._truth, self._belief = GrowingTrack(), GrowingTrack()
         self._effort, self._returns = EffortTally(), ReturnsFold()
         self._learned = 0  # how many of the waypoints in telemetry's `reached`, which only grows, have been taken
@@ -138,7 +139,7 @@ class Chronicle:
 
     @property
     def round_trip_ns(self) -> int | None:
-        """From issuing the newest command that was acknowledged to its first acknowledgement; None without one."""
+        """The round trip of the newest command that was acknowledged [ns]; None without one."""
         command = self._commands.get(self._acknowledged)
         return None if command is None else command.story(self._acknowledged).round_trip_ns
 
@@ -169,6 +170,7 @@ class Chronicle:
             ended_ns=ended_ns,
             steps=self._steps,
             waypoints=self.waypoints,
+            places=tuple(self._places.values()),
             commands=self.commands,
             events=tuple(self.events),
             reward=tuple(self._reward.items()),
@@ -190,7 +192,7 @@ class Chronicle:
             if event.kind is EventKind.MISSION_ENDED:
                 outcome, _, reason = event.text.partition(": ")
                 return outcome, reason, event.time_ns
-        return "unfinished", "the log has no end", self.now_ns
+        return UNFINISHED, "the log has no end", self.now_ns
 
     def _move(self, state: State) -> None:
         self.now_ns = max(self.now_ns, state.time_ns)
@@ -230,6 +232,7 @@ class Chronicle:
 
     def _receive(self, command: Command) -> None:
         entry = self._command(command.id)
+        entry.arrivals.append((command.issued_ns, command.received_ns))
         if entry.received_ns is None:  # what arrives once more is only acknowledged once more
             entry.received_ns, entry.carried_ns = command.received_ns, command.received_ns - command.issued_ns
             if not entry.attempts:
@@ -237,7 +240,9 @@ class Chronicle:
             entry.kind = command.kind
             entry.what = f"{command.kind} {names(command.waypoints)}".rstrip()
         for waypoint in command.waypoints:
-            if waypoint.index >= 0:  # else it is a place, none of the mission's waypoints
+            if waypoint.index < 0:
+                self._places.setdefault((waypoint.x_m, waypoint.y_m), waypoint)
+            else:
                 self._waypoints.setdefault(waypoint.index, GrowingWaypoint(waypoint))
 
     def _advance(self, it: CommandStage) -> None:

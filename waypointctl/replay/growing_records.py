@@ -23,6 +23,7 @@ class GrowingCommand:
     losses: int = 0
     acks: list[Ack] = field(default_factory=list)
     told: tuple[Stage, int] | None = None
+    arrivals: list[tuple[int, int]] = field(default_factory=list)
 
     def story(self, command_id: int) -> CommandStory:
         """Return what is known of it."""
@@ -38,6 +39,7 @@ class GrowingCommand:
             losses=self.losses,
             acks=tuple(self.acks),
             told=self.told,
+            arrivals=tuple(self.arrivals),
         )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 from waypointctl.log.messages import FINAL_STAGES, Ack, Event, EventKind, PlannedWaypoint, Stage
 from waypointctl.log.setting import MissionSetting, Span
@@ -15,6 +16,8 @@ from waypointctl.replay.effort import Effort
 from waypointctl.replay.link_story import LinkStory
 from waypointctl.replay.return_home import ReturnHome
 from waypointctl.replay.track import Track, is_on_map
+
+UNFINISHED: Final = "unfinished"  # outcome of a log without an end
 
 
 class Fate(StrEnum):
@@ -42,6 +45,7 @@ class CommandStory:
         losses: how often the link lost it, which the operator is not told.
         acks: what has arrived of it at the operator, in order.
         told: its end as telemetry told it first, and when, on the operator's clock [ns]; None where it never did.
+        arrivals: of each sending that arrived: when it was sent, and when it arrived [ns].
     """
 
     id: int
@@ -55,6 +59,7 @@ class CommandStory:
     losses: int
     acks: tuple[Ack, ...]
     told: tuple[Stage, int] | None = None
+    arrivals: tuple[tuple[int, int], ...] = ()
 
     @property
     def downlink_ns(self) -> int | None:
@@ -68,8 +73,15 @@ class CommandStory:
 
     @property
     def round_trip_ns(self) -> int | None:
-        """From issuing it to its first acknowledgement, both on the operator's clock."""
-        return self.acks[0].received_ns - self.issued_ns if self.acks else None
+        """From the sending that its first acknowledgement answers to that acknowledgement, on the operator's clock.
+
+        That is the newest sending that had arrived when the robot acknowledged; the first one where none is known to.
+        """
+        if not self.acks:
+            return None
+        ack = self.acks[0]
+        sent_ns = (sent_ns for sent_ns, arrived_ns in self.arrivals if arrived_ns <= ack.issued_ns)
+        return ack.received_ns - max(sent_ns, default=self.issued_ns)
 
     @property
     def heard(self) -> Stage:
@@ -120,6 +132,7 @@ class Story:
         ended_ns: when the mission ended on the operator's clock, or the last time there is.
         steps: control steps flown.
         waypoints: of the mission, in order.
+        places: where else the robot was commanded to go, as it arrived, each once.
         commands: by id.
         events: in the order they happened.
         reward: each term's sum over the flight.
@@ -141,6 +154,7 @@ class Story:
     ended_ns: int
     steps: int
     waypoints: tuple[WaypointStory, ...]
+    places: tuple[PlannedWaypoint, ...]
     commands: tuple[CommandStory, ...]
     events: tuple[Event, ...]
     reward: tuple[tuple[str, float], ...]
@@ -165,6 +179,14 @@ class Story:
     def learned(self) -> int:
         """How many of them the operator has heard of."""
         return sum(waypoint.learned_ns is not None for waypoint in self.waypoints)
+
+    @property
+    def headline(self) -> str:
+        """The outcome as the operator knows it; where the robot reached more waypoints than is known, both counts."""
+        said = f"{self.outcome}: {self.reason}"
+        if self.outcome == UNFINISHED or self.reached == self.learned:
+            return said
+        return f"{said}; the robot reached {self.reached}, the operator knows of {self.learned}"
 
     @property
     def ended_at(self) -> Track:

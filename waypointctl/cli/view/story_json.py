@@ -51,7 +51,11 @@ def verification_json(verification: Verification) -> Plain:
 
 
 def story_json(story: Story, mission: str) -> Plain:
-    """Return the story; times in [s] from mission start, None for what never came."""
+    """Return the story; times in [s] from mission start, None for what never came.
+
+    Of a command, `issued_s` is its first sending, `uplink_s` is of the sending that arrived first, and `round_trip_s`
+    of the sending that the first acknowledgement answers.
+    """
     effort = story.effort
     return {
         "mission": mission,

@@ -92,7 +92,7 @@ def _print_line(out: Console, text: str, style: str = "") -> None:
 
 def _print_outcome(out: Console, story: Story) -> None:
     style = _GOOD if story.outcome == "success" else _BAD
-    _print_line(out, printable(f"{story.outcome}: {story.reason}"), style=style)
+    _print_line(out, printable(story.headline), style=style)
 
 
 def _print_tables(out: Console, story: Story) -> None:

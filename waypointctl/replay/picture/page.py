@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any, Final
 
 from matplotlib.figure import Figure
 
+from waypointctl.display_text import printable
 from waypointctl.figure import picture
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import short
@@ -19,7 +21,8 @@ WIDTH: Final = 1600  # pixels
 HEIGHT: Final = 1000
 _DPI: Final = 100
 _TITLE: Final = 60  # characters of the mission's name
-_REASON: Final = 170  # of the outcome
+_REASON: Final = 170  # of the outcome, a line
+_REASON_LINES: Final = 2
 _STYLE: Final[dict[Any, Any]] = {"axes.titlesize": 11, "font.size": 10}
 
 
@@ -56,15 +59,23 @@ def _draw_parts(figure: Figure, story: Story) -> None:
 
 
 def _write_heading(figure: Figure, story: Story, title: str, alarm: str | None) -> None:
-    name, outcome = short(title, _TITLE), short(f"{story.outcome}: {story.reason}", _REASON)
+    name, outcome = short(title, _TITLE), _wrapped(story.headline)
     if alarm is None:
         color = palette.REACHED if story.outcome == "success" else palette.FAILED
         figure.text(0.05, 0.96, name, fontsize=17, fontweight="bold", va="center")
         figure.text(0.05, 0.922, outcome, fontsize=11.5, color=color, va="center")
     else:  # what the log says of itself is then no headline, and its success not green
         figure.text(0.05, 0.968, alarm.upper(), fontsize=22, fontweight="bold", color=palette.UNPROVEN, va="center")
-        said = short(f"{name}; the log says {outcome}", _REASON)
+        said = _wrapped(f"{name}; the log says {story.headline}")
         figure.text(0.05, 0.922, said, fontsize=11.5, va="center")
+
+
+def _wrapped(text: str) -> str:
+    """Return a text in lines broken between words; what is beyond the last line is left out, after a whole word."""
+    most = _REASON * _REASON_LINES
+    shown = printable(text[: 2 * most], 24 * most)  # room for every escape
+    lines = textwrap.wrap(shown, _REASON, max_lines=_REASON_LINES, placeholder=" \N{HORIZONTAL ELLIPSIS}")
+    return "\n".join(lines)
 
 
 def _write_facts(figure: Figure, story: Story, proof: str) -> None:

@@ -17,7 +17,7 @@ from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import Labels, Place, around, short
 from waypointctl.replay.picture.time_axis import time_text
 from waypointctl.replay.story import Story, WaypointStory
-from waypointctl.replay.track import Track
+from waypointctl.replay.track import Track, is_on_map
 from waypointctl.units import seconds
 
 _POINTS: Final = 6000  # drawn of the way
@@ -44,15 +44,20 @@ def draw_path(axes: Axes, story: Story) -> None:
     if story.home is not None:
         axes.plot(story.home.x_m, story.home.y_m, marker=_HOUSE, label="home", linestyle="none", zorder=5, **_HOME_LOOK)
     _draw_lost(axes, story)
-    _set_limits(axes, story, waypoints, way)
+    places = [place for place in story.places if is_on_map(place.x_m, place.y_m, place.tolerance_m)]
+    _draw_places(axes, places)
+    _set_limits(axes, story, [*(waypoint.planned for waypoint in waypoints), *places], way)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="Path")
     axes.grid(color=palette.FAINT, linewidth=0.4)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=4, frameon=False, fontsize=9, columnspacing=1.2)
-    _write_names(axes, story, waypoints, way)
+    if axes.get_legend_handles_labels()[0]:
+        below: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.06)}
+        axes.legend(**below, ncols=4, frameon=False, fontsize=9, columnspacing=1.2)
+    _write_names(axes, story, waypoints, places, way)
 
 
 def _draw_way(axes: Axes, story: Story, way: Track) -> None:
-    axes.plot(way.x_m, way.y_m, color=palette.ROBOT, linewidth=1.8, label="robot, truth", zorder=3)
+    if len(way):
+        axes.plot(way.x_m, way.y_m, color=palette.ROBOT, linewidth=1.8, label="robot, truth", zorder=3)
     for number, each in enumerate(story.returns):
         home = story.truth.between(each.began_ns, story.ended_ns if each.ended_ns is None else each.ended_ns)
         home = home.thinned(_POINTS)
@@ -60,14 +65,25 @@ def _draw_way(axes: Axes, story: Story, way: Track) -> None:
         axes.plot(home.x_m, home.y_m, color=palette.HOME, linewidth=2.6, label=label, zorder=3)
     if story.setting.down is not None:
         unheard = np.where(story.setting.down.is_open(way.time_ns), np.nan, 1.0)
+        label = "hollow: no contact down" if np.isfinite(unheard).any() else "_nolegend_"
         look: dict[str, Any] = {"color": "white", "linewidth": 0.9, "zorder": 3.5}
         axes.plot(way.x_m * unheard, way.y_m * unheard, **look)
-        axes.plot([], [], color=palette.FAINT, linewidth=2.2, label="hollow: no contact down")
+        axes.plot([], [], color=palette.FAINT, linewidth=2.2, label=label)
     told = story.belief.thinned(_POINTS)
-    axes.plot(told.x_m, told.y_m, ".", color=palette.OPERATOR, markersize=5, label="telemetry frame", zorder=4)
+    if len(told):
+        axes.plot(told.x_m, told.y_m, ".", color=palette.OPERATOR, markersize=5, label="telemetry frame", zorder=4)
     if len(way):
         axes.plot(way.x_m[0], way.y_m[0], "o", color="white", markeredgecolor=palette.INK, label="start", zorder=5)
         axes.plot(way.x_m[-1], way.y_m[-1], "s", color=palette.INK, markersize=6, label="end", zorder=5)
+
+
+def _draw_places(axes: Axes, places: Sequence[PlannedWaypoint]) -> None:
+    """Mark the places of go_to commands that are none of the mission's waypoints."""
+    if places:
+        x_m, y_m = [place.x_m for place in places], [place.y_m for place in places]
+        look: dict[str, Any] = {"color": palette.INK, "linestyle": "none", "zorder": 4.5}
+        few = len(places) <= _MOST_TIMES
+        axes.plot(x_m, y_m, "+", markersize=10 if few else 4, label="commanded place", **look)
 
 
 def _draw_lost(axes: Axes, story: Story) -> None:
@@ -79,9 +95,9 @@ def _draw_lost(axes: Axes, story: Story) -> None:
         axes.plot(lost.x_m, lost.y_m, "x", color=palette.FAILED, markersize=4, label=label, zorder=4.5)
 
 
-def _set_limits(axes: Axes, story: Story, waypoints: Sequence[WaypointStory], way: Track) -> None:
-    """Show the way, the waypoints, home and what is near of the zones, in equal scale, with ticks equally far apart."""
-    plans = [waypoint.planned for waypoint in waypoints] + ([] if story.home is None else [story.home])
+def _set_limits(axes: Axes, story: Story, goals: Sequence[PlannedWaypoint], way: Track) -> None:
+    """Show the way, the goals, home and what is near of the zones, in equal scale, with ticks equally far apart."""
+    plans = [*goals] + ([] if story.home is None else [story.home])
     reach = np.array([plan.tolerance_m for plan in plans])
     x_m, y_m = (np.array([getattr(plan, name) for plan in plans]) for name in ("x_m", "y_m"))
     told = story.belief
@@ -104,7 +120,9 @@ def _set_limits(axes: Axes, story: Story, waypoints: Sequence[WaypointStory], wa
     axes.yaxis.set_major_locator(MultipleLocator(step_m))
 
 
-def _write_names(axes: Axes, story: Story, waypoints: Sequence[WaypointStory], way: Track) -> None:
+def _write_names(
+    axes: Axes, story: Story, waypoints: Sequence[WaypointStory], places: Sequence[PlannedWaypoint], way: Track
+) -> None:
     """Write the names of waypoints, home and zones where they cover no other, and little of the way."""
     labels = Labels(axes, axes.transData.transform(np.column_stack([way.x_m, way.y_m])))
     with_time = len(waypoints) <= _MOST_TIMES
@@ -112,9 +130,12 @@ def _write_names(axes: Axes, story: Story, waypoints: Sequence[WaypointStory], w
         plan, color = waypoint.planned, palette.FATES[waypoint.fate]
         name = short(plan.name, _LETTERS)
         when = str(waypoint.fate) if waypoint.reached_ns is None else time_text(seconds(waypoint.reached_ns))
-        places = around(*_box(labels, plan))
-        if not with_time or not labels.put(f"{name}\n{when}", places, color, size_pt=9):
-            labels.put(name, places, color, size_pt=9)
+        around_it = around(*_box(labels, plan))
+        if not with_time or not labels.put(f"{name}\n{when}", around_it, color, size_pt=9):
+            labels.put(name, around_it, color, size_pt=9)
+    for place in places if len(places) <= _MOST_TIMES else ():
+        x_px, y_px = labels.pixels(place.x_m, place.y_m)
+        labels.put(short(place.name, _LETTERS), around(x_px - 5, x_px + 5, y_px - 5, y_px + 5), palette.INK)
     if story.home is not None:
         x_px, y_px = labels.pixels(story.home.x_m, story.home.y_m)
         labels.put("home", around(x_px - 8, x_px + 8, y_px - 8, y_px + 8), palette.HOME, size_pt=9)
