@@ -164,3 +164,52 @@ def test_the_missions_own_autonomy_is_rehearsed_first(monkeypatch: pytest.Monkey
     schedule = "schedule: [{at: 1 s, do: hold}, {at: 2 s, do: resume}]\n"
     forecast(read(TWO + "autonomy: heading\n" + schedule), SPEED)
     assert asked == 2 * ["heading"] + 2 * ["mission"] + 2 * ["waypoint"]  # joint is a fall
+
+
+# What goes on after the operator knows how the mission has gone.
+GIVEN_UP = (
+    "name: n\npolicy: p\nseed: 4\nlink: {delay: 1.5 s}\n"
+    "waypoints: [[6, 0], {position: [30 m, 0 m], timeout: 4 s}]\nexpect: {reached: 1}\n"
+)
+ROCK = "onboard: {geofence: {keep_out: [{center: [12 m, 0 m], radius: 1 m}], do: return_home}}\n"
+GOES_ON = {
+    "home by the rule of a leg": GIVEN_UP + "on_failure: return_home\n",
+    "home by the rule of a leg, waypoint by waypoint": GIVEN_UP + "on_failure: return_home\nautonomy: waypoint\n",
+    "home from the fence": GIVEN_UP.replace("4 s", "20 s") + ROCK,
+    "home when the link is lost after the end": (
+        "name: n\npolicy: p\nseed: 4\nlink: {delay: 1.5 s}\nwaypoints: [[6, 0], [6, 6]]\nautonomy: waypoint\n"
+        "onboard: {link_loss: {after: 4 s, do: return_home}}\n"
+    ),
+    "a home much farther than the way": (
+        GIVEN_UP + "on_failure: return_home\nonboard: {home: {position: [-40 m, 0 m], timeout: 100 s}}\n"
+    ),
+}
+
+
+@pytest.mark.parametrize("text", GOES_ON.values(), ids=GOES_ON)
+def test_what_goes_on_after_the_operator_knows_the_end_is_in_the_duration(text: str, policy: LoadedPolicy) -> None:
+    mission = read(text)
+    found = told(mission)
+    result = fly(mission, policy, lambda _: None)
+    assert result.outcome == "success", result.reason
+    assert result.sim_time_ns > result.known_ns
+    assert found.own.time_s == pytest.approx(seconds(result.sim_time_ns), rel=BAND)
+    limit_s = seconds(result.known_ns + result.sim_time_ns) / 2
+    limited = mission.model_copy(update={"expect": mission.expect.model_copy(update={"max_time_s": limit_s})})
+    late = told(limited)
+    assert not late.own.succeeds
+    assert "max_time" in {each.kind for each in late.findings}
+    assert fly(limited, policy, lambda _: None).outcome == "failure"
+
+
+def test_a_steered_leg_that_is_given_up_lasts_as_long_as_in_flight(policy: LoadedPolicy) -> None:
+    mission = read(GIVEN_UP + "autonomy: heading\n")
+    result = fly(mission, policy, lambda _: None)
+    assert told(mission).own.time_s == pytest.approx(seconds(result.sim_time_ns), rel=2 * BAND)
+
+
+def test_a_long_way_home_is_rehearsed_to_its_end() -> None:
+    home = "onboard: {home: {position: [-900 m, 0 m], timeout: 900 s}}\n"
+    found = told(read(GIVEN_UP + "on_failure: return_home\n" + home))
+    assert found.own.time_s is not None
+    assert found.own.time_s > 900 / SPEED.mps

@@ -51,7 +51,8 @@ class Expected:
 
     Attributes:
         autonomy: who decides what.
-        time_s: from the first command to the operator's knowing of the end; None for never.
+        time_s: from the first command to the operator's knowing of the end, or to the end of the flight where a way
+            home, a hold or a rule on board goes on after that; None for never.
         exchanges: how often the operator has to hear before it can say what is next.
         blocked: the message that never gets through, where that is why the time is None.
         falls: whether the robot is expected to fall, which is why the time is None.

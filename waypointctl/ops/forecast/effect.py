@@ -1,17 +1,19 @@
 """What a schedule, a fence and the rules on board make of a mission, gone through on paper.
 
 What is expected without them is worked out elsewhere; here it gets longer by as much as they make the mission longer on
-paper.
+paper, and by what goes on after the operator knows the end: a way home, a hold that ends by itself.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Final
 
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.onboard import Geofence
 from waypointctl.mission.schedule import ScheduledCommand
+from waypointctl.ops.executive.rules import rules_of
 from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.duration import Autonomy, Expected
 from waypointctl.ops.forecast.rehearsal import Rehearsed, rehearse
@@ -48,7 +50,7 @@ def effect_of(mission: Mission, speed_mps: float, without: Expected, budget: Bud
     """
     if without.blocked is not None or without.falls:
         return Effect(without)
-    asked, about_s = _under(mission, without.autonomy), without.time_s or 0.0
+    asked, about_s = _under(mission, without.autonomy), (without.time_s or 0.0) + _way_home_s(mission, speed_mps)
     plain = _without_rules(_with(asked, ()))
     after = rehearse(asked, speed_mps, about_s, budget)
     before = after if plain == asked else rehearse(plain, speed_mps, about_s, budget)
@@ -57,12 +59,28 @@ def effect_of(mission: Mission, speed_mps: float, without: Expected, budget: Bud
     if before is None or after is None:
         return Effect(_failing(without, doubt) if doubt else without, counted=not mission.schedule)
     if after.good:
-        added_s = after.time_s - before.time_s
-        time_s = without.time_s + added_s if before.good and without.time_s is not None else after.time_s
+        time_s = after.over_s
+        if without.time_s is not None and before.good and before.reached == mission.num_legs:
+            time_s += without.time_s - before.time_s  # the formula holds where every leg is walked to its end
         return Effect(replace(without, time_s=time_s), rehearsed=after)
     blamed = bool(mission.schedule) and without.autonomy == mission.autonomy
     culprit = _culprit(mission, asked, speed_mps, about_s, budget) if blamed else None
     return Effect(_failing(without, _why(mission, after)), culprit=culprit, rehearsed=after)
+
+
+def goes_home(mission: Mission) -> bool:
+    """Tell whether a rule or a scheduled command may send the robot home."""
+    rules = rules_of(mission)
+    by_rule = "return_home" in (rules.then, rules.on_breach, rules.on_link_loss if rules.link_loss_ns > 0 else "")
+    return by_rule or any(command.do == "return_home" for command in mission.schedule)
+
+
+def _way_home_s(mission: Mission, speed_mps: float) -> float:
+    """Return how long the way home takes from the farthest waypoint [s]; 0 where nothing sends the robot home."""
+    if not goes_home(mission):
+        return 0.0
+    home = rules_of(mission).home
+    return max(math.dist((leg.x_m, leg.y_m), (home.x_m, home.y_m)) for leg in mission.legs()) / speed_mps
 
 
 def _failing(without: Expected, why: str) -> Expected:

@@ -40,6 +40,7 @@ class Rehearsed:
     Attributes:
         good: whether it comes to what is expected of it, whatever time that takes.
         time_s: from mission start to the operator's knowing of the end.
+        over_s: from mission start to the end of the flight, which a way home or a hold may put off.
         reached: waypoints that the operator has heard of.
         reason: why it failed, in a few words; empty where it did not.
         ends: whether it ends by itself.
@@ -47,6 +48,7 @@ class Rehearsed:
 
     good: bool
     time_s: float
+    over_s: float
     reached: int
     reason: str = ""
     ends: bool = True
@@ -173,9 +175,16 @@ class _Rehearsal:
         known_s = seconds(self._heard_ns if self._known_ns is None else self._known_ns)
         if station.finished:
             problem, _ = problem_of(self._mission, station, over=True, late=False)
-            return Rehearsed(not problem, known_s, reached, problem)
+            return Rehearsed(not problem, known_s, max(known_s, self._over_s), reached, problem)
         why = why_it_stands(self._mission, station.belief.telemetry) or station.missing
-        return Rehearsed(False, seconds(self._now_ns), reached, why, ends=bool(station.dispatcher.unanswered))
+        now_s = seconds(self._now_ns)
+        return Rehearsed(False, now_s, now_s, reached, why, ends=bool(station.dispatcher.unanswered))
+
+    @property
+    def _over_s(self) -> float:
+        """The end as a flight has it: when the last message is heard, or the control step at which all is over."""
+        heard = self._now_ns - self._heard_ns < self._tick_ns
+        return seconds(self._heard_ns if heard else self._now_ns)
 
 
 def _ignore(_: object) -> None:
