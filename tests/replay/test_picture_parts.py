@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
@@ -27,6 +28,7 @@ from waypointctl.log.messages import (
     Message,
     PlannedWaypoint,
     Stage,
+    Telemetry,
 )
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.zones import Zone
@@ -56,8 +58,12 @@ def parts(story: Story) -> Figure:
     return figure
 
 
+def legend(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.get_legend().get_texts()]  # type: ignore[union-attr]
+
+
 def legends(figure: Figure) -> list[str]:
-    return [text.get_text() for axes in figure.axes for text in axes.get_legend().get_texts()]  # type: ignore[union-attr]
+    return [text for axes in figure.axes for text in legend(axes)]
 
 
 def names(figure: Figure, part: int) -> list[str]:
@@ -243,9 +249,12 @@ def test_a_commanded_place_that_is_no_waypoint_is_marked_and_named() -> None:
     assert "commanded place" not in legends(parts(tell(flight(), (NEAR, FAR))))
 
 
-def test_the_legend_of_the_path_names_only_what_is_drawn() -> None:
-    lines = parts(tell([], (NEAR, FAR))).axes[0].get_legend()
-    assert lines is None or not lines.get_texts()
+def test_legends_name_only_what_is_drawn() -> None:
+    path, _, messages = parts(tell([], (NEAR, FAR))).axes
+    assert path.get_legend() is None
+    assert legend(messages) == []
+    unheard = [message for message in flight() if not isinstance(message, (Ack, Telemetry))]
+    assert legend(parts(tell(unheard, (NEAR, FAR))).axes[2]) == ["command", "walking", "reached"]
 
 
 @pytest.mark.parametrize("count", [1, 30, 200])

@@ -74,7 +74,8 @@ def _wrapped(text: str) -> str:
     """Return a text in lines broken between words; what is beyond the last line is left out, after a whole word."""
     most = _REASON * _REASON_LINES
     shown = printable(text[: 2 * most], 24 * most)  # room for every escape
-    lines = textwrap.wrap(shown, _REASON, max_lines=_REASON_LINES, placeholder=" \N{HORIZONTAL ELLIPSIS}")
+    width = _REASON if len(shown) <= _REASON else min(_REASON, len(shown) * 3 // 5)  # no line of one word
+    lines = textwrap.wrap(shown, width, max_lines=_REASON_LINES, placeholder=" \N{HORIZONTAL ELLIPSIS}")
     return "\n".join(lines)
 
 

@@ -106,14 +106,9 @@ def _told(acks: Sequence[Ack]) -> Iterable[Ack]:
 
 
 def _keys(story: Story) -> Iterable[Artist]:
-    yield Line2D([], [], color=palette.OPERATOR, label="command")
-    yield Line2D([], [], color=palette.ROBOT, label="acknowledgement")
-    yield Line2D([], [], color=palette.FAINT, label="telemetry")
-    yield Line2D([], [], color=palette.ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="walking")
-    if story.returns:
-        yield Line2D([], [], color=palette.HOME, linewidth=_WALK_WIDTH, label="way home")
-    yield _dot(palette.REACHED, "reached")
-    yield _dot("white", "known")
+    """Yield an entry for each kind of thing that is drawn."""
+    yield from _message_keys(story)
+    yield from _robot_keys(story)
     if len(story.link.missing_ns):
         text = f"{len(story.link.missing_ns)} not delivered"
         yield Line2D([], [], color=palette.FAILED, marker="x", markersize=5, linestyle="none", label=text)
@@ -121,6 +116,26 @@ def _keys(story: Story) -> Iterable[Artist]:
         yield Patch(facecolor=palette.FAINT, alpha=0.35, label="no contact")
     if story.link.unheard:
         yield Line2D([], [], color=palette.FAILED, linewidth=3, label="link lost, on board")
+
+
+def _message_keys(story: Story) -> Iterable[Artist]:
+    if any(command.received_ns is not None for command in story.commands):
+        yield Line2D([], [], color=palette.OPERATOR, label="command")
+    if any(command.acks for command in story.commands):
+        yield Line2D([], [], color=palette.ROBOT, label="acknowledgement")
+    if len(story.belief):
+        yield Line2D([], [], color=palette.FAINT, label="telemetry")
+
+
+def _robot_keys(story: Story) -> Iterable[Artist]:
+    if story.moving:
+        yield Line2D([], [], color=palette.ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="walking")
+    if story.returns:
+        yield Line2D([], [], color=palette.HOME, linewidth=_WALK_WIDTH, label="way home")
+    if any(waypoint.reached_ns is not None for waypoint in story.waypoints):
+        yield _dot(palette.REACHED, "reached")
+    if any(waypoint.learned_ns is not None for waypoint in story.waypoints):
+        yield _dot("white", "known")
 
 
 def _dot(color: str, label: str) -> Line2D:
