@@ -1,3 +1,3 @@
 """Mission control for learned waypoint policies."""
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
