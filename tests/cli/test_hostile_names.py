@@ -20,6 +20,8 @@ from waypointctl.policy.bundle import LoadedPolicy
 HOSTILE = "\x1b]0;owned\x07\x1b[2J\nerror: forged\r\x9b31m\u202egnp\u200b\udcff"
 RAW = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
 
+ONE_FLIGHT = ("--seeds", "1", "--rtt", "0", "--route", "short", "--autonomy", "mission", "--jobs", "1")
+
 
 def refuse_raw(*texts: str) -> None:
     for text in texts:
@@ -103,12 +105,12 @@ def field(yard: Path, make_policy: Callable[..., LoadedPolicy]) -> Path:
         ("policies", "show", "policies/damaged"),
         ("policies", "import", f"{HOSTILE}.zip", "--out", "new", "--observation", "egocentric"),
         ("policies", "import", f"absent{HOSTILE}", "--out", HOSTILE, "--observation", HOSTILE),
-        ("eval", HOSTILE),
+        ("eval", HOSTILE, "--trials", "1"),
         ("eval", f"policies/{HOSTILE}", "--suite", HOSTILE),
         ("eval", "policies/damaged"),
         ("train", f"{HOSTILE}.yaml"),
         ("train", f"absent{HOSTILE}"),
-        ("study", "delay", "--policy", HOSTILE),
+        ("study", "delay", "--policy", HOSTILE, *ONE_FLIGHT),
         ("study", "delay", "--policy", "still", "--route", HOSTILE),
         ("study", "delay", "--policy", "still", "--rtt", HOSTILE),
         (HOSTILE,),

@@ -7,6 +7,7 @@ from typing import Final
 
 from pydantic import BaseModel, Field
 
+from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.ops.forecast.forecast import WalkingSpeed
@@ -41,8 +42,10 @@ def walking_speed(policy: Path) -> WalkingSpeed:
         except (InputError, ValueError):  # not there, or none
             continue
         if (mps := _mean_mps(evaluation.cases)) is not None:
-            return WalkingSpeed(mps, f"the mean of {evaluation.policy} in the suite {evaluation.suite}")
-    return WalkingSpeed(_USUAL_MPS, f"assumed, since no evaluation of {policy.name} tells its speed")
+            return WalkingSpeed(
+                mps, f"the mean of {printable(evaluation.policy)} in the suite {printable(evaluation.suite)}"
+            )
+    return WalkingSpeed(_USUAL_MPS, f"assumed, since no evaluation of {printable(policy.name)} tells its speed")
 
 
 def _mean_mps(cases: tuple[_Case, ...]) -> float | None:
