@@ -77,6 +77,10 @@ def test_garbage_is_no_pickle(garbage: bytes) -> None:
 
 
 def test_containers_of_any_class_are_filled_without_harm() -> None:
-    filled = [collections.OrderedDict(a=1), collections.deque([1, 2]), collections.Counter("aab"), {1, 2}]
+    filled = [collections.deque([1, 2]), collections.Counter("aab"), {1, 2}]
     kinds = [each.origin if isinstance(each, Inert) else type(each) for each in read_inert(pickle.dumps(filled))]
-    assert kinds == ["collections.OrderedDict", "collections.deque", "collections.Counter", set]
+    assert kinds == ["collections.deque", "collections.Counter", set]
+
+
+def test_an_ordered_dict_is_a_dict() -> None:
+    assert read_inert(pickle.dumps(collections.OrderedDict(a=1))) == {"a": 1}
