@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -105,6 +107,14 @@ def test_bad_input_is_one_message_and_exit_code_2(
     assert (code, out) == (2, "")
     assert message in err
     assert "Traceback" not in err
+
+
+def test_an_interruption_is_told(evaluated: Evaluated, workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("waypointctl.cli.evaluation_run.evaluate", lambda *_, **__: os.kill(os.getpid(), signal.SIGINT))
+    code, out, err = evaluated("still", "--suite", "easy.yaml", "--out", "found.json")
+    assert (code, out) == (130, "")
+    assert err == "interrupted; an evaluation is written only when it is complete, so nothing was written\n"
+    assert not (workplace / "found.json").exists()
 
 
 def test_it_loads_neither_torch_nor_the_exporter(workplace: Path) -> None:

@@ -28,7 +28,7 @@ def fmt(*arguments: str) -> tuple[int, str, str]:
 def test_a_file_is_laid_out_in_its_place_and_then_stays(folder: Path) -> None:
     code, told, summed = fmt("loose.yaml", "good.yaml")
     assert (code, told) == (0, "loose.yaml: laid out\n")
-    assert summed == "2 missions: 1 changed, 1 as they should be\n"
+    assert summed == "2 missions: 1 changed, 1 already formatted\n"
     assert (folder / "loose.yaml").read_text() == GOOD.replace("waypoints:", "waypoints: # here").replace(
         "] # here", "]"
     )
@@ -60,7 +60,7 @@ def test_a_file_with_mistakes_is_left_alone_and_the_others_are_not(folder: Path)
         said.startswith("2 problems\nwrong.yaml:1:1: waypoints: missing") or "wrong.yaml:3:1: waypoint: unknown" in said
     )
     assert "missing.yaml: there is no such file\n" in said
-    assert said.endswith("3 missions: 1 changed, 0 as they should be, 2 left alone, with mistakes\n")
+    assert said.endswith("3 missions: 1 changed, 0 already formatted, 2 left alone, with mistakes\n")
     assert (folder / "wrong.yaml").read_text() == WRONG
 
 

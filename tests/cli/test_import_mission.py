@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,22 @@ def test_a_line_goes_to_stdout_or_to_a_file_beside_which_the_policy_is_named(lin
     )
     assert load_mission(line.parent / "missions" / "line.yaml").policy_path.resolve() == line.parent / "mine"
     assert program("fmt", "--check", "missions/line.yaml")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("policy", "written"),
+    [("known", "known"), ("policies/known", "known"), ("ant-waypoint", "ant-waypoint"), ("mine", "{cwd}/mine")],
+)
+def test_a_mission_from_stdout_finds_its_policy_from_any_folder(
+    line: Path, program: Program, make_policy: Callable[..., Path], policy: str, written: str
+) -> None:
+    make_policy(line.parent / "mine")
+    make_policy(line.parent / "policies" / "known")
+    told = program("import", "line.geojson", "--policy", policy)[1]
+    assert f'policy: "{written.format(cwd=line.parent)}"' in told
+    (line.parent / "missions").mkdir()
+    (line.parent / "missions" / "red.yaml").write_text(told)
+    assert (load_mission(line.parent / "missions" / "red.yaml").policy_path / "manifest.json").is_file()
 
 
 def test_a_policy_that_is_not_there_is_warned_of(line: Path, program: Program) -> None:

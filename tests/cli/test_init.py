@@ -24,6 +24,8 @@ def test_what_it_writes_is_valid_and_flies(empty: Path, program: Program) -> Non
     code, out, err = program("init", "work/first one")
     assert (code, err) == (0, "")
     assert sorted(path.name for path in (empty / "work" / "first one").iterdir()) == list(FILES)
+    steps = out.splitlines()[out.splitlines().index("Next:") + 1 :]
+    assert [step.split()[1] for step in steps] == ["validate", "run", "eval", "train"]
     assert "waypointctl run 'work/first one/mission.yaml'" in out
     for name in FILES:
         text = (empty / "work" / "first one" / name).read_text()
@@ -37,19 +39,20 @@ def test_what_it_writes_is_valid_and_flies(empty: Path, program: Program) -> Non
 def test_the_next_steps_do_what_they_say(empty: Path, program: Program) -> None:
     _, out, _ = program("init", ".")
     steps = [shlex.split(line)[1:] for line in out.splitlines() if line.startswith("  waypointctl ")]
-    assert [step[0] for step in steps] == ["run", "eval", "train"]
+    assert [step[0] for step in steps] == ["validate", "run", "eval", "train"]
     recipe = (
         (empty / "recipe.yaml").read_text().replace("trials: 50,", "trials: 1,").replace("trials: 100,", "trials: 1,")
     )
     (empty / "recipe.yaml").write_text(recipe)
-    code, out, _ = program(*steps[1], "--trials", "2", "--json")
+    assert program(*steps[0])[0] == 0
+    code, out, _ = program(*steps[2], "--trials", "2", "--json")
     assert code == 0
     assert json.loads(out)["suite"] == "first-suite"
-    code, out, err = program(*steps[2], "--steps", "1", "--json")
+    code, out, err = program(*steps[3], "--steps", "1", "--json")
     assert (code, json.loads(out)["outcome"]) == (0, "complete"), err
     assert json.loads(out)["selection"]["suite"] == "suite.yaml"
     (empty / "recipe.yaml").write_text(recipe.replace("# start_from", "start_from"))
-    assert program(*steps[2], "--steps", "1")[0] == 0
+    assert program(*steps[3], "--steps", "1")[0] == 0
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -71,7 +71,7 @@ def test_what_is_no_command_is_answered_and_not_sent(yard: Path) -> None:
     assert code == 0
     assert typed(yard / "log.mcap") == ["quit"]
     assert err.count("not sent: ") == len(wrong) + 2
-    assert "not sent: 'fly' is no command here; there are: goto X m Y m [hold T s]" in err
+    assert "not sent: unknown command 'fly'; commands are: goto X m Y m [hold T s]" in err
     assert "not sent: goto takes X m Y m, not '1'" in err
     assert "\x1b" not in err
     assert "Traceback" not in err

@@ -14,9 +14,9 @@ NAMES = (
 @pytest.mark.parametrize(
     ("command", "problem"),
     [
-        ("{at: 1 s, do: stop}", "4:26: schedule[0].do: 'stop' is no command here; did you mean 'hold' or 'abort'?"),
-        ("{at: 1 s, do: goto}", "4:26: schedule[0].do: 'goto' is no command here; did you mean 'go_to'?"),
-        ("{at: 1 s, do: RTL}", "4:26: schedule[0].do: 'RTL' is no command here; did you mean 'return_home'?"),
+        ("{at: 1 s, do: stop}", "4:26: schedule[0].do: 'stop' is not a command; did you mean 'hold' or 'abort'?"),
+        ("{at: 1 s, do: goto}", "4:26: schedule[0].do: 'goto' is not a command; did you mean 'go_to'?"),
+        ("{at: 1 s, do: RTL}", "4:26: schedule[0].do: 'RTL' is not a command; did you mean 'return_home'?"),
         ("{at: 1 s, do: relaese}", f"4:26: schedule[0].do: 'relaese' is not {NAMES}; did you mean 'release'?"),
         ("{at: 1 s, do: bark}", f"4:26: schedule[0].do: 'bark' is not {NAMES}"),
         ("{at: 1 s, do: 3}", f"4:26: schedule[0].do: 3 is not {NAMES}"),

@@ -44,5 +44,7 @@ def test_two_routes_of_one_name_are_refused() -> None:
 def test_autonomies_come_in_their_own_order() -> None:
     assert [one.name for one in autonomies_of(["joint", "mission"])] == ["mission", "joint"]
     assert [one.name for one in autonomies_of(list(AUTONOMIES))] == list(AUTONOMIES)
-    with pytest.raises(InputError, match="--autonomy: 'steer' is none; there are mission, waypoint, heading"):
+    with pytest.raises(
+        InputError, match="--autonomy: 'steer' is not an autonomy; choose from mission, waypoint, heading"
+    ):
         autonomies_of(["mission", "steer"])

@@ -73,7 +73,8 @@ def evaluate_policy(
     files = EvaluationFiles(tuple(policies), chosen, out=out, markdown=markdown, plot=plot, save=save, force=force)
     files.refuse_unwritable()
     refuse_selection_trials(loaded, chosen, seed, save=save)
-    with _progress(chosen.walked, trials or chosen.own.trials, len(policies)) as progress:
+    shown = _progress(chosen.walked, trials or chosen.own.trials, len(policies))
+    with _interruption_told(), shown as progress:
         found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress)
     evaluations = [one.evaluation for one in found]
     names = names_of(evaluations, policies)
@@ -83,6 +84,15 @@ def evaluate_policy(
     if json:
         sys.stdout.write(evaluations_json(evaluations))
     _require(names, evaluations, require)
+
+
+@contextmanager
+def _interruption_told() -> Iterator[None]:
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo("interrupted; an evaluation is written only when it is complete, so nothing was written", err=True)
+        raise
 
 
 def _threads_text(threads: int) -> str:

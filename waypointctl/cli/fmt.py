@@ -69,7 +69,7 @@ def _difference(source: bytes, written: bytes, path: Path) -> str:
 
 def _sum(count: int, changed: int, wrong: int, only_told: bool) -> str:
     verb = "would change" if only_told else "changed"
-    parts = [f"{changed} {verb}", f"{count - changed - wrong} as they should be"]
+    parts = [f"{changed} {verb}", f"{count - changed - wrong} already formatted"]
     if wrong:
         parts.append(f"{wrong} left alone, with mistakes")
     return f"{count} mission{'s' if count > 1 else ''}: {', '.join(parts)}"

@@ -54,8 +54,7 @@ def import_mission(
     if survey.is_metric and (ground or center):
         problem = "has x and y in metres; --origin and --body are for latitudes and longitudes"
         raise InputError(problem, where=str(file), mend="Leave them out.")
-    folder = Path.cwd() if out is None else out.parent
-    text, placed = mission_text(survey, str(file), policy_reference(policy, folder), center, ground)
+    text, placed = mission_text(survey, str(file), policy_reference(policy, out and out.parent), center, ground)
     for remark in survey.remarks:
         typer.echo(f"note: {printable(f'{file} {remark}')}", err=True)
     for note in placed.left_out:

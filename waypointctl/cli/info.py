@@ -100,10 +100,13 @@ def _ending(log: Log) -> tuple[str, str]:
     from waypointctl.paths import is_being_written
 
     if log.is_complete:
-        return "not said: the log has no such event", "complete"
+        return "none, the log has no such event", "complete"
     if is_being_written(log.path):
-        return "not said yet: the flight is under way", "being written"
-    return "not said: the flight was killed", "cut short: its writer was killed, or it was not copied to its end"
+        return "none yet, the flight is under way", "being written"
+    return (
+        "none, the log has no end (the flight was killed or is under way)",
+        "cut short: its writer was killed, or it was not copied to its end",
+    )
 
 
 def _topic_table(log: Log) -> GridView:

@@ -75,6 +75,7 @@ def _lines(folder: Path) -> list[str]:
         f"{recipe}: a training recipe",
         "",
         "Next:",
+        f"  waypointctl validate {mission}",
         f"  waypointctl run {mission}",
         f"  waypointctl eval {FLAGSHIP} --suite {suite}",
         f"  waypointctl train {recipe}",

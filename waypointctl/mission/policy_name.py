@@ -42,10 +42,21 @@ def policy_folder(named: str, beside: Path = Path()) -> Path:
     return next(holding, None) or next(there, path)
 
 
-def policy_reference(named: str, beside: Path) -> str:
-    """Return what a file in the folder `beside` is to call the policy that is named in the working directory."""
+def policy_reference(named: str, beside: Path | None) -> str:
+    """Return what a mission or a recipe is to call the policy that is named in the working directory.
+
+    Args:
+        named: a path, or a bare name.
+        beside: the folder of the file; None where it is not known, such as of one that is written to stdout.
+    """
     folder = policy_folder(named)
-    return named if named in SHIPPED and folder == shipped_folder(named) else os.path.relpath(folder, beside)
+    if named in SHIPPED and folder == shipped_folder(named):
+        return named
+    if beside is not None:
+        return os.path.relpath(folder, beside)
+    if folder.parent == POLICIES and policy_folder(folder.name) == folder:
+        return folder.name  # found from any folder, as long as the working directory is this one
+    return os.path.abspath(folder) if folder.exists() else named
 
 
 def is_bare(named: str) -> bool:

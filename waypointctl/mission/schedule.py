@@ -56,7 +56,7 @@ def _known_here(do: object) -> object:
     """
     if isinstance(do, str) and (meant := _ELSEWHERE.get(do.lower().replace("-", "_"))):
         said = " or ".join(repr(name) for name in meant)
-        problem = f"{do!r} is no command here; did you mean {said}?"
+        problem = f"{do!r} is not a command; did you mean {said}?"
         raise PydanticCustomError("elsewhere", "{problem}", {"problem": problem})
     return do
 

@@ -45,6 +45,6 @@ def autonomies_of(names: Sequence[str]) -> tuple[Autonomy, ...]:
         InputError: there is none of a name.
     """
     if unknown := [name for name in names if name not in AUTONOMIES]:
-        problem = f"--autonomy: {unknown[0]!r} is none; there are {', '.join(AUTONOMIES)}"
+        problem = f"--autonomy: {unknown[0]!r} is not an autonomy; choose from {', '.join(AUTONOMIES)}"
         raise InputError(problem, mend="Separate several by commas, as in --autonomy mission,waypoint.")
     return tuple(one for name, one in AUTONOMIES.items() if name in names)

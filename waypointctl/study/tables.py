@@ -82,7 +82,7 @@ def verdict_grid(study: DelayStudy) -> Grid:
         (one.claim, one.route, few if seeds < FEWEST and one.finding != UNMEASURED else one.finding, one.found)
         for one in study.verdicts
     ]
-    return Grid("What it was to show", columns, tuple(rows))
+    return Grid("Claims tested", columns, tuple(rows))
 
 
 def tables(study: DelayStudy) -> list[Grid]:

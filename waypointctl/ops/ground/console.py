@@ -52,7 +52,7 @@ def order_from(line: str, mission: Mission) -> Order:
         return Order(CommandKind.GO_TO, (_place(rest, mission),))
     if word in _VALUED:
         return _VALUED[word](rest)
-    raise ValueError(f"{word!r} is no command here; there are: {USAGE}")
+    raise ValueError(f"unknown command {word!r}; commands are: {USAGE}")
 
 
 def _place(text: str, mission: Mission) -> PlannedWaypoint:
@@ -149,7 +149,7 @@ def _whole(word: str, text: str) -> int:
         raise ValueError(f"{word} takes a whole number, not {text or 'nothing'!r}")
     value = float(text)
     if not abs(value) <= LARGEST_NUMBER:
-        raise ValueError(f"{word}: {text[:40]} is beyond {LARGEST_NUMBER}, the largest number that there can be")
+        raise ValueError(f"{word}: {text[:40]} is too large; command numbers go up to {LARGEST_NUMBER:,}")
     if value != int(value):
         raise ValueError(f"{word}: {value:g} is not a whole number")
     return int(value)
