@@ -11,6 +11,7 @@ import pytest
 
 from waypointctl.errors import InputError, MissionError
 from waypointctl.input_file import open_input, read_input
+from waypointctl.limits import VARIABLE
 
 
 def fifo(path: Path) -> None:
@@ -57,17 +58,28 @@ def test_a_name_that_cannot_be_is_refused(tmp_path: Path, name: str) -> None:
         read_input(tmp_path / name, 10)
 
 
-def test_a_file_of_the_largest_size_is_read_and_a_larger_one_is_not(tmp_path: Path) -> None:
+def test_a_file_of_the_largest_size_is_read_and_a_larger_one_is_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "given"
     path.write_bytes(b"x" * 1024)
     assert read_input(path, 1024) == b"x" * 1024
     path.write_bytes(b"x" * 1025)
     with pytest.raises(InputError, match="is larger than the 1 KiB that are read\n  Use less"):
         read_input(path, 1024, mend="use less")
+    monkeypatch.setenv(VARIABLE, "policy-file=1024")
+    with pytest.raises(InputError) as caught:
+        read_input(path, "policy-file")
+    assert caught.value.problem == "has 1,025 B; the limit policy-file is 1 KiB"
+    assert "--limit policy-file=2KiB COMMAND" in (caught.value.mend or "")
     with path.open("ab") as file:
         file.truncate(2**40)  # sparse: it takes no room
     with pytest.raises(InputError, match="is larger than"):
         read_input(path, 1024)
+    with pytest.raises(
+        InputError, match=r"has 1,024 GiB; the limit policy-file is 1 KiB\n.*policy-file=1024GiB COMMAND"
+    ):
+        read_input(path, "policy-file")
 
 
 @pytest.mark.parametrize("named", ["outside.txt", "beyond/file.txt", "sub/up.txt"])

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from waypointctl.limits import LIMITS, VARIABLE, limit, limit_hint, set_limits, size_text
+from waypointctl.limits import LIMITS, VARIABLE, limit, limit_hint, over_limit, set_limits, size_text
 
 
 @pytest.fixture(autouse=True)
@@ -54,7 +54,18 @@ def test_what_the_hint_says_raises_the_limit(name: str) -> None:
     assert limit(name) == 2 * LIMITS[name].default
     needed = limit_hint(name, 123_456_789).partition("--limit ")[2].partition(" ")[0]
     set_limits([needed])
-    assert limit(name) == 123_456_789
+    assert limit(name) == 2**27, "enough, in a whole unit"
+    assert limit_hint(name, 2**27) == limit_hint(name, 123_456_789)
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [(2, "2 B"), (10_239, "10,239 B"), (10_241, "11 KiB"), (153_600, "150 KiB"), (2**40, "1,024 GiB")],
+)
+def test_what_is_over_a_limit_is_told_in_short_units(found: int, said: str) -> None:
+    set_limits(["policy-file=1"])
+    assert over_limit("policy-file", found) == f"has {said}; the limit policy-file is 1 B"
+    assert over_limit("policy-work", found, "steps").startswith(f"has {found:,} steps; the limit policy-work is 8,5")
 
 
 def test_a_size_is_told_in_whole_units() -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO, Final
 
 from waypointctl.errors import InputError
-from waypointctl.limits import size_text
+from waypointctl.limits import limit, limit_hint, over_limit, size_text
 
 _KINDS: Final = {
     stat.S_IFDIR: "a folder",
@@ -60,28 +60,33 @@ def open_input(path: Path, error: type[InputError] = InputError, *, within: Path
 
 def read_input(
     path: Path,
-    most: int,
+    most: int | str,
     error: type[InputError] = InputError,
     *,
     within: Path | None = None,
     mend: str | None = None,
+    enough: int = 0,
 ) -> bytes:
     """Return the bytes of a regular file.
 
     Args:
         path: of the file.
-        most: bytes that it may have.
+        most: bytes that it may have, or the name of the limit that says how many.
         error: the type of what is raised.
         within: as for `open_input`.
-        mend: what to do about a file that is larger.
+        mend: what to do about a file that is larger; that of a named limit is known.
+        enough: bytes that the limit has to allow for other files that are read with this one.
 
     Raises:
         InputError: of the type `error`: as for `open_input`, or it is larger.
     """
+    allowed = limit(most) if isinstance(most, str) else most
     with open_input(path, error, within=within) as file:
-        is_larger = os.fstat(file.fileno()).st_size > most
-        content = b"" if is_larger else _read(file, most + 1, path, error)
-    if is_larger or len(content) > most:
+        size = os.fstat(file.fileno()).st_size
+        content = b"" if size > allowed else _read(file, allowed + 1, path, error)
+    if (found := max(size, len(content))) > allowed:
+        if isinstance(most, str):
+            raise error(over_limit(most, found), where=str(path), mend=limit_hint(most, max(found, enough)))
         raise error(f"is larger than the {size_text(most)} that are read", where=str(path), mend=mend)
     return content
 

@@ -72,14 +72,21 @@ def set_limits(texts: Sequence[str]) -> None:
         os.environ[VARIABLE] = ",".join(f"{name}={value}" for name, value in given.items())
 
 
+def over_limit(name: str, found: int, what: str = "") -> str:
+    """Return what is wrong with an input of which `found`, a size [bytes] or a count, is over a limit."""
+    text = _rounded_up(found) if LIMITS[name].is_size else f"{found:,}"
+    return f"has {text}{what and ' '}{what}; the limit {name} is {LIMITS[name].text(limit(name))}"
+
+
 def limit_hint(name: str, needed: int | None = None) -> str:
     """Return what to do about an input that is over a limit.
 
     Args:
         name: of the limit.
-        needed: the value that would be enough, where it is known.
+        needed: a value that is enough, where it is known. The next power of two is named, which has a short text.
     """
-    value = LIMITS[name].text(2 * limit(name) if needed is None else needed).replace(" ", "").replace(",", "")
+    enough = 2 * limit(name) if needed is None else 1 << (needed - 1).bit_length()
+    value = LIMITS[name].text(enough).replace(" ", "").replace(",", "")
     return f"if you trust its source, raise the limit: `waypointctl --limit {name}={value} COMMAND ...`"
 
 
@@ -87,6 +94,12 @@ def size_text(size: int) -> str:
     """Return a size in the largest unit that it is a whole number of, such as "64 MiB"."""
     unit = next(unit for unit in reversed(_UNITS) if size % _UNITS[unit] == 0)
     return f"{size // _UNITS[unit]} {unit}"
+
+
+def _rounded_up(size: int) -> str:
+    """Return a size in the largest unit of which it has ten or more, rounded up."""
+    unit = next((unit for unit in reversed(_UNITS) if size >= 10 * _UNITS[unit]), "B")
+    return f"{-(-size // _UNITS[unit]):,} {unit}"
 
 
 def _given(text: str) -> dict[str, int]:

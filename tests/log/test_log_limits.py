@@ -52,7 +52,7 @@ def test_a_chunk_of_more_than_is_read_is_not_unpacked(
 ) -> None:
     said = refused(lambda forgery: forgery.data.append(of_zeros(33 * MIB, compression)))
     assert "has at least 34,603,008 bytes in one chunk; the limit log-chunk is 32 MiB\n" in said
-    assert said.endswith("raise the limit: `waypointctl --limit log-chunk=33MiB COMMAND ...`")
+    assert said.endswith("raise the limit: `waypointctl --limit log-chunk=64MiB COMMAND ...`")
 
 
 @pytest.mark.parametrize("compression", ["zstd", "lz4"])

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 from safetensors.numpy import load
 
 from waypointctl.errors import PolicyError
+from waypointctl.limits import VARIABLE, set_limits
 from waypointctl.policy.bundle import LoadedPolicy, load_policy, load_policy_bytes
 from waypointctl.policy.protocol import Policy
 
@@ -23,6 +25,15 @@ Damage = Callable[[Path], object]
 def folder(tmp_path: Path, make_policy: Make) -> Path:
     make_policy(tmp_path / "tiny")
     return tmp_path / "tiny"
+
+
+def test_the_limit_that_a_refusal_names_is_enough(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also for the other file of the bundle, which may be the larger one."""
+    monkeypatch.setenv(VARIABLE, "policy-file=100")
+    with pytest.raises(PolicyError, match=r"has [\d,]+ K?i?B; the limit policy-file is 100 B\n") as caught:
+        load_policy(folder)
+    set_limits(re.findall(r"--limit (\S+)", str(caught.value)))
+    load_policy(folder)
 
 
 def refusal(folder: Path) -> str:

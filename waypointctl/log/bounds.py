@@ -18,10 +18,10 @@ INDEX_BYTES: Final = 16  # in the file for each message: its entry in the index 
 class OverLimit(ValueError):
     """There is more of something than is read."""
 
-    def __init__(self, name: str, what: str, found: int) -> None:
-        """Say of what there are `found`, or more, and which limit that is over."""
+    def __init__(self, name: str, what: str, found: int, enough: int = 0) -> None:
+        """Say of what there are `found`, or more, but at most `enough` if it is given; and which limit that is over."""
         super().__init__(f"has at least {found:,} {what}; the limit {name} is {LIMITS[name].text(limit(name))}")
-        self._mend = limit_hint(name, found)
+        self._mend = limit_hint(name, max(found, enough))
 
     def refusal(self, path: str) -> LogError:
         """Return the error for the log at `path`."""
@@ -45,7 +45,7 @@ class Bounds:
         self._attachments += 1
         self._attached += size
         _require("log-entries", self._attachments, "attachments")
-        _require("log-attachments", self._attached, "bytes of attachments")
+        _require("log-attachments", self._attached, "bytes of attachments", self._file_bytes)
 
     def take_description(self, size: int) -> None:
         """Count a metadata record, a schema or a channel of this many bytes."""
@@ -71,6 +71,6 @@ class Bounds:
         _require("log-messages", beyond, "messages more than its file has room for an index of")
 
 
-def _require(name: str, found: int, what: str) -> None:
+def _require(name: str, found: int, what: str, enough: int = 0) -> None:
     if found > limit(name):
-        raise OverLimit(name, what, found)
+        raise OverLimit(name, what, found, enough)

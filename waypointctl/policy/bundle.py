@@ -18,7 +18,6 @@ from pydantic import ValidationError
 
 from waypointctl.errors import PolicyError
 from waypointctl.input_file import NOT_THERE, read_input
-from waypointctl.limits import limit, limit_hint
 from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
 from waypointctl.mission.policy_name import policies_there_are
 from waypointctl.paths import folder_fault
@@ -115,8 +114,15 @@ def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 
 def _read(folder: Path, name: str) -> bytes:
     if name == MANIFEST:
         return read_input(folder / name, LARGEST_MANIFEST, PolicyError, within=folder)
-    most = limit(_FILE_LIMIT)
-    return read_input(folder / name, most, PolicyError, within=folder, mend=limit_hint(_FILE_LIMIT))
+    largest = max(_size(folder / each) for each in (NETWORK, WEIGHTS))
+    return read_input(folder / name, _FILE_LIMIT, PolicyError, within=folder, enough=largest)
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
 
 
 def _manifest(text: bytes, where: str) -> Manifest:

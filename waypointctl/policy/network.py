@@ -88,7 +88,7 @@ def _refusing(where: str) -> Iterator[None]:
         problem = f"the model has {error}; a policy is one file of standard, deterministic operators (docs/limits.md)"
         raise PolicyError(problem, where=where, mend=EXPORT_AGAIN) from error
     except TooLarge as error:
-        raise PolicyError(str(error), where=where, mend=limit_hint(LIMIT)) from error
+        raise PolicyError(str(error), where=where, mend=limit_hint(LIMIT, error.work)) from error
     except ValueError as error:
         raise PolicyError(f"not the ONNX model of a policy: {error}", where=where, mend=EXPORT_AGAIN) from error
 

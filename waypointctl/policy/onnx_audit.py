@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from waypointctl.limits import limit
+from waypointctl.limits import limit, over_limit
 from waypointctl.policy.onnx_graph import FLOAT, Graph, Port, read_graph
 from waypointctl.policy.onnx_shapes import output_values
 from waypointctl.policy.onnx_values import Value, constant
@@ -46,7 +46,12 @@ class Audited:
 
 
 class TooLarge(ValueError):
-    """The network takes more multiplications than the limit."""
+    """The network takes more multiplications, `work`, than the limit."""
+
+    def __init__(self, work: int) -> None:
+        """Say how many, and what is allowed."""
+        super().__init__(over_limit(LIMIT, work, f"multiplications for {ROWS} observations"))
+        self.work = work
 
 
 def audit(model: bytes) -> Audited:
@@ -74,7 +79,7 @@ def _evaluated(graph: Graph, into: int, rows: int) -> dict[str, Value]:
         raise ValueError("two constants of one name")
     values[graph.inputs[0].name] = Value((rows, into))
     share = max(1.0, rows / ROWS)  # who runs it on more observations has asked for more
-    most, most_work = share * MOST_NUMBERS, share * limit(LIMIT)
+    most = share * MOST_NUMBERS
     numbers = work = 0
     for node in graph.nodes:
         if missing := [name for name in node.inputs if name and name not in values]:
@@ -91,9 +96,9 @@ def _evaluated(graph: Graph, into: int, rows: int) -> dict[str, Value]:
         numbers, work = numbers + sum(sizes), work + more
         if max(sizes, default=0) > most or numbers > 4 * most:
             raise Refused(f"more than {MOST_NUMBERS:,} numbers in a tensor, or {4 * MOST_NUMBERS:,} in all")
-        if work > most_work:
-            raise TooLarge(f"it takes more than the {limit(LIMIT):,} multiplications for {ROWS} observations")
         values |= zip(node.outputs, found, strict=False)
+    if work > share * limit(LIMIT):  # at the end, so that the message says how much it takes
+        raise TooLarge(math.ceil(work / share))
     return values
 
 

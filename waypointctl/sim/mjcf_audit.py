@@ -82,7 +82,7 @@ def audited_mjcf(source: bytes, where: str) -> str:
         source.decode()
     except UnicodeDecodeError as error:
         raise InputError(f"is not UTF-8 text: byte {error.start}", where=where) from error
-    audit = _Audit(where)
+    audit = _Audit(where, source.count(b"<"))
     try:
         audit.parser.Parse(source, True)
     except expat.ExpatError as error:
@@ -93,7 +93,8 @@ def audited_mjcf(source: bytes, where: str) -> str:
 class _Audit:
     """Takes elements as they come, refuses what must not be, and writes down the others."""
 
-    def __init__(self, where: str) -> None:
+    def __init__(self, where: str, most_elements: int) -> None:
+        self._most_elements = most_elements
         self.written: list[str] = []
         self.parser = expat.ParserCreate("UTF-8")  # whatever encoding it declares, as MuJoCo does
         self.parser.StartDoctypeDeclHandler = self._doctype
@@ -118,7 +119,7 @@ class _Audit:
         if self._depth > MOST_DEPTH:
             raise self._refusal(f"more than {MOST_DEPTH} elements within each other")
         if self._seen.total() > limit(_LIMIT):
-            raise self._refusal(f"more than {limit(_LIMIT):,} elements", limit_hint(_LIMIT))
+            raise self._refusal(f"more than {limit(_LIMIT):,} elements", limit_hint(_LIMIT, self._most_elements))
         if self._seen["joint"] + self._seen["freejoint"] > MOST_JOINTS:
             raise self._refusal(f"more than {MOST_JOINTS} joints")
         for attribute, value in attributes.items():

@@ -17,7 +17,7 @@ from typing import Any, Final
 
 from waypointctl.errors import PolicyError
 from waypointctl.input_file import read_input
-from waypointctl.limits import limit, limit_hint
+from waypointctl.limits import limit
 from waypointctl.training.bounded_zip import opened_zip, read_part
 from waypointctl.training.sb3_tensors import Array, read_tensors
 
@@ -79,7 +79,7 @@ def read_limited(path: Path) -> bytes:
     Raises:
         PolicyError: it cannot be read, or is larger than the limit.
     """
-    return read_input(path, limit(LIMIT), PolicyError, mend=limit_hint(LIMIT))
+    return read_input(path, LIMIT, PolicyError)
 
 
 def read_archive(path: Path) -> Sb3Archive:
