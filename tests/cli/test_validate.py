@@ -28,7 +28,9 @@ def test_says_ok_of_every_shipped_mission() -> None:
     assert result.exit_code == 0
     lines = result.stdout.splitlines()
     assert [line.split(":")[0] for line in lines[::2]] == [f"OK {path}" for path in SHIPPED]
-    assert all(line.startswith("   expected ") and "ant-waypoint in the suite region" in line for line in lines[1::2])
+    assert all(
+        line.startswith("   expected duration ") and "ant-waypoint in the suite region" in line for line in lines[1::2]
+    )
 
 
 def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
@@ -38,8 +40,8 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.stdout == (
         f"OK {path}: dog, 2 waypoints, 11.0 m, link 2 s +- 0.01 s up, 0 s down, autonomy mission\n"
-        "   expected 7.5 s (waypoint 9.5 s, heading 40.4 s, joint a fall) at 2.00 m/s, assumed, since no evaluation "
-        "of p tells its speed\n"
+        "   expected duration 7.5 s at 2.00 m/s (assumed: no evaluation of p states its speed); other autonomies: "
+        "waypoint 9.5 s, heading 40.4 s, joint falls\n"
     )
     assert result.stderr == ""
 
@@ -131,8 +133,8 @@ def test_what_may_go_wrong_is_a_warning_with_its_place(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.exit_code == 0
     assert result.stderr.splitlines() == [
-        f"warning: {path}:3:10: expect.max_time: 2 s are allowed, and about 13.4 s are expected",
-        f"warning: {path}:6:29: waypoints[1].timeout: WP2 is 36.5 m away: 18.0 s at 2.00 m/s, and has 9 s: "
+        f"warning: {path}:3:10: expect.max_time: 2 s is shorter than the expected duration, about 13.4 s",
+        f"warning: {path}:6:29: waypoints[1].timeout: the leg to WP2 takes about 18.0 s; its timeout is 9 s: "
         "will not be completed",
         f"warning: {path}:8:3: link.rate: telemetry comes to 3560 bit/s, and the link down carries 1000: what is "
         "too much waits, and acknowledgements behind it; once the queue is full they are lost",
@@ -199,8 +201,9 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "autonomy": "mission",
                 "policy": str(tmp_path / "p"),
                 "policy_found": True,
-                "speed": {"mps": 2.0, "source": "assumed, since no evaluation of p tells its speed"},
+                "speed": {"mps": 2.0, "source": "assumed: no evaluation of p states its speed"},
                 "expected_time_s": pytest.approx(once_s),
+                "expected_time_is_lower_bound": False,
                 "expected_success": True,
                 "expected_failure": "",
                 "probability": 1.0,
@@ -249,7 +252,7 @@ def test_another_policy_may_be_expected_to_fly(tmp_path: Path) -> None:
     policy = ROOT / "policies" / "ant-waypoint"
     result = CliRunner().invoke(app, ["validate", "--strict", str(path), "--policy", str(policy)])
     assert (result.exit_code, result.stderr) == (0, "")
-    assert "the mean of ant-waypoint in the suite region" in result.stdout
+    assert "mean speed of ant-waypoint in the suite region" in result.stdout
     result = CliRunner().invoke(app, ["validate", "--json", str(path), "--policy", str(policy)])
     (record,) = json.loads(result.stdout)["missions"]
     assert (record["policy"], record["policy_found"]) == (str(policy), True)
@@ -274,3 +277,16 @@ def test_one_wrong_reference_is_one_problem(tmp_path: Path) -> None:
     path.write_text(f'{head}, reference: "2026-11-22"}}}}\n')
     (line,) = CliRunner().invoke(app, ["validate", str(path)]).stdout.splitlines()
     assert "link.contact_plan.reference: '2026-11-22' is not a moment" in line
+
+
+def test_a_duration_without_losses_is_a_lower_bound(tmp_path: Path) -> None:
+    (tmp_path / "p").mkdir()
+    path = tmp_path / "m.yaml"
+    head = "name: dog\npolicy: p\nwaypoints: [[3, 4]]\nlink: {delay: 1 s, loss: 1 %}\n"
+    path.write_text(head)
+    assert "   expected duration at least " in CliRunner().invoke(app, ["validate", str(path)]).stdout
+    (record,) = json.loads(CliRunner().invoke(app, ["validate", "--json", str(path)]).stdout)["missions"]
+    assert record["expected_time_is_lower_bound"]
+    path.write_text(head + "expect: {max_time: 2 s}\n")
+    told = CliRunner().invoke(app, ["validate", str(path)]).stdout
+    assert "   expected to fail: the mission takes 4.5 s, expect.max_time is 2 s; computed at 2.00 m/s (" in told

@@ -183,6 +183,7 @@ def _record(result: _Checked) -> dict[str, Any]:
         "policy_found": folder_fault(policy) is None,
         "speed": asdict(found.speed),
         "expected_time_s": found.own.time_s,
+        "expected_time_is_lower_bound": found.is_lower_bound,
         "expected_success": found.own.succeeds,
         "expected_failure": found.own.fails,
         "probability": found.chance,

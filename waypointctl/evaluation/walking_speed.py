@@ -43,9 +43,9 @@ def walking_speed(policy: Path) -> WalkingSpeed:
             continue
         if (mps := _mean_mps(evaluation.cases)) is not None:
             return WalkingSpeed(
-                mps, f"the mean of {printable(evaluation.policy)} in the suite {printable(evaluation.suite)}"
+                mps, f"mean speed of {printable(evaluation.policy)} in the suite {printable(evaluation.suite)}"
             )
-    return WalkingSpeed(_USUAL_MPS, f"assumed, since no evaluation of {printable(policy.name)} tells its speed")
+    return WalkingSpeed(_USUAL_MPS, f"assumed: no evaluation of {printable(policy.name)} states its speed")
 
 
 def _mean_mps(cases: tuple[_Case, ...]) -> float | None:

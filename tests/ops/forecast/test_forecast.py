@@ -141,7 +141,7 @@ def test_waypoints_that_are_one_place_are_found(waypoints: str, found: list[int]
 def test_the_speed_is_that_of_the_evaluation_beside_the_policy(tmp_path: Path) -> None:
     shipped = walking_speed(ROOT / "policies" / "ant-waypoint")
     assert shipped.mps == pytest.approx(2.07, abs=0.05)
-    assert shipped.source == "the mean of ant-waypoint in the suite region"
+    assert shipped.source == "mean speed of ant-waypoint in the suite region"
     assert walking_speed(tmp_path / "mine") == WalkingSpeed(2.0, "assumed, since no evaluation of mine tells its speed")
     kept = (ROOT / "policies" / "ant-waypoint" / "evaluation.json").read_bytes()
     (tmp_path / "evaluation.json").write_bytes(kept)

@@ -75,7 +75,7 @@ FAILS = {
     ),
     "the start": (AHEAD + fence("{name: pit, center: [0 m, 0 m], radius: 1 m}"), "the start is inside keep-out pit"),
     "too little time": (AHEAD + "defaults: {timeout: 2 s}\n", f": {NOT_COMPLETED}"),
-    "too little time for all": (AHEAD + "expect: {max_time: 2 s}\n", "2 s are allowed"),
+    "too little time for all": (AHEAD + "expect: {max_time: 2 s}\n", "2 s is shorter than the expected duration"),
     "a tolerance that no robot meets": (AHEAD + "defaults: {tolerance: 0.1 mm}\n", f": {NOT_COMPLETED}"),
     "a link that seems lost": (
         AHEAD + "onboard: {link_loss: {after: 2 s, do: hold}}\n",

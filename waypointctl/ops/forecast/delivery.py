@@ -30,15 +30,22 @@ def delivery_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iter
     if own.time_s is None or (chance := delivered(mission, traffic, own)) >= LIKELY:
         return
     count, commands = own.exchanges, mission.commands
-    what = "the plan gets through and is" if mission.autonomy == "mission" else f"{count} commands get through and are"
-    said = f"{what} heard of with a probability of {_percent(chance)}"
+    what = (
+        "the plan is"
+        if mission.autonomy == "mission"
+        else f"all {count} commands are"
+        if count > 1
+        else "the command is"
+    )
+    said = f"the probability that {what} delivered and acknowledged is {_percent(chance)}"
     if not commands.acknowledged:
         text = f"{said}: nothing is sent again while acknowledged is false"
         yield Finding("loss", ("commands", "acknowledged"), text)
         return
     tries = f"{commands.retries} {'retry' if commands.retries == 1 else 'retries'}"
-    advice = _advice(mission, traffic, own)
-    yield Finding("loss", ("commands", "retries"), f"{said} at {tries}, else the operator gives the mission up{advice}")
+    follows = "a command that is never acknowledged stays unknown, and the mission waits for it"
+    text = f"with {tries}, {said}; {follows}{_advice(mission, traffic, own)}"
+    yield Finding("loss", ("commands", "retries"), text)
 
 
 def delivered(mission: Mission, traffic: Traffic, own: Expected, retries: int | None = None) -> float:
@@ -97,9 +104,9 @@ def _advice(mission: Mission, traffic: Traffic, own: Expected) -> str:
     while retries <= _MOST_RETRIES:
         retries *= 2
         if (chance := delivered(mission, traffic, own, retries)) >= LIKELY:
-            return f"; with {retries} it is {_percent(chance)}"
+            return f"; with {retries} retries the probability is {_percent(chance)}"
     return ""
 
 
 def _percent(chance: float) -> str:
-    return f"{min(chance, 0.999):.1%}" if chance >= LIKELY else f"{chance:.0%}"
+    return f"{min(chance, 0.999) * 100:.1f} %" if chance >= LIKELY else f"{chance * 100:.0f} %"

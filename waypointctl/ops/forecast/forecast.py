@@ -10,7 +10,7 @@ from waypointctl.mission.mission import Mission
 from waypointctl.ops.forecast.budget import Budget
 from waypointctl.ops.forecast.delivery import HOPELESS, delivered, delivery_findings
 from waypointctl.ops.forecast.duration import AUTONOMIES, Expected, expected
-from waypointctl.ops.forecast.effect import Effect, effect_of
+from waypointctl.ops.forecast.effect import Effect, effect_of, goes_home
 from waypointctl.ops.forecast.finding import Finding
 from waypointctl.ops.forecast.heartbeats import heartbeat_findings, taken_for_lost
 from waypointctl.ops.forecast.home import home_findings
@@ -25,6 +25,9 @@ from waypointctl.ops.forecast.tolerance import tolerance_findings
 from waypointctl.ops.forecast.traffic import Traffic, traffic_of
 from waypointctl.ops.forecast.unused import unused_findings
 
+_SCHEDULE: Final = "the schedule"
+_JITTER: Final = "jitter"  # as measured: its mean need not be 0
+_EITHER_WAY: Final = {_SCHEDULE, _JITTER}  # what may make a mission shorter, too
 _HARMLESS: Final = ("near", "unused")  # kinds of findings by which no mission fails
 
 
@@ -46,7 +49,7 @@ class Forecast:
         own: of them, the mission's.
         chance: the probability that losses of the link let the mission come to its end; 1 where nothing is lost.
         findings: what may go wrong, in no order of weight.
-        not_counted: what makes it longer, and is not in the times.
+        not_counted: what changes the times, and is not in them.
     """
 
     speed: WalkingSpeed
@@ -55,6 +58,11 @@ class Forecast:
     chance: float
     findings: tuple[Finding, ...]
     not_counted: tuple[str, ...] = ()
+
+    @property
+    def is_lower_bound(self) -> bool:
+        """Whether all that is not counted can only make the mission longer."""
+        return bool(self.not_counted) and not set(self.not_counted) & _EITHER_WAY
 
 
 def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
@@ -96,7 +104,7 @@ def forecast(mission: Mission, speed: WalkingSpeed) -> Forecast:
     ]
     limit_s = mission.expect.max_time_s
     if limit_s is not None and timed.time_s is not None and timed.time_s > limit_s:
-        text = f"{limit_s:g} s are allowed, and about {timed.time_s:.1f} s are expected"
+        text = f"{limit_s:g} s is shorter than the expected duration, about {timed.time_s:.1f} s"
         findings.append(Finding("max_time", ("expect", "max_time_s"), text))
     if own.fails and not any(finding.kind not in _HARMLESS for finding in findings):
         findings.append(Finding("outcome", ("waypoints",), f"the mission is expected to fail: {own.fails}"))
@@ -145,21 +153,25 @@ def _followed(
     if delivered(asked, traffic, own) < HOPELESS:
         return replace(effect, expected=replace(own, time_s=None, fails="the link loses what it needs"))
     if limit_s is not None and own.time_s > limit_s:
-        return replace(effect, expected=replace(own, fails=f"takes longer than expect.max_time, {limit_s:g} s"))
+        why = f"the mission takes {own.time_s:.1f} s, expect.max_time is {limit_s:g} s"
+        return replace(effect, expected=replace(own, fails=why))
     return effect
 
 
 def _not_counted(mission: Mission, effect: Effect, queue: Queued) -> Iterator[str]:
+    own = effect.expected
     if not queue.counted:
         yield "telemetry in the queue"
     if not effect.counted:
-        yield "the schedule"
+        yield _SCHEDULE
+    elif own.time_s is not None and effect.rehearsed is None and goes_home(mission):
+        yield "the way home"
     if mission.link.up.loss or mission.link.down.loss:
         yield "losses"
     if next(tolerance_findings(mission), None) is not None:
         yield "the smallest tolerances"
     rule = mission.onboard.link_loss
-    if rule is not None and rule.do == "hold" and next(heartbeat_findings(mission, effect.expected), None) is not None:
+    if rule is not None and rule.do == "hold" and next(heartbeat_findings(mission, own), None) is not None:
         yield "holds while heartbeats are lost"
     if mission.link.up.jitter_file or mission.link.down.jitter_file:
-        yield "jitter"  # as measured: its mean need not be 0
+        yield _JITTER

@@ -32,7 +32,7 @@ def home_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
     timeout_s = seconds(rules.home.timeout_ns)
     needed_s = (way_m - rules.home.tolerance_m) / speed_mps
     if needed_s > timeout_s:
-        text = f"home is {way_m:.0f} m from {name}: {needed_s:.0f} s at {speed_mps:.2f} m/s, and has {timeout_s:g} s"
+        text = f"the way home from {name} takes about {needed_s:.0f} s; its timeout is {timeout_s:g} s"
         yield Finding("timeout", ("onboard", "home", "timeout_s"), text)
 
 

@@ -85,6 +85,6 @@ def _time(mission: Mission, speed_mps: float) -> Iterator[Finding]:
         leg = legs[walk.waypoint.index]
         needed_s = walk.way_m / speed_mps
         if needed_s > leg.timeout_s:
-            given = f"{leg.timeout_s:g} s" + (f", {tries} times" if tries > 1 else "")
-            text = f"{leg.name} is {walk.away_m:.1f} m away: {needed_s:.1f} s at {speed_mps:.2f} m/s, and has {given}"
+            given = f"{leg.timeout_s:g} s" + (f", with {tries} attempts" if tries > 1 else "")
+            text = f"the leg to {leg.name} takes about {needed_s:.1f} s; its timeout is {given}"
             yield Finding("timeout", ("waypoints", leg.at, "timeout_s"), text, NOT_COMPLETED)
