@@ -290,3 +290,16 @@ def test_a_duration_without_losses_is_a_lower_bound(tmp_path: Path) -> None:
     path.write_text(head + "expect: {max_time: 2 s}\n")
     told = CliRunner().invoke(app, ["validate", str(path)]).stdout
     assert "   expected to fail: the mission takes 4.5 s, expect.max_time is 2 s; computed at 2.00 m/s (" in told
+
+
+def test_a_file_that_is_wrong_as_a_whole_is_one_problem_at_the_key_that_names_it(tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text('{"contacts": [{"source": 1, "dest": 2, "startTime": 0, "endTime": 9}]}')
+    path = tmp_path / "m.yaml"
+    path.write_text(
+        "name: dog\npolicy: p\nwaypoints: [[3, 4]]\n"
+        "link: { contact_plan: { file: plan.json, from_node: 1, to_node: 2 } }\n"
+    )
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    (line,) = result.stdout.splitlines()
+    assert result.exit_code == 2
+    assert line.startswith(f"{path}:4:31: link.contact_plan.file: {tmp_path / 'plan.json'} is JSON")

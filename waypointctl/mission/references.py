@@ -70,10 +70,21 @@ def examine_mission(source: bytes, where: str, read: ReadFile) -> Reading[Missio
                 Problem(where, mark.line, mark.column, path_text(path), f"{place} {_as_predicate(error.problem)}")
             )
     problems.sort(key=lambda problem: (problem.line, problem.column))
-    problems += _problems_inside(tree, reading.model, files, Path(where).parent)
+    inside = _problems_inside(tree, reading.model, files, Path(where).parent)
+    problems += [_with_reference(problem, tree, where) for problem in inside]
     if problems or reading.model is None:
         return Reading(None, tuple(problems))
     return Reading(reading.model.with_files(files), ())
+
+
+def _with_reference(problem: Problem, tree: Tree, where: str) -> Problem:
+    """Return a problem of a whole file at the mission's key that names the file; else as it is."""
+    if problem.line:
+        return problem
+    folder = Path(where).parent
+    path = next(path for path, name in _references(tree) if str(folder / name) == problem.where)
+    mark = tree.values[path]
+    return Problem(where, mark.line, mark.column, path_text(path), f"{problem.where} {problem.text}")
 
 
 def _as_predicate(problem: str) -> str:

@@ -59,7 +59,8 @@ def test_what_is_likely_to_be_lost_is_found_with_a_number_of_retries_that_helps(
     assert (found.kind, found.path) == ("loss", ("commands", "retries"))
     assert found.text == (
         "with 0 retries, the probability that the plan is delivered and acknowledged is 40 %; a command that is never "
-        "acknowledged stays unknown, and the mission waits for it; with 8 retries the probability is 99.0 %"
+        "acknowledged stays unknown, and the mission fails once nothing more is heard; with 8 retries the probability "
+        "is 99.0 %"
     )
     better = over(0.6, 0.0, 8, "mission")
     assert list(delivery_findings(better, *asked(better))) == []

@@ -142,11 +142,11 @@ def test_the_speed_is_that_of_the_evaluation_beside_the_policy(tmp_path: Path) -
     shipped = walking_speed(ROOT / "policies" / "ant-waypoint")
     assert shipped.mps == pytest.approx(2.07, abs=0.05)
     assert shipped.source == "mean speed of ant-waypoint in the suite region"
-    assert walking_speed(tmp_path / "mine") == WalkingSpeed(2.0, "assumed, since no evaluation of mine tells its speed")
+    assert walking_speed(tmp_path / "mine") == WalkingSpeed(2.0, "assumed: no evaluation of mine states its speed")
     kept = (ROOT / "policies" / "ant-waypoint" / "evaluation.json").read_bytes()
     (tmp_path / "evaluation.json").write_bytes(kept)
     (tmp_path / "evaluation-region.json").write_text("{}")
-    assert walking_speed(tmp_path).source == "the mean of ant-waypoint in the suite paper"
+    assert walking_speed(tmp_path).source == "mean speed of ant-waypoint in the suite paper"
 
 
 def test_a_faster_robot_is_told_to_be_there_sooner() -> None:

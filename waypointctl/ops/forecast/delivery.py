@@ -43,7 +43,7 @@ def delivery_findings(mission: Mission, traffic: Traffic, own: Expected) -> Iter
         yield Finding("loss", ("commands", "acknowledged"), text)
         return
     tries = f"{commands.retries} {'retry' if commands.retries == 1 else 'retries'}"
-    follows = "a command that is never acknowledged stays unknown, and the mission waits for it"
+    follows = "a command that is never acknowledged stays unknown, and the mission fails once nothing more is heard"
     text = f"with {tries}, {said}; {follows}{_advice(mission, traffic, own)}"
     yield Finding("loss", ("commands", "retries"), text)
 
