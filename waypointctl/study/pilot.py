@@ -8,7 +8,7 @@ import pickle
 import signal
 import tempfile
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -117,12 +117,19 @@ def _side_by_side(plan: Plan, cases: Sequence[Case], jobs: int, interrupted: Cal
                     while to_fly and len(under_way) < 2 * jobs:
                         under_way.add(executor.submit(_fly_in_process, to_fly.popleft()))
                 done, under_way = wait(under_way, _WAIT_S, FIRST_COMPLETED)
-                yield from (flown for flown in (future.result() for future in done) if flown is not None)
+                yield from _flown(done)
+            yield from _flown([future for future in under_way if future.done()])
         except BrokenProcessPool as error:
+            for process in multiprocessing.active_children():
+                process.terminate()  # the executor waits for one that it was starting when it ended the others
             if not interrupted():
                 raise WaypointctlError("a process that flew was killed; the same command goes on") from error
         finally:
             stop.set()
+
+
+def _flown(done: Iterable[Future[Flown | None]]) -> Iterator[Flown]:
+    return (flown for flown in (future.result() for future in done) if flown is not None)
 
 
 class _PlanFile:
