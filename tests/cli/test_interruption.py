@@ -6,6 +6,7 @@ import os
 import pty
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -94,7 +95,7 @@ def test_ctrl_c_while_the_program_loads_its_modules(yard: Path, presses: int) ->
         "sys.argv = ['waypointctl', '--help']\n"
         "main()\n"
     )
-    done = subprocess.run(["python", "-c", code], cwd=yard, capture_output=True, timeout=LIMIT_S, check=False)
+    done = subprocess.run([sys.executable, "-c", code], cwd=yard, capture_output=True, timeout=LIMIT_S, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"")
 
 
