@@ -20,10 +20,10 @@ from typing import Final
 
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before any library starts its threads
 
+from waypointctl.flight.record import record  # noqa: E402
 from waypointctl.log.messages import Message  # noqa: E402
 from waypointctl.log.reader import open_log  # noqa: E402
 from waypointctl.mission.files import MissionFile, load_mission  # noqa: E402
-from waypointctl.ops.record import record  # noqa: E402
 from waypointctl.policy.bundle import LoadedPolicy, load_policy  # noqa: E402
 from waypointctl.replay.chronicle import tell  # noqa: E402
 from waypointctl.replay.resume import go_on, unfinished  # noqa: E402
@@ -37,7 +37,7 @@ KINDS: Final = {
     "mission": "autonomy: mission",
     "waypoint": "autonomy: waypoint",
     "lossy": "autonomy: waypoint\nlink: {loss: 20 %}\ncommands: {retries: 50}",
-    "steered": "autonomy: heading\noperator: {steering: continuous, update_rate: 10 Hz, carrot: 2 m}",
+    "steered": "autonomy: heading\noperator: {steering: continuous, update_rate: 10 Hz, lookahead: 2 m}",
     "joint": "autonomy: joint\nlink: {delay: 0 s}",
 }
 STAGES: Final = ("record", "read", "summary", "replay", "resume")

@@ -19,11 +19,11 @@ from time import perf_counter, process_time
 
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before any library starts its threads
 
+from waypointctl.flight.fly import fly  # noqa: E402
+from waypointctl.flight.header import flight_header  # noqa: E402
 from waypointctl.log.messages import Action, Message, Observation, State  # noqa: E402
 from waypointctl.log.writer import LogWriter  # noqa: E402
 from waypointctl.mission.files import MissionFile, load_mission  # noqa: E402
-from waypointctl.ops.fly import fly  # noqa: E402
-from waypointctl.ops.header import flight_header  # noqa: E402
 from waypointctl.policy.bundle import LoadedPolicy, load_policy  # noqa: E402
 from waypointctl.sim.robots import load_robot  # noqa: E402
 from waypointctl.sim.single import SingleRobot  # noqa: E402

@@ -25,10 +25,10 @@ from time import process_time
 
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # one core
 
-from waypointctl.ops.link.contacts import Contacts, Window  # noqa: E402
-from waypointctl.ops.link.delay import fixed_delay, normal_jitter  # noqa: E402
-from waypointctl.ops.link.direction import Direction  # noqa: E402
-from waypointctl.ops.link.loss import GilbertElliott  # noqa: E402
+from waypointctl.flight.link.contacts import Contacts, Window  # noqa: E402
+from waypointctl.flight.link.delay import fixed_delay, normal_jitter  # noqa: E402
+from waypointctl.flight.link.direction import Direction  # noqa: E402
+from waypointctl.flight.link.loss import GilbertElliott  # noqa: E402
 from waypointctl.seeding import stream  # noqa: E402
 from waypointctl.units import NS_PER_S  # noqa: E402
 

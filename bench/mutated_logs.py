@@ -35,8 +35,8 @@ from mcap.reader import NonSeekingReader, SeekingReader
 
 from tests.log.mutations import mutated
 from waypointctl.cli.main import main as waypointctl
+from waypointctl.flight.record import record
 from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.ops.record import record
 from waypointctl.policy.write import write_bundle
 
 MOST_CPU_S: Final = 10.0

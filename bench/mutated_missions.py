@@ -34,9 +34,9 @@ import typer
 from tests.mission.mutations import mutated
 from waypointctl.cli.app import app
 from waypointctl.errors import InputError
+from waypointctl.flight.record import record
 from waypointctl.log.messages import State
 from waypointctl.mission.files import load_mission
-from waypointctl.ops.record import record
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 
 REPOSITORY: Final = Path(__file__).parents[1]

@@ -2,9 +2,9 @@
 
     python bench/random_missions.py --count 1000
 
-Each seed draws one mission (tests/ops/random_missions.py): rules on board, faults of the link, ways home, holds and
-schedules, under each autonomy. A flight passes if tests/ops/flight_oracle.py finds nothing against it and `replay` says
-EXACT. What fails is printed with its seed; the exit code is 1 if anything does.
+Each seed draws one mission (tests/flight/random_missions.py): rules on board, faults of the link, ways home, holds
+and schedules, under each autonomy. A flight passes if tests/flight/flight_oracle.py finds nothing against it and
+`replay` says EXACT. What fails is printed with its seed; the exit code is 1 if anything does.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.ops.random_missions import judged  # noqa: E402 - the repository's root is no installed package
+from tests.flight.random_missions import judged  # noqa: E402 - the repository's root is no installed package
 from waypointctl.policy.bundle import load_policy  # noqa: E402
 
 

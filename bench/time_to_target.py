@@ -115,13 +115,13 @@ def as_asked(recipe_file: RecipeFile, options: argparse.Namespace) -> RecipeFile
     recipe = recipe_file.recipe if options.steps is None else recipe_file.recipe.scaled_to(options.steps)
     if recipe.start_from is not None:
         problem = f"start_from: {recipe.start_from!r} was trained in time that would not be counted"
-        mend = "Give a recipe that begins with nothing, as the peer does."
-        raise RecipeError(problem, where=str(recipe_file.path), mend=mend)
+        hint = "Give a recipe that begins with nothing, as the peer does."
+        raise RecipeError(problem, where=str(recipe_file.path), hint=hint)
     try:
         recipe.stopping_at(options.target)
     except ValueError as error:
-        mend = "Give the recipe's evaluation another seed."
-        raise RecipeError(str(error), where=str(recipe_file.path), mend=mend) from error
+        hint = "Give the recipe's evaluation another seed."
+        raise RecipeError(str(error), where=str(recipe_file.path), hint=hint) from error
     evaluation = recipe.evaluation.model_copy(update={"trials": 1})  # of the paper's cases, which do not count here
     update = {"selection": selection_of(recipe, options), "evaluation": evaluation}
     return replace(recipe_file, recipe=recipe.model_copy(update=update))

@@ -17,9 +17,9 @@ import sys
 from pathlib import Path
 
 from waypointctl.errors import WaypointctlError
-from waypointctl.study.delay import DelayStudy, read_study
-from waypointctl.study.files import PICTURE, STUDY
-from waypointctl.study.tables import tables
+from waypointctl.studies.delay import DelayStudy, read_study
+from waypointctl.studies.files import PICTURE, STUDY
+from waypointctl.studies.tables import tables
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/delay.md"

@@ -10,15 +10,15 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from waypointctl.flight.executive.machine import TRANSITIONS, UPRIGHT, Signal
 from waypointctl.log.messages import Mode
-from waypointctl.ops.executive.machine import TRANSITIONS, UPRIGHT, Signal
 
 PAGE = Path(__file__).resolve().parent / "executive.md"
 
 TEXT = """\
 # The executive on board
 
-<!-- Written by `python docs/executive.py` from waypointctl/ops/executive/machine.py: do not edit. -->
+<!-- Written by `python docs/executive.py` from waypointctl/flight/executive/machine.py: do not edit. -->
 
 The robot is in one mode at a time. A signal changes it; a mode that has no row for a signal cannot get it, and
 the program stops on one that it does, for that is a bug. What each command does is in [commands.md](commands.md); what

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from waypointctl.flight.fly import fly
 from waypointctl.mission.files import load_mission
 from waypointctl.mission.link import Link, Way
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.fly import fly
 from waypointctl.policy.bundle import load_policy
 from waypointctl.units import seconds
 

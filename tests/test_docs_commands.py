@@ -20,7 +20,7 @@ from waypointctl.evaluation.result import read_evaluation
 from waypointctl.evaluation.saved import saved_name
 from waypointctl.evaluation.suite import BUILT_IN
 from waypointctl.policy.bundle import load_policy
-from waypointctl.study.delay import read_study
+from waypointctl.studies.delay import read_study
 from waypointctl.training.recipe import EvaluationRecipe
 
 ROOT = Path(__file__).resolve().parents[1]

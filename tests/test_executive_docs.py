@@ -6,9 +6,9 @@ import re
 import runpy
 from pathlib import Path
 
+from waypointctl.flight.executive.machine import TRANSITIONS
 from waypointctl.log.messages import CommandKind, Mode
 from waypointctl.mission.files import parse_mission
-from waypointctl.ops.executive.machine import TRANSITIONS
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 COMMANDS = (DOCS / "commands.md").read_text(encoding="utf-8")

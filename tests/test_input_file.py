@@ -66,12 +66,12 @@ def test_a_file_of_the_largest_size_is_read_and_a_larger_one_is_not(
     assert read_input(path, 1024) == b"x" * 1024
     path.write_bytes(b"x" * 1025)
     with pytest.raises(InputError, match="is larger than the 1 KiB that are read\n  Use less"):
-        read_input(path, 1024, mend="use less")
+        read_input(path, 1024, hint="use less")
     monkeypatch.setenv(VARIABLE, "policy-file=1024")
     with pytest.raises(InputError) as caught:
         read_input(path, "policy-file")
     assert caught.value.problem == "has 1,025 B; the limit policy-file is 1 KiB"
-    assert "--limit policy-file=2KiB COMMAND" in (caught.value.mend or "")
+    assert "--limit policy-file=2KiB COMMAND" in (caught.value.hint or "")
     with path.open("ab") as file:
         file.truncate(2**40)  # sparse: it takes no room
     with pytest.raises(InputError, match="is larger than"):

@@ -9,7 +9,7 @@
         ├── LogError       a log
         └── OutputError    a place that cannot be written
 
-A message says what was wrong, where, what is allowed and how to mend it. The command line catches
+A message says what was wrong, where, what is allowed and how to fix it. The command line catches
 WaypointctlError once, at its edge, prints the message without a traceback and exits with `exit_code`.
 Anything else that is raised is a bug.
 """
@@ -36,23 +36,23 @@ class InputError(WaypointctlError):
     Args:
         problem: what was found and what is allowed, one sentence.
         where: the file, or file:line:column, that it was found at.
-        mend: what to do about it; the message begins it with a capital letter.
+        hint: what to do about it; the message begins it with a capital letter.
         details: lines that follow the problem, such as a list of problems.
     """
 
     exit_code = 2
 
     def __init__(
-        self, problem: str, *, where: str | None = None, mend: str | None = None, details: Sequence[str] = ()
+        self, problem: str, *, where: str | None = None, hint: str | None = None, details: Sequence[str] = ()
     ) -> None:
         """Join the parts into one message that is fit to show; the attributes keep them as they are."""
         self.problem = problem
         self.where = where
-        self.mend = mend
+        self.hint = hint
         self.details = tuple(details)
         lines = [f"{printable(where)}: {_line(problem)}" if where else _line(problem), *map(_line, details)]
-        if mend:
-            lines.append(f"  {_line(mend[0].upper() + mend[1:])}")
+        if hint:
+            lines.append(f"  {_line(hint[0].upper() + hint[1:])}")
         super().__init__("\n".join(lines))
 
 

@@ -42,7 +42,7 @@ def open_input(path: Path, error: type[InputError] = InputError, *, within: Path
         real = os.path.realpath(path)
         if within is not None and not Path(real).is_relative_to(os.path.realpath(within)):
             problem = f"is a link that leads out of the folder {str(within)!r}"
-            raise error(problem, where=str(path), mend="put the file itself there")
+            raise error(problem, where=str(path), hint="put the file itself there")
         file = os.fdopen(os.open(path if within is None else real, _FLAGS), "rb")
     except FileNotFoundError:
         raise error(NOT_THERE, where=str(path)) from None
@@ -54,7 +54,7 @@ def open_input(path: Path, error: type[InputError] = InputError, *, within: Path
     if fault := _other_kind(os.fstat(file.fileno()).st_mode):
         is_pipe = stat.S_ISFIFO(os.fstat(file.fileno()).st_mode)
         file.close()
-        raise error(fault, where=str(path), mend=_PIPE_MEND if is_pipe else None)
+        raise error(fault, where=str(path), hint=_PIPE_MEND if is_pipe else None)
     return file
 
 
@@ -64,7 +64,7 @@ def read_input(
     error: type[InputError] = InputError,
     *,
     within: Path | None = None,
-    mend: str | None = None,
+    hint: str | None = None,
     enough: int = 0,
 ) -> bytes:
     """Return the bytes of a regular file.
@@ -74,7 +74,7 @@ def read_input(
         most: bytes that it may have, or the name of the limit that says how many.
         error: the type of what is raised.
         within: as for `open_input`.
-        mend: what to do about a file that is larger; that of a named limit is known.
+        hint: what to do about a file that is larger; that of a named limit is known.
         enough: bytes that the limit has to allow for other files that are read with this one.
 
     Raises:
@@ -86,8 +86,8 @@ def read_input(
         content = b"" if size > allowed else _read(file, allowed + 1, path, error)
     if (found := max(size, len(content))) > allowed:
         if isinstance(most, str):
-            raise error(over_limit(most, found), where=str(path), mend=limit_hint(most, max(found, enough)))
-        raise error(f"is larger than the {size_text(most)} that are read", where=str(path), mend=mend)
+            raise error(over_limit(most, found), where=str(path), hint=limit_hint(most, max(found, enough)))
+        raise error(f"is larger than the {size_text(most)} that are read", where=str(path), hint=hint)
     return content
 
 

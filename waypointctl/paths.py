@@ -120,7 +120,7 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
             fault = trial
     except OSError as error:
         fault = str(error.strerror)
-    raise OutputError(f"{what} cannot be written: {fault}", where=str(path), mend=_FILE_MEND)
+    raise OutputError(f"{what} cannot be written: {fault}", where=str(path), hint=_FILE_MEND)
 
 
 def write_whole(path: Path, content: bytes, what: str) -> None:
@@ -148,7 +148,7 @@ def write_whole(path: Path, content: bytes, what: str) -> None:
         with suppress(OSError):  # the name can be too long even to be removed
             part.unlink(missing_ok=True)
         problem = f"{what} cannot be written: {error.strerror}"
-        raise OutputError(problem, where=str(path), mend=_FILE_MEND) from error
+        raise OutputError(problem, where=str(path), hint=_FILE_MEND) from error
 
 
 def open_lock(path: Path) -> IO[str]:
@@ -184,7 +184,7 @@ def refuse_other_content(path: Path, magic: bytes, kind: str) -> None:
             fault = f"is there already and is not {kind}"
     except OSError as error:
         fault = f"cannot be read, to see whether it is {kind}: {error.strerror}"
-    raise OutputError(fault, where=str(path), mend="Name another file.")
+    raise OutputError(fault, where=str(path), hint="Name another file.")
 
 
 def begins(path: Path, magic: bytes) -> bool:
@@ -206,7 +206,7 @@ def refuse_unwritable_folder(folder: Path) -> None:
         nearest = next(path for path in (folder, *folder.parents) if path.exists())
     except OSError as error:
         problem = f"the folder cannot be made: {error.strerror}"
-        raise OutputError(problem, where=str(folder), mend=_FOLDER_MEND) from error
+        raise OutputError(problem, where=str(folder), hint=_FOLDER_MEND) from error
     if not nearest.is_dir():
         problem = "this is a file" if nearest == folder else f"{str(nearest)!r} is a file"
     else:
@@ -215,7 +215,7 @@ def refuse_unwritable_folder(folder: Path) -> None:
         if fault is None:
             return
         problem = fault
-    raise OutputError(f"the folder cannot be written: {problem}", where=str(folder), mend=_FOLDER_MEND)
+    raise OutputError(f"the folder cannot be written: {problem}", where=str(folder), hint=_FOLDER_MEND)
 
 
 def _part(path: Path) -> Path:

@@ -8,11 +8,11 @@ from collections.abc import Callable
 import pytest
 
 from tests.replay.rewriting import Flown, fly_once
-from waypointctl.cli.view.console_screen import ConsoleScreen, layout
-from waypointctl.cli.view.printable_console import PrintableConsole
+from waypointctl.cli.tui.console_screen import ConsoleScreen, layout
+from waypointctl.cli.tui.printable_console import PrintableConsole
+from waypointctl.flight.operator.operator import planned_waypoints
+from waypointctl.flight.setting import setting_of
 from waypointctl.log.messages import Telemetry
-from waypointctl.ops.ground.operator import planned_waypoints
-from waypointctl.ops.setting import setting_of
 from waypointctl.policy.bundle import LoadedPolicy
 
 

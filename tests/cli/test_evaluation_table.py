@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from waypointctl.cli.view.evaluation import evaluation_table
+from waypointctl.cli.tui.evaluation import evaluation_table
 from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec
 from waypointctl.evaluation.result import CaseResult, Evaluation
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from waypointctl.cli.view.heard import Heard
+from waypointctl.cli.tui.heard import Heard
 from waypointctl.log.messages import Ack, Clock, CommandStage, Event, EventKind, Mode, Severity, Stage, Telemetry
 from waypointctl.units import NS_PER_S
 
@@ -19,7 +19,7 @@ def stage(command_id: int, it: Stage, clock: Clock, at_s: int, reason: str = "")
 
 def frame(number: int, issued_s: int, received_s: int, *reached: int) -> Telemetry:
     times = issued_s * NS_PER_S, received_s * NS_PER_S
-    return Telemetry(number, Mode.WALKING, 1.0 + number, -2.0, 0.5, 1.5707963, 0.25, 3, reached, *times)
+    return Telemetry(number, Mode.NAVIGATING, 1.0 + number, -2.0, 0.5, 1.5707963, 0.25, 3, reached, *times)
 
 
 def told(*messages: Event | CommandStage | Ack | Telemetry) -> list[str]:

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 from tests.cli.flying import EASY, Program
-from waypointctl.cli.view.link_losses import link_lines
-from waypointctl.log.messages import LinkFate, LinkRecord
+from waypointctl.cli.tui.link_losses import link_lines
+from waypointctl.log.messages import DeliveryOutcome, LinkRecord
 from waypointctl.log.reader import open_log
 from waypointctl.replay.link_story import LinkStory, WayStory
 
@@ -33,7 +33,7 @@ def test_run_and_replay_tell_the_same_and_json_has_the_counts(yard: Path, progra
     code, flown, _ = program("run", "lossy.yaml", "--out", "lossy.mcap")
     assert code == 0
     records = [m for m in open_log(yard / "lossy.mcap").messages() if isinstance(m, LinkRecord)]
-    lost = [m for m in records if m.way == "down" and m.fate is LinkFate.LOST]
+    lost = [m for m in records if m.way == "down" and m.fate is DeliveryOutcome.LOST]
     told = [line for line in flown.splitlines() if line.startswith("link down  ")]
     assert len(told) == 1
     assert told[0].startswith(f"link down  {len(lost)} lost (")

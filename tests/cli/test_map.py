@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from rich.text import Text
 
 from tests.replay.hand_made import NEAR
-from waypointctl.cli.view.canvas import Canvas
-from waypointctl.cli.view.chart import KEEP_IN, KEEP_OUT, UNHEARD, WAY, WAY_HOME, draw_map
-from waypointctl.cli.view.map_scene import Scene
+from waypointctl.cli.tui.canvas import Canvas
+from waypointctl.cli.tui.chart import KEEP_IN, KEEP_OUT, UNHEARD, WAY, WAY_HOME, draw_map
+from waypointctl.cli.tui.map_scene import Scene
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.zones import Zone
 from waypointctl.replay.return_home import ReturnHome

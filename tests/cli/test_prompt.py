@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from tests.ops.ground.missions import mission_of
-from waypointctl.cli.view.prompt import Prompt
+from tests.flight.operator.missions import mission_of
+from waypointctl.cli.tui.prompt import Prompt
 
 YARD = mission_of("onboard: {geofence: {keep_in: [{center: [0 m, 0 m], radius: 20 m}]}}")
 

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 from tests.cli.flying import Program, start
+from waypointctl.flight.header import platform_facts
 from waypointctl.log.messages import Action, Message
 from waypointctl.log.writer import LogWriter
-from waypointctl.ops.header import platform_facts
 from waypointctl.replay import carried
 
 
@@ -103,7 +103,7 @@ def test_a_log_that_is_not_what_happened_exits_with_1(yard: Path, program: Progr
             super().__call__(message)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("waypointctl.ops.record.LogWriter", Flipped)
+        patch.setattr("waypointctl.flight.record.LogWriter", Flipped)
         assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
     code, out, err = program("replay", "log.mcap", "--json")
     found = json.loads(out)

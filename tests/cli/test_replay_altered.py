@@ -15,8 +15,8 @@ import pytest
 
 from tests.cli.flying import Program
 from tests.replay.rewriting import Flown, fly_once
+from waypointctl.flight.header import MISSION
 from waypointctl.log.messages import Action, Command, Message, Reward, State, Telemetry
-from waypointctl.ops.header import MISSION
 from waypointctl.policy.bundle import LoadedPolicy
 
 Alter = Callable[[Any], Any]

@@ -10,9 +10,9 @@ import pytest
 from tests.cli.flying import Program
 from tests.log.fake_flight import bits
 from tests.replay.rewriting import Flown, altered, fly_once
+from waypointctl.flight.header import platform_facts
 from waypointctl.log.messages import Message, State
 from waypointctl.log.reader import open_log
-from waypointctl.ops.header import platform_facts
 from waypointctl.policy.bundle import LoadedPolicy
 
 OLDER = {"version_waypointctl": "0.0.9", "source": "0123456789ab"}

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.cli.flying import Program, start
-from waypointctl.cli.view.story_json import json_text, story_json
+from waypointctl.cli.tui.story_json import json_text, story_json
 from waypointctl.log.reader import open_log
 from waypointctl.replay.logged import mission_name, story_of
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from waypointctl.cli.view.seeds import seeds_table
+from waypointctl.cli.tui.seeds import seeds_table
 from waypointctl.training.seed_result import SeedResult, spreads
 from waypointctl.training.seeds import SeedsResult
 

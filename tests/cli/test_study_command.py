@@ -12,7 +12,7 @@ from time import sleep
 import pytest
 
 from tests.cli.flying import Program, start
-from tests.study.standing import HERE
+from tests.studies.standing import HERE
 from tests.test_architecture import HEAVY, TRAINING, loaded_by
 from waypointctl.cli.study import rtts_of
 from waypointctl.errors import InputError

@@ -11,7 +11,7 @@ from tests.cli.flying import Program
 from tests.training.scores import NEAR
 from tests.training.tiny import RECIPE
 from waypointctl.cli.train_seeds import seeds_of
-from waypointctl.cli.view.seeds import seeds_table
+from waypointctl.cli.tui.seeds import seeds_table
 from waypointctl.errors import InputError
 from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.policy.bundle import load_policy

@@ -7,8 +7,8 @@ import pytest
 from rich.console import Console
 
 from tests.training.tiny import RECIPE
-from waypointctl.cli.view.training import LivePanel, PlainLines
-from waypointctl.cli.view.training_words import count, line, percent, span, sparkline
+from waypointctl.cli.tui.training import LivePanel, PlainLines
+from waypointctl.cli.tui.training_words import count, line, percent, span, sparkline
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_source import read_model
 from waypointctl.training.recipe import Recipe
@@ -115,7 +115,7 @@ def test_plain_lines_come_now_and_then_and_none_before_a_checkpoint_is_lost(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = [100.0]
-    monkeypatch.setattr("waypointctl.cli.view.training.time.monotonic", lambda: clock[0])
+    monkeypatch.setattr("waypointctl.cli.tui.training.time.monotonic", lambda: clock[0])
     with PlainLines(TINY) as lines:
         for second in range(25):
             clock[0] = 100.0 + second

@@ -11,13 +11,13 @@ from rich.console import Console
 from rich.text import Text
 
 from tests.replay.hand_made import FAR, NEAR, flight, stage
-from waypointctl.cli.view.canvas import Canvas
-from waypointctl.cli.view.chart import draw_map
-from waypointctl.cli.view.live import PERIOD_S, LiveView, sizes
-from waypointctl.cli.view.map_scene import Scene
-from waypointctl.cli.view.pace import Pace
-from waypointctl.cli.view.tables import command_table, waypoint_table
-from waypointctl.cli.view.words import happening, size
+from waypointctl.cli.tui.canvas import Canvas
+from waypointctl.cli.tui.chart import draw_map
+from waypointctl.cli.tui.formatting import happening, size
+from waypointctl.cli.tui.live import PERIOD_S, LiveView, sizes
+from waypointctl.cli.tui.map_scene import Scene
+from waypointctl.cli.tui.pace import Pace
+from waypointctl.cli.tui.tables import command_table, waypoint_table
 from waypointctl.log.messages import Clock, CommandStage, FloatArray, Message, Severity, Stage, State
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.story import Fate, WaypointStory

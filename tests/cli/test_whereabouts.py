@@ -10,10 +10,10 @@ import pytest
 from rich.console import Console
 
 from tests.replay.hand_made import FAR, NEAR, event, flight, frame
-from waypointctl.cli.view.live import LiveView
-from waypointctl.cli.view.story_json import story_json
-from waypointctl.cli.view.whereabouts import whereabouts_lines
-from waypointctl.log.messages import EventKind, LinkFate, LinkRecord, Message, Mode
+from waypointctl.cli.tui.live import LiveView
+from waypointctl.cli.tui.story_json import story_json
+from waypointctl.cli.tui.whereabouts import whereabouts_lines
+from waypointctl.log.messages import DeliveryOutcome, EventKind, LinkRecord, Message, Mode
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.replay.chronicle import tell
 from waypointctl.units import NS_PER_S
@@ -83,7 +83,7 @@ def test_as_json() -> None:
 
 
 def lost(way: str) -> LinkRecord:
-    return LinkRecord(0, way, "telemetry", 1, 10, 0, (), LinkFate.LOST)
+    return LinkRecord(0, way, "telemetry", 1, 10, 0, (), DeliveryOutcome.LOST)
 
 
 def panels(messages: list[Message], setting: MissionSetting) -> str:

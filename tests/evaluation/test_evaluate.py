@@ -14,9 +14,9 @@ from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, Star
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.paths import Case, RandomPaths
 from waypointctl.evaluation.result import read_evaluation
+from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.saved import write_evaluation
 from waypointctl.evaluation.suite import Suite
-from waypointctl.evaluation.walk import Walks
 from waypointctl.policy.bundle import LoadedPolicy
 
 Make = Callable[..., LoadedPolicy]

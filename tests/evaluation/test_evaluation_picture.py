@@ -18,12 +18,12 @@ from waypointctl.errors import InputError
 from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.key import draw_key, key_of, margin_in
-from waypointctl.evaluation.looks import Regions
 from waypointctl.evaluation.panels import Panel, Trial, panels, refuse_too_many
 from waypointctl.evaluation.paths import Case, RandomPaths
 from waypointctl.evaluation.picture import _draw_regions, _write_over, draw
+from waypointctl.evaluation.plot_style import Regions
+from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.suite import Suite, load_suite
-from waypointctl.evaluation.walk import Walks
 from waypointctl.policy.bundle import LoadedPolicy
 
 FloatArray = NDArray[np.float64]

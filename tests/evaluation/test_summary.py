@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from waypointctl.evaluation.paths import Case, RandomPaths
+from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.summary import summary
-from waypointctl.evaluation.walk import Walks
 
 NOBODY = np.zeros(6, bool)
 # Two successes, a fall on the second leg, an orbit on the first, one that is late on the third, one that strays.

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.suite import BUILT_IN, load_suite
+from waypointctl.flight.fly import fly
 from waypointctl.log.messages import (
     Ack,
     Action,
@@ -35,7 +36,6 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.mission.files import load_mission
-from waypointctl.ops.fly import fly
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.sim.robots import load_robot
 from waypointctl.task.batched import BatchedWaypointEnv, Step

@@ -9,7 +9,7 @@ import pytest
 from tests.importers.plans import EAST_M, NORTH_M, SHAPES, At, Shape
 from tests.importers.reading import Imported, imported
 from waypointctl.errors import MissionError
-from waypointctl.ops.executive.rules import rules_of
+from waypointctl.flight.executive.rules import rules_of
 
 IMPORTED = [shape for shape in SHAPES if not shape.refused]
 REFUSED = [shape for shape in SHAPES if shape.refused]

@@ -110,10 +110,10 @@ def _link(step: int, now: int) -> Iterator[Message]:
     if now == UP_NS + 60 * STEP_NS:
         yield Event(now, EventKind.WAYPOINT_TIMEOUT, Clock.ROBOT, Severity.WARNING, "east missed", waypoint=1)
     if step % 25 == 0 and now >= DOWN_NS:
-        yield Telemetry(step // 25, Mode.WALKING, 0.1 * step, -0.0, 0.5, 0.1, 1.5, 0, (0, 1), now - DOWN_NS, now)
+        yield Telemetry(step // 25, Mode.NAVIGATING, 0.1 * step, -0.0, 0.5, 0.1, 1.5, 0, (0, 1), now - DOWN_NS, now)
         yield Ack(1, Stage.STARTED, "", now - DOWN_NS, now)
     if step % 50 == 0:
-        yield Checkpoint(now, step, np.full(30, float(step)), '{"mode": "walking"}', "{}")
+        yield Checkpoint(now, step, np.full(30, float(step)), '{"mode": "navigating"}', "{}")
 
 
 def bits(message: object) -> object:

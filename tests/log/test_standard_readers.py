@@ -64,5 +64,5 @@ def test_words_are_words_and_delays_can_be_plotted(decoded: dict[str, list[dict[
     assert command["kind"] == "upload_plan"
     assert command["delay_s"] == 1.28
     assert len(sent(Command)) == 1
-    assert {(frame["mode"], frame["delay_s"]) for frame in decoded["/telemetry"]} == {("walking", 1.29)}
+    assert {(frame["mode"], frame["delay_s"]) for frame in decoded["/telemetry"]} == {("navigating", 1.29)}
     assert len(decoded["/telemetry"]) == len(sent(Telemetry))

@@ -15,9 +15,9 @@ from waypointctl.log.foxglove.surroundings import CHANGE_PERIOD_NS, LOST_PERIOD_
 from waypointctl.log.foxglove.view import FoxgloveView
 from waypointctl.log.messages import (
     Clock,
+    DeliveryOutcome,
     Event,
     EventKind,
-    LinkFate,
     LinkRecord,
     Message,
     Mode,
@@ -65,7 +65,7 @@ def event(time_s: float, kind: EventKind) -> Event:
     return Event(round(time_s * NS_PER_S), kind, Clock.ROBOT, Severity.INFO, "")
 
 
-def lost(way: str = "down", fate: LinkFate = LinkFate.LOST) -> LinkRecord:
+def lost(way: str = "down", fate: DeliveryOutcome = DeliveryOutcome.LOST) -> LinkRecord:
     return LinkRecord(0, way, "telemetry", 1, 10, 0, (), fate)
 
 
@@ -171,7 +171,14 @@ def test_the_link_that_is_lost_on_board_is_told() -> None:
 
 def test_messages_that_were_not_delivered_are_counted_and_drawn_where_the_robot_was() -> None:
     viewer = Viewer(MissionSetting())
-    viewer(at(1, x_m=4.0), lost(), lost("up", LinkFate.NO_CONTACT), lost(fate=LinkFate.DOUBLED), at(2, x_m=6.0), lost())
+    viewer(
+        at(1, x_m=4.0),
+        lost(),
+        lost("up", DeliveryOutcome.NO_CONTACT),
+        lost(fate=DeliveryOutcome.DOUBLED),
+        at(2, x_m=6.0),
+        lost(),
+    )
     assert viewer.scenes == 1, "not at once: a link can lose hundreds a second"
     shown = viewer(at(LOST_PERIOD_NS / NS_PER_S))
     assert viewer.link == "not delivered: 1 up, 2 down"

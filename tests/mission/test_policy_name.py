@@ -60,8 +60,8 @@ def test_what_is_nowhere_is_refused_with_what_there_is(place: Path, named: str) 
     with pytest.raises(PolicyError) as caught:
         load_policy(policy_folder(named))
     if named:  # the working directory itself has policies in it, which are named another way
-        assert str(caught.value.mend).startswith("A policy is a folder with manifest.json, or a name. There is")
-        assert "ant-waypoint (shipped with waypointctl), policies/mine" in str(caught.value.mend)
+        assert str(caught.value.hint).startswith("A policy is a folder with manifest.json, or a name. There is")
+        assert "ant-waypoint (shipped with waypointctl), policies/mine" in str(caught.value.hint)
 
 
 def test_a_damaged_policy_is_not_replaced_by_one_of_another_place(place: Path) -> None:

@@ -29,10 +29,10 @@ def test_each_release_of_more_than_there_is_is_told_with_its_place() -> None:
     text = "operator: {released: 4}\nschedule:\n- {at: 1 s, do: release, released: 2}\n"
     with pytest.raises(MissionError) as caught:
         parse(text + "- {at: 2 s, do: release, released: 5}\n")
-    mend = "is more than the 3 waypoints of the plan; write -1 to release them all"
+    hint = "is more than the 3 waypoints of the plan; write -1 to release them all"
     assert str(caught.value).splitlines()[1:] == [
-        f"m.yaml:4:22: operator.released: 4 {mend}",
-        f"m.yaml:7:36: schedule[1].released: 5 {mend}",
+        f"m.yaml:4:22: operator.released: 4 {hint}",
+        f"m.yaml:7:36: schedule[1].released: 5 {hint}",
     ]
 
 

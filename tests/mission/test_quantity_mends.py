@@ -34,11 +34,11 @@ def said(source: str, model: type[BaseModel] = Box) -> list[str]:
 def offered(problems: list[str]) -> list[str]:
     """Return what the messages say to write."""
     texts = (text for problem in problems for _, _, text in [problem.partition("; write ")])
-    return [text for mend in texts for text in re.findall(r"'(\w+: [^']*)'", mend)]
+    return [text for hint in texts for text in re.findall(r"'(\w+: [^']*)'", hint)]
 
 
 @pytest.mark.parametrize(
-    ("source", "mend"),
+    ("source", "hint"),
     [
         ("corner: [0 s, 2]", "write 'corner: [2 m, 2 m]'"),
         ("corner: [3 s, 2]", "write 'corner: [3 m, 2 m]'"),
@@ -55,9 +55,9 @@ def offered(problems: list[str]) -> list[str]:
         ("size: .nan", "write 'size: 1 m' or 'size_m: 1'"),
     ],
 )
-def test_a_neighbours_mistake_is_not_part_of_the_advice(source: str, mend: str) -> None:
+def test_a_neighbours_mistake_is_not_part_of_the_advice(source: str, hint: str) -> None:
     (problem,) = (problem for problem in said(source) if "has no unit" in problem)
-    assert problem.endswith(f"; {mend}")
+    assert problem.endswith(f"; {hint}")
     assert all(not said(text) for text in offered([problem]))
 
 

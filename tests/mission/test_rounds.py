@@ -56,8 +56,8 @@ def test_more_legs_than_can_be_flown_are_refused() -> None:
 
 
 def test_two_rounds_are_flown_with_each_waypoint_reached_twice() -> None:
+    from waypointctl.flight.fly import fly
     from waypointctl.log.messages import Event, EventKind, Message
-    from waypointctl.ops.fly import fly
     from waypointctl.policy.bundle import load_policy
 
     policy = load_policy(Path(__file__).parents[2] / "policies" / "ant-waypoint")

@@ -64,7 +64,9 @@ def stage(
 
 
 def frame(number: int, issued_s: float, x_m: float, reached: tuple[int, ...], target: int = 0) -> Telemetry:
-    return Telemetry(number, Mode.WALKING, x_m, 0.0, 0.5, 0.0, 2.0, target, reached, ns(issued_s), ns(issued_s + 1.0))
+    return Telemetry(
+        number, Mode.NAVIGATING, x_m, 0.0, 0.5, 0.0, 2.0, target, reached, ns(issued_s), ns(issued_s + 1.0)
+    )
 
 
 def flight() -> Iterator[Message]:

@@ -11,10 +11,10 @@ import numpy as np
 from PIL import Image
 
 from tests.replay.rewriting import Flown
+from waypointctl.flight.record import record
 from waypointctl.log.messages import Message, Picture
 from waypointctl.log.png import SOFTWARE, TITLE, texts_of, to_png
 from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.ops.record import record
 from waypointctl.policy.bundle import LoadedPolicy
 
 SURVEY = b"""\

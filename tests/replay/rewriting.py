@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from waypointctl.flight.header import flight_header
+from waypointctl.flight.record import record
 from waypointctl.log.messages import Message, State
 from waypointctl.log.reader import open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.ops.header import flight_header
-from waypointctl.ops.record import record
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.sim.robots import load_robot
 

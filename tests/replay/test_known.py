@@ -7,9 +7,9 @@ from collections.abc import Callable
 import pytest
 
 from tests.replay.rewriting import Flown, fly_once
+from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.log.messages import Message, PlannedWaypoint, State, Telemetry
 from waypointctl.log.setting import MissionSetting
-from waypointctl.ops.ground.operator import planned_waypoints
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.known import KnownFlight
 from waypointctl.replay.story import Fate

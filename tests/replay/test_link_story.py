@@ -9,7 +9,7 @@ import pytest
 
 from tests.replay.hand_made import flight
 from tests.replay.rewriting import Flown, fly_once
-from waypointctl.log.messages import Ack, CommandStage, LinkFate, LinkRecord, Stage, Telemetry
+from waypointctl.log.messages import Ack, CommandStage, DeliveryOutcome, LinkRecord, Stage, Telemetry
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.link_story import LinkStory, WayStory
@@ -31,20 +31,20 @@ expect: {max_time: 6 s}
 """
 
 
-def record(way: str, what: str, fate: LinkFate, time_ns: int = 0, departs_ns: int = 0) -> LinkRecord:
+def record(way: str, what: str, fate: DeliveryOutcome, time_ns: int = 0, departs_ns: int = 0) -> LinkRecord:
     return LinkRecord(time_ns, way, what, 1, 10, departs_ns, (), fate)
 
 
 def test_each_way_is_counted_by_what_became_of_its_messages() -> None:
     records = [
-        record("up", "command", LinkFate.LOST),
-        record("up", "heartbeat", LinkFate.LOST, 5, 9),  # it had waited before
-        record("up", "command", LinkFate.NO_CONTACT, 5, -1),
-        record("down", "telemetry", LinkFate.QUEUE_FULL, 5, -1),
-        record("down", "telemetry", LinkFate.WAITED, 5, 7),
-        record("down", "ack", LinkFate.DOUBLED, 5, 5),
-        record("down", "ack", LinkFate.DOUBLED, 5, 11),
-        record("sideways", "ack", LinkFate.LOST),  # of an altered log
+        record("up", "command", DeliveryOutcome.LOST),
+        record("up", "heartbeat", DeliveryOutcome.LOST, 5, 9),  # it had waited before
+        record("up", "command", DeliveryOutcome.NO_CONTACT, 5, -1),
+        record("down", "telemetry", DeliveryOutcome.QUEUE_FULL, 5, -1),
+        record("down", "telemetry", DeliveryOutcome.WAITED, 5, 7),
+        record("down", "ack", DeliveryOutcome.DOUBLED, 5, 5),
+        record("down", "ack", DeliveryOutcome.DOUBLED, 5, 11),
+        record("sideways", "ack", DeliveryOutcome.LOST),  # of an altered log
     ]
     up = WayStory(2, 0, 1, (("command", 2), ("heartbeat", 1)), 0, 1, 4)
     down = WayStory(0, 1, 0, (("telemetry", 1),), 2, 2, 6)

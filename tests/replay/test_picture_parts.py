@@ -22,8 +22,8 @@ from waypointctl.log.messages import (
     Clock,
     Command,
     CommandKind,
+    DeliveryOutcome,
     EventKind,
-    LinkFate,
     LinkRecord,
     Message,
     PlannedWaypoint,
@@ -195,7 +195,7 @@ def test_times_as_people_say_them(time_s: float, text: str) -> None:
 
 
 def lost(way: str, time_s: float) -> LinkRecord:
-    return LinkRecord(ns(time_s), way, "telemetry", 1, 10, ns(time_s), (), LinkFate.LOST)
+    return LinkRecord(ns(time_s), way, "telemetry", 1, 10, ns(time_s), (), DeliveryOutcome.LOST)
 
 
 def test_what_there_is_of_home_zones_and_link_is_drawn_and_named() -> None:

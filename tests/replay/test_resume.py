@@ -12,15 +12,15 @@ from pathlib import Path
 
 import pytest
 
+from tests.flight.scripted_lines import ScriptedLines
 from tests.log.fake_flight import bits
-from tests.ops.scripted_lines import ScriptedLines
 from tests.replay.rewriting import Flown, altered
 from tests.replay.test_verify_console import LINES, session
 from waypointctl.errors import LogError, OutputError
+from waypointctl.flight.sink import Sink
 from waypointctl.log.channels import ChannelWriter
 from waypointctl.log.messages import ConsoleInput, Message, State
 from waypointctl.log.reader import open_log
-from waypointctl.ops.sink import Sink
 from waypointctl.paths import lock
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.resume import Interrupted, go_on, unfinished

@@ -12,9 +12,9 @@ from tests.drawing import require_rendering
 from tests.replay.pictured import fly_survey, repainted, with_picture
 from tests.replay.rewriting import Flown
 from waypointctl.errors import LogError
+from waypointctl.flight.record import Recording
 from waypointctl.log.messages import Message, Picture
 from waypointctl.log.reader import open_log
-from waypointctl.ops.record import Recording
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.resume import go_on, unfinished
 

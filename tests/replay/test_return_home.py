@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from tests.replay.hand_made import event, frame, stage
+from waypointctl.flight.executive.rules import FLIGHT_ENDED
+from waypointctl.flight.record import record
 from waypointctl.log.messages import Ack, Command, CommandKind, EventKind, Message, Mode, Stage
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.ops.executive.rules import FLIGHT_ENDED
-from waypointctl.ops.record import record
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.logged import story_of
@@ -43,7 +43,7 @@ def command(command_id: int, kind: CommandKind) -> Command:
         ([event(6, EventKind.FALL, "the robot has fallen")], ReturnEnding.FALLEN, 6),
         ([event(6, EventKind.LEG_STARTED, "walking to near", waypoint=0)], ReturnEnding.CALLED_OFF, 6),
         (
-            [event(6, EventKind.WALK_PAUSED, "standing"), event(8, EventKind.WALK_RESUMED, "going on")],
+            [event(6, EventKind.NAVIGATION_PAUSED, "standing"), event(8, EventKind.NAVIGATION_RESUMED, "going on")],
             ReturnEnding.OPEN,
             None,
         ),

@@ -153,9 +153,9 @@ def test_a_fall_ends_the_leg_and_the_command() -> None:
     [
         (EventKind.RETURN_STARTED, True),
         (EventKind.PLAN_FAILED, True),
-        (EventKind.STEERING_STARTED, True),
+        (EventKind.TELEOPERATION_STARTED, True),
         (EventKind.LEG_STARTED, True),  # of another waypoint
-        (EventKind.WALK_PAUSED, False),
+        (EventKind.NAVIGATION_PAUSED, False),
         (EventKind.LEG_RETRIED, False),
     ],
 )

@@ -14,6 +14,8 @@ import pytest
 
 from tests.replay.rewriting import MISSION, Flown, fly_once
 from tests.sim.bare import BareWorld
+from waypointctl.flight.header import MJB
+from waypointctl.flight.record import record
 from waypointctl.log.messages import (
     Ack,
     Action,
@@ -28,8 +30,6 @@ from waypointctl.log.messages import (
 )
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import load_mission
-from waypointctl.ops.header import MJB
-from waypointctl.ops.record import record
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify

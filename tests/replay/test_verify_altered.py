@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.replay.rewriting import Flown, altered, bit_flipped, step_under_way
+from waypointctl.flight import header
 from waypointctl.log.messages import (
     Ack,
     Action,
@@ -22,7 +23,6 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
-from waypointctl.ops import header
 from waypointctl.replay import carried
 from waypointctl.replay.verdict import Divergence, Verdict
 from waypointctl.replay.verify import verify

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from tests.replay.rewriting import Flown
+from waypointctl.flight import header
 from waypointctl.log.reader import open_log
-from waypointctl.ops import header
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
 from waypointctl.sim.robots import compile_mjb, load_robot

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.ops.scripted_lines import ScriptedLines
+from tests.flight.scripted_lines import ScriptedLines
 from tests.replay.rewriting import Flown
+from waypointctl.flight.record import record
 from waypointctl.log.messages import ConsoleInput, Message
 from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.ops.record import record
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify

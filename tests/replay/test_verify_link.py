@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from tests.replay.rewriting import Flown, altered
-from waypointctl.log.messages import Ack, Checkpoint, Command, LinkFate, LinkRecord, Telemetry
+from waypointctl.flight.record import record
+from waypointctl.log.messages import Ack, Checkpoint, Command, DeliveryOutcome, LinkRecord, Telemetry
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import load_mission
-from waypointctl.ops.record import record
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
@@ -74,7 +74,12 @@ def test_the_log_carries_the_files_with_their_hashes(through: Flown) -> None:
 def test_the_log_tells_of_all_that_was_lost_doubled_or_had_to_wait(through: Flown) -> None:
     messages = through.messages
     records = [message for message in messages if isinstance(message, LinkRecord)]
-    assert {each.fate for each in records} >= {LinkFate.LOST, LinkFate.DOUBLED, LinkFate.WAITED, LinkFate.QUEUE_FULL}
+    assert {each.fate for each in records} >= {
+        DeliveryOutcome.LOST,
+        DeliveryOutcome.DOUBLED,
+        DeliveryOutcome.WAITED,
+        DeliveryOutcome.QUEUE_FULL,
+    }
     heard = [message.frame for message in messages if isinstance(message, Telemetry)]
     frames = {each.number: each for each in records if each.what == "telemetry"}
     end_ns = max(message.received_ns for message in messages if isinstance(message, Telemetry | Ack | Command))

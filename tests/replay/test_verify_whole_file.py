@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from tests.replay.rewriting import Flown, altered
+from waypointctl.flight.header import platform_facts
 from waypointctl.log.foxglove.view import FoxgloveView, Frame
 from waypointctl.log.messages import Action, Message, Observation, Telemetry
-from waypointctl.ops.header import platform_facts
 from waypointctl.replay.carried import PROGRAM
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify

@@ -52,7 +52,7 @@ def test_a_driver_that_fails_is_no_traceback(monkeypatch: pytest.MonkeyPatch, er
     with pytest.raises(NoRendering) as caught:
         OffscreenContext(64, 64)
     assert caught.value.problem == f"egl gives no OpenGL context: {words}"
-    assert "MUJOCO_GL" in str(caught.value.mend)
+    assert "MUJOCO_GL" in str(caught.value.hint)
 
 
 @pytest.mark.parametrize("value", ["osmesa", "vulkan"])

@@ -23,7 +23,7 @@ def console(*, stderr: bool = False) -> Console:
     What is printed is taken as it is: names from missions and logs are no markup, and cannot steer the
     terminal.
     """
-    from waypointctl.cli.view.printable_console import PrintableConsole
+    from waypointctl.cli.tui.printable_console import PrintableConsole
 
     stream = styled(sys.stderr if stderr else sys.stdout)
     environ = {name: value for name, value in os.environ.items() if name not in _SIZES or _is_size(value)}

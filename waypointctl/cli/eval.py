@@ -103,7 +103,7 @@ def _threads_text(threads: int) -> str:
 
 def _print_tables(grids: Sequence[Grid], *, to_stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.grid_view import GridView
+    from waypointctl.cli.tui.grid_view import GridView
 
     people = console(stderr=to_stderr)
     for number, grid in enumerate(grids):

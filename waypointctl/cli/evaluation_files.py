@@ -60,7 +60,7 @@ class EvaluationFiles:
             refuse_unsavable(self.suite.own)
             for folder in filter(is_installed, self.folders):
                 problem = "--save writes into the policy's folder, and this one is part of the installed waypointctl"
-                raise OutputError(problem, where=str(folder), mend="--out FILE writes the evaluation elsewhere")
+                raise OutputError(problem, where=str(folder), hint="--out FILE writes the evaluation elsewhere")
         for path in self._evaluations():
             refuse_unwritable_file(path, "the evaluation")
             if not self.force:
@@ -85,7 +85,7 @@ class EvaluationFiles:
             other = taken.setdefault(os.path.realpath(path), option)
             if other != option:
                 problem = f"{other} and {option} would both write this file"
-                raise OutputError(problem, where=str(path), mend=f"give {option} another file")
+                raise OutputError(problem, where=str(path), hint=f"give {option} another file")
 
     def write(self, found: Sequence[Evaluated]) -> None:
         """Write what was asked for.

@@ -9,8 +9,8 @@ from pathlib import Path
 from waypointctl.evaluation.conditions import AcceptanceSpec, parse_acceptance
 from waypointctl.evaluation.evaluate import Progress, evaluate
 from waypointctl.evaluation.result import Evaluation
+from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.suite import Suite, Walked, load_suite
-from waypointctl.evaluation.walk import Walks
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.training.trained_on import trained_on
 

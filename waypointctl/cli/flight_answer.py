@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from waypointctl.cli.view.story_json import Plain, json_text, story_json
+from waypointctl.cli.tui.story_json import Plain, json_text, story_json
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
-    from waypointctl.ops.record import Recording
+    from waypointctl.flight.record import Recording
     from waypointctl.replay.story import Story
 
 EXIT_CODES: Final = {"success": 0, "failure": 1, "interrupted": 130}

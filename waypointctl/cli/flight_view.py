@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from waypointctl.cli.view.watch import Watch
+    from waypointctl.cli.tui.watch import Watch
+    from waypointctl.flight.operator.line_source import LineSource
+    from waypointctl.flight.sink import Sink
     from waypointctl.log.messages import Message
     from waypointctl.mission.mission import Mission
-    from waypointctl.ops.ground.line_source import LineSource
-    from waypointctl.ops.sink import Sink
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +44,17 @@ def flight_view(
         interrupted: whether somebody has asked for the end.
         console: whether a person commands too.
     """
-    from waypointctl.cli.view.watch import watch
-    from waypointctl.ops.ground.operator import planned_waypoints
-    from waypointctl.ops.setting import setting_of
+    from waypointctl.cli.tui.watch import watch
+    from waypointctl.flight.operator.operator import planned_waypoints
+    from waypointctl.flight.setting import setting_of
 
     plan = planned_waypoints(mission)
     if console:
         from waypointctl.cli.console import console as people
         from waypointctl.cli.console import is_live
-        from waypointctl.cli.view.console_screen import ConsoleScreen
-        from waypointctl.cli.view.prompt import Prompt
-        from waypointctl.cli.view.typed_lines import TypedLines
+        from waypointctl.cli.tui.console_screen import ConsoleScreen
+        from waypointctl.cli.tui.prompt import Prompt
+        from waypointctl.cli.tui.typed_lines import TypedLines
 
         shown_on = people(stderr=True)
         typed = TypedLines(echo=is_live(shown_on))
@@ -72,7 +72,7 @@ def flight_view(
 
 def _from_first_state(view: Sink, rate: float, interrupted: Callable[[], bool]) -> Sink:
     """Return a sink that keeps to `rate` from the first state that it is given, whenever that is."""
-    from waypointctl.cli.view.pace import Pace, paced
+    from waypointctl.cli.tui.pace import Pace, paced
     from waypointctl.log.messages import State
 
     pace = Pace(rate)

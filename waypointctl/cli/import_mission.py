@@ -53,7 +53,7 @@ def import_mission(
     survey = read_survey(file)
     if survey.is_metric and (ground or center):
         problem = "has x and y in metres; --origin and --body are for latitudes and longitudes"
-        raise InputError(problem, where=str(file), mend="Leave them out.")
+        raise InputError(problem, where=str(file), hint="Leave them out.")
     text, placed = mission_text(survey, str(file), policy_reference(policy, out and out.parent), center, ground)
     for remark in survey.remarks:
         typer.echo(f"note: {printable(f'{file} {remark}')}", err=True)
@@ -79,7 +79,7 @@ def _refuse_taken(out: Path | None, force: bool) -> None:
     if out.exists() and not force:
         from waypointctl.errors import OutputError
 
-        raise OutputError("is there already", where=str(out), mend="--force replaces it; or give another --out.")
+        raise OutputError("is there already", where=str(out), hint="--force replaces it; or give another --out.")
 
 
 def _warn_of_missing_policy(policy: str, mission: Path) -> None:
@@ -96,12 +96,12 @@ def origin_of(text: str) -> Place:
     Raises:
         InputError: it is none.
     """
-    mend = "Give latitude and longitude in degrees, as in --origin 47.3977,8.5456."
+    hint = "Give latitude and longitude in degrees, as in --origin 47.3977,8.5456."
     try:
         latitude, longitude = (float(part) for part in text.split(","))
     except ValueError:
-        raise InputError(f"--origin: {text!r} is not two numbers with a comma between them", mend=mend) from None
+        raise InputError(f"--origin: {text!r} is not two numbers with a comma between them", hint=hint) from None
     if not (-_MAX_LATITUDE <= latitude <= _MAX_LATITUDE and -360 <= longitude <= 360):
         problem = f"--origin: {text!r} is not a latitude within -89 and 89 and a longitude within -360 and 360"
-        raise InputError(problem, mend=mend)
+        raise InputError(problem, hint=hint)
     return latitude, longitude

@@ -12,7 +12,7 @@ import typer
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
-    from waypointctl.cli.view.grid_view import GridView
+    from waypointctl.cli.tui.grid_view import GridView
     from waypointctl.evaluation.grid import Column
     from waypointctl.log.contents import TopicSummary
     from waypointctl.log.reader import Log
@@ -144,7 +144,7 @@ def _metadata_table(log: Log) -> GridView:
 
 
 def _view(columns: tuple[Column, ...], rows: Sequence[tuple[str, ...]]) -> GridView:
-    from waypointctl.cli.view.grid_view import GridView
+    from waypointctl.cli.tui.grid_view import GridView
     from waypointctl.evaluation.grid import Grid
 
     return GridView(Grid("", columns, tuple(rows)))

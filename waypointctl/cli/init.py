@@ -46,7 +46,7 @@ def _refuse_existing(contents: Mapping[Path, bytes]) -> None:
     if existing:
         verb = "is" if len(existing) == 1 else "are"
         problem = f"{', '.join(existing)} {verb} already there; nothing was written"
-        raise OutputError(problem, mend="Give another folder, or move what is there.")
+        raise OutputError(problem, hint="Give another folder, or move what is there.")
 
 
 def _write(contents: Mapping[Path, bytes], folder: Path) -> None:

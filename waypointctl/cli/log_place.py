@@ -35,7 +35,7 @@ def claimed(mission: str, out: Path | None, *, force: bool) -> Iterator[Path]:
         path, claim = _free(mission) if out is None else _asked(out, force)
     except OSError as error:
         where = str(out or FOLDER / f"{mission}.mcap")
-        raise OutputError(f"cannot be written: {error.strerror}", where=where, mend=_mend(error)) from error
+        raise OutputError(f"cannot be written: {error.strerror}", where=where, hint=_hint(error)) from error
     part = _part(path)
     with claim:
         try:
@@ -55,26 +55,26 @@ def _free(mission: str) -> tuple[Path, IO[bytes]]:
 
 def _asked(path: Path, force: bool) -> tuple[Path, IO[bytes]]:
     if path.is_dir():
-        raise OutputError("is a folder; a log is a file", where=str(path), mend="Name the file, such as flight.mcap.")
+        raise OutputError("is a folder; a log is a file", where=str(path), hint="Name the file, such as flight.mcap.")
     if path.exists() and not path.is_file():
         problem = "is not a regular file, and a log would take its place"
-        raise OutputError(problem, where=str(path), mend="Name another file, such as flight.mcap.")
+        raise OutputError(problem, where=str(path), hint="Name another file, such as flight.mcap.")
     for taken in (path, _part(path)):
         if taken.is_file() and is_being_written(taken):
-            raise OutputError(f"another flight is writing it, into {taken}", where=str(path), mend=_WAIT)
+            raise OutputError(f"another flight is writing it, into {taken}", where=str(path), hint=_WAIT)
     if path.exists() and not begins(path, MCAP):
         problem = "is not a log; --force replaces only logs" if force else "is there already, and is not a log"
-        raise OutputError(problem, where=str(path), mend="Give another --out.")
+        raise OutputError(problem, where=str(path), hint="Give another --out.")
     if path.exists() and not force:
-        raise OutputError("is there already", where=str(path), mend="--force replaces it; or give another --out.")
+        raise OutputError("is there already", where=str(path), hint="--force replaces it; or give another --out.")
     claim = _claim(path, replace=force)
     if claim is not None:
         return path, claim
     if force:
         problem = f"another flight has begun to write {_part(path)}, or it is not a regular file"
-        raise OutputError(problem, where=str(path), mend=_WAIT)
-    mend = "`waypointctl run --resume` goes on with it, --force replaces it; or give another --out."
-    raise OutputError(f"{_part(path)} is there already: a flight was killed", where=str(path), mend=mend)
+        raise OutputError(problem, where=str(path), hint=_WAIT)
+    hint = "`waypointctl run --resume` goes on with it, --force replaces it; or give another --out."
+    raise OutputError(f"{_part(path)} is there already: a flight was killed", where=str(path), hint=hint)
 
 
 def _claim(path: Path, *, replace: bool = False) -> IO[bytes] | None:
@@ -103,7 +103,7 @@ def _stands_at(claim: IO[bytes], part: Path) -> bool:
         return False
 
 
-def _mend(error: OSError) -> str:
+def _hint(error: OSError) -> str:
     if isinstance(error, FileNotFoundError):
         return "Create the folder, or give another --out."
     return "Give another --out, in a folder that you can write to."

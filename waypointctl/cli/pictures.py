@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
+    from waypointctl.flight.record import Recording
     from waypointctl.log.reader import Log
-    from waypointctl.ops.record import Recording
     from waypointctl.replay.pictures import PictureFile
 
 _PNG: Final = b"\x89PNG"

@@ -44,8 +44,8 @@ def list_policies(
 ) -> None:
     """List policies with their robot, observation layout, training and results."""
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.grid_view import GridView
-    from waypointctl.cli.view.policies import policies_grid
+    from waypointctl.cli.tui.grid_view import GridView
+    from waypointctl.cli.tui.policies import policies_grid
     from waypointctl.evaluation.catalogue import catalogue, known_policies
 
     entries = known_policies() if folder is None else catalogue(folder)

@@ -56,6 +56,6 @@ def _run(app: Typer) -> int | str | None:
 def _print_refusal(error: WaypointctlError) -> None:
     import json
 
-    parts = {name: getattr(error, name, None) for name in ("problem", "where", "mend")}
+    parts = {name: getattr(error, name, None) for name in ("problem", "where", "hint")}
     lines = [parts["problem"] or str(error), *getattr(error, "details", ())]
     print(json.dumps({"error": parts | {"problem": "\n".join(lines)}, "exit_code": error.exit_code}))

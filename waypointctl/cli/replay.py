@@ -12,7 +12,7 @@ from waypointctl.cli.options import not_negative, positive
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
-    from waypointctl.cli.view.playback import Playback
+    from waypointctl.cli.tui.playback import Playback
     from waypointctl.log.reader import Log
     from waypointctl.replay.story import Story
     from waypointctl.replay.verdict import Verification
@@ -54,9 +54,9 @@ def replay(
     --loop or --start-paused the flight is only shown, live on a terminal.
     """
     from waypointctl.cli.pictures import picture_files, write_pictures
-    from waypointctl.cli.view import playback
-    from waypointctl.cli.view.story_json import json_text, story_json, verification_json
-    from waypointctl.cli.view.summary import print_story
+    from waypointctl.cli.tui import playback
+    from waypointctl.cli.tui.story_json import json_text, story_json, verification_json
+    from waypointctl.cli.tui.summary import print_story
     from waypointctl.log.reader import open_log
     from waypointctl.paths import refuse_other_content, refuse_unwritable_file
     from waypointctl.replay.logged import mission_name, story_of
@@ -91,7 +91,7 @@ def replay(
 
 def _play(log: Log, playback: Playback) -> None:
     from waypointctl.cli.interruption import interruption
-    from waypointctl.cli.view.playback import play
+    from waypointctl.cli.tui.playback import play
 
     with interruption() as interrupted:
         play(log, playback, interrupted)
@@ -101,7 +101,7 @@ def _play(log: Log, playback: Playback) -> None:
 
 def _prove(log: Log, *, stderr: bool) -> Verification:
     from waypointctl.cli.console import console, is_live
-    from waypointctl.cli.view.summary import print_verdict
+    from waypointctl.cli.tui.summary import print_verdict
     from waypointctl.replay.verify import verify_log
 
     people = console(stderr=True)

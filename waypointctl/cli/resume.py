@@ -61,7 +61,7 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
     from waypointctl.cli.flight_view import flight_view
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.pictures import say_missing
-    from waypointctl.cli.view.summary import print_flight
+    from waypointctl.cli.tui.summary import print_flight
     from waypointctl.replay.carried import made_elsewhere
     from waypointctl.replay.resume import Interrupted, go_on
 
@@ -95,10 +95,10 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
 def _say_complete(asked: Resumption) -> int:
     """Say that there is nothing to do."""
     from waypointctl.cli.flight_answer import answer
+    from waypointctl.flight.outcome import FlightResult
+    from waypointctl.flight.record import recording_of
     from waypointctl.log.opening import PART
     from waypointctl.log.reader import open_log
-    from waypointctl.ops.outcome import FlightResult
-    from waypointctl.ops.record import recording_of
     from waypointctl.replay.logged import mission_name, story_of
 
     path = asked.log.with_name(asked.log.name.removesuffix(PART))

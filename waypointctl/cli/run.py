@@ -69,8 +69,8 @@ def run(
     from waypointctl.cli.log_place import claimed
     from waypointctl.cli.pictures import say_missing
     from waypointctl.cli.run_many import Many, run_many
-    from waypointctl.cli.view.summary import print_flight
-    from waypointctl.ops.record import record
+    from waypointctl.cli.tui.summary import print_flight
+    from waypointctl.flight.record import record
     from waypointctl.policy.bundle import load_policy
 
     if resume is not None:
@@ -146,8 +146,8 @@ def _refuse_missing_policy(mission_file: MissionFile) -> None:
     if fault := folder_fault(mission_file.policy_path):
         problem = f"policy: {mission_file.policy_path}: {fault}"
         named, beside = mission_file.mission.policy, mission_file.path.parent.resolve()
-        mend = (
+        hint = (
             f"The mission names {named!r}, relative to its own folder {beside}. {policies_there_are(named)} "
             f"`waypointctl run {shell_word(str(mission_file.path))} --policy POLICY` flies another one."
         )
-        raise MissionError(problem, where=mission_file.policy_place, mend=mend)
+        raise MissionError(problem, where=mission_file.policy_place, hint=hint)

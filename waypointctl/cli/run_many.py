@@ -14,9 +14,9 @@ from waypointctl.units import seconds
 
 if TYPE_CHECKING:
     from waypointctl.cli.junit import Case
-    from waypointctl.cli.view.story_json import Plain
+    from waypointctl.cli.tui.story_json import Plain
+    from waypointctl.flight.record import Recording
     from waypointctl.mission.files import MissionFile
-    from waypointctl.ops.record import Recording
     from waypointctl.policy.bundle import LoadedPolicy
 
 _NOT_FLOWN: Final = "not flown: interrupted before"
@@ -77,7 +77,7 @@ def run_many(many: Many, load: LoadMission) -> int:
     """
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.junit import junit_xml
-    from waypointctl.cli.view.story_json import json_text
+    from waypointctl.cli.tui.story_json import json_text
     from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
 
     if many.junit is not None:
@@ -117,9 +117,9 @@ def _fly(
     from waypointctl.cli.flight_answer import facts
     from waypointctl.cli.log_place import claimed
     from waypointctl.cli.pictures import say_missing
-    from waypointctl.ops.ground.operator import planned_waypoints
-    from waypointctl.ops.record import record
-    from waypointctl.ops.setting import setting_of
+    from waypointctl.flight.operator.operator import planned_waypoints
+    from waypointctl.flight.record import record
+    from waypointctl.flight.setting import setting_of
     from waypointctl.policy.bundle import load_policy
     from waypointctl.replay.chronicle import Chronicle
 
@@ -177,7 +177,7 @@ def _exit_code(outcomes: Sequence[Outcome]) -> int:
 
 def _print_table(outcomes: Sequence[Outcome], *, stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.flights import flights_table
+    from waypointctl.cli.tui.flights import flights_table
 
     people = console(stderr=stderr)
     people.print()

@@ -38,5 +38,5 @@ def schema(of: Annotated[str, typer.Argument(metavar="|".join(_SCHEMAS), help="W
     An editor that has it completes keys and marks mistakes as you type.
     """
     if of not in _SCHEMAS:
-        raise InputError(f"there is no schema of {of!r}", mend=f"choose one of: {', '.join(_SCHEMAS)}")
+        raise InputError(f"there is no schema of {of!r}", hint=f"choose one of: {', '.join(_SCHEMAS)}")
     typer.echo(json.dumps(_SCHEMAS[of](), indent=2, allow_nan=False))

@@ -31,8 +31,8 @@ def refuse_selection_trials(
             f"seed {seed}, by these very trials, so they flatter it"
         )
         if save:
-            mend = "Give another --seed; without --save the trials are walked with a warning."
-            raise InputError(f"--save: {problem}", where=str(folder), mend=mend)
+            hint = "Give another --seed; without --save the trials are walked with a warning."
+            raise InputError(f"--save: {problem}", where=str(folder), hint=hint)
         typer.echo(f"warning: {printable(folder)}: {printable(problem)}; another --seed does not", err=True)
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from waypointctl.mission.files import MissionFile
-    from waypointctl.study.delay import DelayStudy
+    from waypointctl.studies.delay import DelayStudy
 
 _LONGEST_RTT_S: Final = 86_400.0
 _MOST_SEEDS: Final = 10_000
@@ -83,13 +83,13 @@ def delay(
     has been flown, whatever came of it; 130 if it was interrupted.
     """
     from waypointctl.cli.interruption import interruption
-    from waypointctl.cli.view.study import study_progress
+    from waypointctl.cli.tui.study import study_progress
     from waypointctl.policy.bundle import load_policy
-    from waypointctl.study.autonomy import autonomies_of
-    from waypointctl.study.delay import delay_cases
-    from waypointctl.study.route import load_routes
-    from waypointctl.study.run import study_delay
-    from waypointctl.study.varied_link import refuse_what_is_not_kept
+    from waypointctl.studies.autonomy import autonomies_of
+    from waypointctl.studies.delay import delay_cases
+    from waypointctl.studies.route import load_routes
+    from waypointctl.studies.run import study_delay
+    from waypointctl.studies.varied_link import refuse_what_is_not_kept
 
     quick_route, quick_rtt, quick_seeds = _QUICK
     routes = load_routes(_parts(route or (quick_route if quick else "two-point,ten-point")))
@@ -127,24 +127,24 @@ def rtts_of(text: str) -> tuple[float, ...]:
     Raises:
         InputError: one is no number of seconds, too long, or there twice.
     """
-    mend = "Give seconds, separated by commas, as in --rtt 0,0.4,2.56."
+    hint = "Give seconds, separated by commas, as in --rtt 0,0.4,2.56."
     rtts_s = []
     for part in _parts(text):
         try:
             rtt_s = float(part)
         except ValueError:
-            raise InputError(f"--rtt: {part!r} is no number", mend=mend) from None
+            raise InputError(f"--rtt: {part!r} is no number", hint=hint) from None
         if not 0 <= rtt_s <= _LONGEST_RTT_S:
-            raise InputError(f"--rtt: {part} is not within 0 and {_LONGEST_RTT_S:g} s", mend=mend)
+            raise InputError(f"--rtt: {part} is not within 0 and {_LONGEST_RTT_S:g} s", hint=hint)
         rtts_s.append(rtt_s)
     if len(set(rtts_s)) < len(rtts_s):
-        raise InputError(f"--rtt: {text!r} has one of them twice", mend=mend)
+        raise InputError(f"--rtt: {text!r} has one of them twice", hint=hint)
     return tuple(sorted(rtts_s))
 
 
 def _possible(rtts_s: tuple[float, ...], routes: Mapping[str, MissionFile]) -> tuple[float, ...]:
     """Return those of the usual round trips that the routes' links can have; say which are left out."""
-    from waypointctl.study.varied_link import least_round_trip_s
+    from waypointctl.studies.varied_link import least_round_trip_s
 
     least_s = max(least_round_trip_s(file.mission.link) for file in routes.values())
     if short := [f"{rtt_s:g}" for rtt_s in rtts_s if rtt_s < least_s]:
@@ -165,9 +165,9 @@ def _cores() -> int:
 
 def _tell(found: DelayStudy, folder: Path, *, stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.view.grid_view import GridView
-    from waypointctl.study.files import PICTURE, TABLES, VALUES
-    from waypointctl.study.tables import tables
+    from waypointctl.cli.tui.grid_view import GridView
+    from waypointctl.studies.files import PICTURE, TABLES, VALUES
+    from waypointctl.studies.tables import tables
 
     people = console(stderr=stderr)
     for grid in tables(found):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def train_one(asked: TrainingAsked) -> int:
     """Train, evaluate and tell; return the exit code."""
     from waypointctl.cli.interruption import interruption
-    from waypointctl.cli.view.trained import tell_trained, trained_json
+    from waypointctl.cli.tui.trained import tell_trained, trained_json
 
     with interruption() as interrupted:
         recipe_file, place = _begin(asked)
@@ -53,7 +53,7 @@ def train_watched(
     resume: bool,
 ) -> Trained:
     """Train in a run's folder while people watch, under a title."""
-    from waypointctl.cli.view.training import watch_training
+    from waypointctl.cli.tui.training import watch_training
     from waypointctl.training.train import train
 
     with watch_training(recipe_file.recipe, title, interrupted) as view:

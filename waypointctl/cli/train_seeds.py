@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from waypointctl.cli.training_asked import TrainingAsked
-    from waypointctl.cli.view.trained_seeds import SeedsTrained
+    from waypointctl.cli.tui.trained_seeds import SeedsTrained
     from waypointctl.training.recipe_file import RecipeFile
 
 MOST: Final = 1000
@@ -23,12 +23,12 @@ _MEND: Final = "Give how many, as in --seeds 3, or different whole numbers from 
 def train_with_seeds(asked: TrainingAsked, seeds_text: str) -> int:
     """Train with each seed, compare them and tell; return the exit code."""
     from waypointctl.cli.interruption import interruption
-    from waypointctl.cli.view.trained_seeds import seeds_json, tell_seeds
+    from waypointctl.cli.tui.trained_seeds import seeds_json, tell_seeds
     from waypointctl.training.run_folder import held
     from waypointctl.training.seed_group import begin_group
 
     if asked.seed is not None:
-        raise InputError("--seed and --seeds cannot both be given", mend="--seeds 5,6 trains with these two.")
+        raise InputError("--seed and --seeds cannot both be given", hint="--seeds 5,6 trains with these two.")
     with interruption() as interrupted:
         own = asked.load()
         seeds = seeds_of(seeds_text, own.recipe.seed)
@@ -51,11 +51,11 @@ def seeds_of(text: str, first: int) -> list[int]:
     """
     parts = [part.strip() for part in text.split(",")]
     if not all(part.isascii() and part.isdecimal() and len(part) <= 10 for part in parts):
-        raise InputError(f"--seeds: {text!r} is no number of seeds and no list of them", mend=_MEND)
+        raise InputError(f"--seeds: {text!r} is no number of seeds and no list of them", hint=_MEND)
     numbers = [int(part) for part in parts]
     seeds = numbers if len(numbers) > 1 else [first + number for number in range(min(numbers[0], MOST + 1))]
     if not 0 < len(seeds) <= MOST or len(set(seeds)) < len(seeds) or max(seeds) >= 2**32:
-        raise InputError(f"--seeds: {text!r} is not 1 to {MOST} different seeds below 2**32", mend=_MEND)
+        raise InputError(f"--seeds: {text!r} is not 1 to {MOST} different seeds below 2**32", hint=_MEND)
     return seeds
 
 
@@ -73,7 +73,7 @@ def _place(asked: TrainingAsked, own: RecipeFile) -> tuple[Path, RecipeFile, int
     if asked.resume and recipe_file.recipe.phases != began.recipe.phases:
         found = [[phase.steps for phase in one.recipe.phases] for one in (began, recipe_file)]
         problem = f"the group began with steps {found[0]}, not {found[1]}"
-        raise InputError(problem, where=str(group), mend="Resume it as it began, or begin another group.")
+        raise InputError(problem, where=str(group), hint="Resume it as it began, or begin another group.")
     return group, recipe_file, asked.threads or threads
 
 
@@ -84,7 +84,7 @@ def _train(
 
     from waypointctl.cli.console import console, is_live
     from waypointctl.cli.train_one import train_watched
-    from waypointctl.cli.view.trained_seeds import SeedsTrained
+    from waypointctl.cli.tui.trained_seeds import SeedsTrained
     from waypointctl.training.run_folder import Places
     from waypointctl.training.seed_group import is_complete, run_of
     from waypointctl.training.seeds import compare, train_seeds

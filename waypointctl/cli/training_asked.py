@@ -84,9 +84,9 @@ class TrainingAsked:
             try:
                 recipe = recipe.stopping_at(self.stop_at)
             except ValueError as error:
-                mend = "Give the recipe a selection with a seed of its own."
+                hint = "Give the recipe a selection with a seed of its own."
                 where = recipe_file.place("evaluation", "seed")
-                raise RecipeError(f"--stop-at: {error}", where=where, mend=mend) from error
+                raise RecipeError(f"--stop-at: {error}", where=where, hint=hint) from error
         return replace(recipe_file, recipe=recipe)
 
     @property

@@ -15,9 +15,9 @@ from waypointctl.display_text import printable
 from waypointctl.paths import folder_fault
 
 if TYPE_CHECKING:
+    from waypointctl.flight.forecast.forecast import Forecast
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
-    from waypointctl.ops.forecast.forecast import Forecast
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ def _refuse_missing(policy: Path | None) -> None:
     from waypointctl.mission.policy_name import policies_there_are
 
     if policy is not None and (fault := folder_fault(policy)):
-        raise PolicyError(fault, where=str(policy), mend=policies_there_are(policy.name))
+        raise PolicyError(fault, where=str(policy), hint=policies_there_are(policy.name))
 
 
 def _check(path: Path, policy: Path | None = None) -> _Checked:
@@ -106,7 +106,7 @@ def _check(path: Path, policy: Path | None = None) -> _Checked:
 
 def _forecast(file: MissionFile, policy: Path) -> Forecast:
     from waypointctl.evaluation.walking_speed import walking_speed
-    from waypointctl.ops.forecast.forecast import forecast
+    from waypointctl.flight.forecast.forecast import forecast
 
     return forecast(file.mission, walking_speed(policy))
 
@@ -132,8 +132,8 @@ def _warnings(file: MissionFile, found: Forecast) -> Iterator[Warned]:
 
 
 def _show(result: _Checked) -> None:
-    from waypointctl.cli.view.expectation import expectation
-    from waypointctl.cli.view.link import link_text
+    from waypointctl.cli.tui.expectation import expectation
+    from waypointctl.cli.tui.link import link_text
 
     for problem in result.problems:
         typer.echo(str(problem))

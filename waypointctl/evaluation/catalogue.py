@@ -50,7 +50,7 @@ def catalogue(folder: Path) -> list[Entry]:
         PolicyError: `folder` is not a folder.
     """
     if fault := folder_fault(folder):
-        raise PolicyError(fault, where=str(folder), mend="give a folder that has policies in it")
+        raise PolicyError(fault, where=str(folder), hint="give a folder that has policies in it")
     return [_entry(manifest.parent) for manifest in sorted(folder.glob(f"*/{MANIFEST}"))]
 
 

@@ -45,7 +45,7 @@ def parse_acceptance(text: str) -> AcceptanceSpec:
         return AcceptanceSpec.model_validate({"shape": shape.strip(), spelling: value})
     except ValidationError as error:
         problem = f"{text!r} is not an acceptance region: a shape, box or radius, and a size up to 100 m"
-        raise InputError(problem, where="--acceptance", mend="such as radius:0.2 or box:50cm") from error
+        raise InputError(problem, where="--acceptance", hint="such as radius:0.2 or box:50cm") from error
 
 
 class DeadlineSpec(FileModel):

@@ -10,9 +10,9 @@ from typing import TypeAlias
 from waypointctl.errors import InputError, PolicyError
 from waypointctl.evaluation.paths import Case, RandomPaths
 from waypointctl.evaluation.result import Evaluation
+from waypointctl.evaluation.rollout import Walks, walk
 from waypointctl.evaluation.suite import Suite
 from waypointctl.evaluation.summary import summary
-from waypointctl.evaluation.walk import Walks, walk
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.require import require
 from waypointctl.seeding import stream

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from waypointctl.evaluation.looks import HOLD, LOOKS, Regions
 from waypointctl.evaluation.panels import Panel
+from waypointctl.evaluation.plot_style import HOLD, LOOKS, Regions
 from waypointctl.figure import GREEN, INK
 
 Handle: TypeAlias = Line2D | Patch

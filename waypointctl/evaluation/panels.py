@@ -13,8 +13,8 @@ from waypointctl.errors import InputError
 from waypointctl.evaluation.names import names_of
 from waypointctl.evaluation.paper_tables import entrants
 from waypointctl.evaluation.result import Evaluation
+from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.suite import Suite, Walked
-from waypointctl.evaluation.walk import Walks
 
 FloatArray: TypeAlias = NDArray[np.float64]
 End: TypeAlias = Literal["success", "fall", "time-out", "strayed"]
@@ -64,7 +64,7 @@ def refuse_too_many(suite: Suite, num_policies: int) -> None:
     count = len(suite.tables if _by_table(suite, num_policies) else suite.walked) * num_policies
     if count > MOST_PANELS:
         problem = f"--plot would have {count} panels, one for each case and policy; a picture holds {MOST_PANELS}"
-        raise InputError(problem, mend="evaluate fewer policies at a time, or a suite of fewer cases")
+        raise InputError(problem, hint="evaluate fewer policies at a time, or a suite of fewer cases")
 
 
 def panels(

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from waypointctl.evaluation.conditions import AcceptanceSpec, HoldSpec
 from waypointctl.evaluation.key import draw_key, key_of, margin_in
-from waypointctl.evaluation.looks import HOLD, LOOKS, Regions
 from waypointctl.evaluation.panels import Panel
+from waypointctl.evaluation.plot_style import HOLD, LOOKS, Regions
 from waypointctl.figure import FAINT, GREEN, INK, picture
 
 FloatArray: TypeAlias = NDArray[np.float64]

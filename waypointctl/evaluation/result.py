@@ -135,12 +135,12 @@ def read_evaluation(path: Path) -> Evaluation:
     Raises:
         InputError: the file cannot be read or is not an evaluation.
     """
-    mend = "write it again with `waypointctl eval POLICY --save`"
-    content = read_input(path, RECORD_FILE, within=path.parent, mend=mend)
+    hint = "write it again with `waypointctl eval POLICY --save`"
+    content = read_input(path, RECORD_FILE, within=path.parent, hint=hint)
     try:
         return Evaluation.model_validate_json(content)
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         place = ".".join(str(part) for part in fault["loc"])
         problem = f"not an evaluation: {place}{': ' if place else ''}{fault['msg']}"
-        raise InputError(problem, where=str(path), mend=mend) from error
+        raise InputError(problem, where=str(path), hint=hint) from error

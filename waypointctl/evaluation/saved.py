@@ -88,10 +88,10 @@ def refuse_unsavable(suite: Suite) -> None:
     try:
         file_name(suite.name)
     except ValueError as error:
-        raise SuiteError(f"--save names a file after the suite, and {error}", mend="rename the suite") from error
+        raise SuiteError(f"--save names a file after the suite, and {error}", hint="rename the suite") from error
     if suite.name in BUILT_IN and suite != load_suite(suite.name):
         problem = f"a suite that comes with waypointctl is called {suite.name!r}, and is another"
-        raise SuiteError(problem, mend="rename yours, so that --save keeps the results of both")
+        raise SuiteError(problem, hint="rename yours, so that --save keeps the results of both")
 
 
 def refuse_other_files(path: Path) -> None:
@@ -100,10 +100,10 @@ def refuse_other_files(path: Path) -> None:
     Raises:
         OutputError: it is something else.
     """
-    if not path.is_file() or is_evaluations(read_input(path, RECORD_FILE, OutputError, mend="name another file")):
+    if not path.is_file() or is_evaluations(read_input(path, RECORD_FILE, OutputError, hint="name another file")):
         return
     raise OutputError(
-        "is there already and is not an evaluation", where=str(path), mend="--force replaces it; or name another file"
+        "is there already and is not an evaluation", where=str(path), hint="--force replaces it; or name another file"
     )
 
 

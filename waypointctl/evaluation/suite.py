@@ -92,8 +92,8 @@ def load_suite(name_or_file: str) -> Suite:
     try:
         source = read_source(Path(name_or_file), SuiteError)
     except SuiteError as error:
-        mend = f"give a YAML file, or a suite that comes with waypointctl: {', '.join(BUILT_IN)}"
-        raise SuiteError(error.problem, where=error.where, mend=mend) from error
+        hint = f"give a YAML file, or a suite that comes with waypointctl: {', '.join(BUILT_IN)}"
+        raise SuiteError(error.problem, where=error.where, hint=hint) from error
     return read_model(source, name_or_file, Suite, SuiteError)
 
 

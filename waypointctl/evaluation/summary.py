@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from waypointctl.evaluation.paths import Case, RandomPaths
 from waypointctl.evaluation.result import CaseResult
-from waypointctl.evaluation.walk import Walks
+from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.wilson import wilson_interval
 
 

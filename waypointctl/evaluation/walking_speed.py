@@ -9,8 +9,8 @@ from pydantic import BaseModel, Field
 
 from waypointctl.display_text import printable
 from waypointctl.errors import InputError
+from waypointctl.flight.forecast.forecast import WalkingSpeed
 from waypointctl.input_file import RECORD_FILE, read_input
-from waypointctl.ops.forecast.forecast import WalkingSpeed
 
 _FILES: Final = ("evaluation-region.json", "evaluation.json")  # the first that tells goes first
 _USUAL_MPS: Final = 2.0

@@ -56,14 +56,14 @@ def body_of(text: str) -> Body:
     """
     if text.strip().lower() in BODIES:
         return BODIES[text.strip().lower()]
-    mend = "Give --body earth, moon or mars, or the radius of a sphere, as in --body '1737.4 km'."
+    hint = "Give --body earth, moon or mars, or the radius of a sphere, as in --body '1737.4 km'."
     try:
         radius_m = quantity(text, DISTANCE_UNITS_M)
     except ValueError:
-        raise InputError(f"--body: {text!r} is not a body, and not a radius with its unit", mend=mend) from None
+        raise InputError(f"--body: {text!r} is not a body, and not a radius with its unit", hint=hint) from None
     if not _LEAST_RADIUS_M <= radius_m <= _MOST_RADIUS_M:
         limits = f"within {_LEAST_RADIUS_M / 1000:g} and {_MOST_RADIUS_M / 1000:g} km"
-        raise InputError(f"--body: {text!r} is not a radius {limits}", mend=mend)
+        raise InputError(f"--body: {text!r} is not a radius {limits}", hint=hint)
     return Body(f"a sphere of {radius_m / 1000:g} km", radius_m)
 
 

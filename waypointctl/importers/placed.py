@@ -59,7 +59,7 @@ def placed(survey: Survey, where: str, origin: Place | None, body: Body) -> Plac
         return _in_frame(survey, where, None)
     if survey.start is None and origin is None:
         hint = _origin_hint(survey)
-        raise MissionError(f"{survey.start_at} is missing", where=where, mend=f"Give the place of the start: {hint}.")
+        raise MissionError(f"{survey.start_at} is missing", where=where, hint=f"Give the place of the start: {hint}.")
     center = origin or survey.start
     assert center is not None
     frame = LocalFrame(center, body)
@@ -113,7 +113,7 @@ def _thinned(stops: list[tuple[Stop, Point]], start: Point, where: str) -> tuple
     if kept is None:
         problem = f"has {len(stops) + 1:,} positions, and more than {MOST_STOPS:,} even without those {rule}"
         limit = f"a mission has at most {MOST_STOPS:,} waypoints"
-        raise MissionError(f"{problem}; {limit}", where=where, mend="Simplify it, or cut it into several.")
+        raise MissionError(f"{problem}; {limit}", where=where, hint="Simplify it, or cut it into several.")
     dropped = f"{len(stops) + 1 - len(kept):,} of {len(stops) + 1:,} positions"
     return [stops[place - 1] for place in kept[1:]], f"{dropped}: {rule}"
 
@@ -157,28 +157,28 @@ def _refuse_too_wide(survey: Survey, where: str, frame: LocalFrame, origin: Plac
     wide = [(name, span_m(points)) for name, _, points in groups if span_m(points) > frame.max_span_m]
     if wide:
         problem = "; ".join(f"{name} spans {_km(extent_m)}" for name, extent_m in wide[:3])
-        raise MissionError(f"{problem}; {limit}", where=where, mend="Draw it smaller, or take it out of the file.")
+        raise MissionError(f"{problem}; {limit}", where=where, hint="Draw it smaller, or take it out of the file.")
     path = [points[0] for name, _, points in groups if not (survey.is_home and name == survey.start_at)]
     points = path or [(0.0, 0.0)]
     middle = (statistics.median(x for x, _ in points), statistics.median(y for _, y in points))
     far = [(name, places[0]) for name, places, group in groups if span_m([middle, *group]) > frame.max_span_m]
     if origin is not None and (away_m := span_m([middle, (0.0, 0.0)])) > frame.max_span_m:
         problem = f"--origin {_text(origin)}: some {_rough_km(away_m)} away from the places of the file"
-        mend = _order(survey, f"Give an origin near them: {_origin_hint(survey)}.")
-        raise MissionError(f"{problem}; {limit}", where=where, mend=mend)
+        hint = _order(survey, f"Give an origin near them: {_origin_hint(survey)}.")
+        raise MissionError(f"{problem}; {limit}", where=where, hint=hint)
     if far and len(far) <= len(groups) / 2:
         more = f" and {len(far) - 1} more" if len(far) > 1 else ""
         away_m = span_m([middle, frame.point(far[0][1])])
         problem = f"{far[0][0]} {_text(far[0][1])}{more}: some {_rough_km(away_m)} away from the other places"
         is_home = survey.is_home and far[0][0] == survey.start_at
-        mend = f"Give the place of the start: {_origin_hint(survey)}." if is_home else "See whether it is right."
-        raise MissionError(f"{problem}; {limit}", where=where, mend=_order(survey, mend))
-    mend = _order(survey, "Cut it, or give an --origin near it.")
-    raise MissionError(f"spans {_km(whole_m)}; {limit}", where=where, mend=mend)
+        hint = f"Give the place of the start: {_origin_hint(survey)}." if is_home else "See whether it is right."
+        raise MissionError(f"{problem}; {limit}", where=where, hint=_order(survey, hint))
+    hint = _order(survey, "Cut it, or give an --origin near it.")
+    raise MissionError(f"spans {_km(whole_m)}; {limit}", where=where, hint=hint)
 
 
-def _order(survey: Survey, mend: str) -> str:
-    return f"{survey.order}: see that they are not swapped. Else: {mend}" if survey.order else mend
+def _order(survey: Survey, hint: str) -> str:
+    return f"{survey.order}: see that they are not swapped. Else: {hint}" if survey.order else hint
 
 
 def _origin_hint(survey: Survey) -> str:

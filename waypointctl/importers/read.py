@@ -56,9 +56,9 @@ def read_survey(path: Path) -> Survey:
         return survey
     if kind is not None:
         says_what_to_do = kind not in (FileKind.JSON, FileKind.HDTN_PLAN, FileKind.XML, FileKind.BINARY)
-        raise MissionError(kind.value, where=str(path), mend=None if says_what_to_do else f"{_READ}.")
+        raise MissionError(kind.value, where=str(path), hint=None if says_what_to_do else f"{_READ}.")
     text = text_of(source, report)
     if is_table(text) or suffix in (".csv", ".tsv"):
         return read_csv(source, report, path.stem)
-    mend = command_for_mission(str(path)) or "See docs/import.md for what each looks like."
-    raise MissionError(f"is not a file that can be imported: {_READ}", where=str(path), mend=mend)
+    hint = command_for_mission(str(path)) or "See docs/import.md for what each looks like."
+    raise MissionError(f"is not a file that can be imported: {_READ}", where=str(path), hint=hint)

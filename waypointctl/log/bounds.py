@@ -21,11 +21,11 @@ class OverLimit(ValueError):
     def __init__(self, name: str, what: str, found: int, enough: int = 0) -> None:
         """Say of what there are `found`, or more, but at most `enough` if it is given; and which limit that is over."""
         super().__init__(f"has at least {found:,} {what}; the limit {name} is {LIMITS[name].text(limit(name))}")
-        self._mend = limit_hint(name, max(found, enough))
+        self._hint = limit_hint(name, max(found, enough))
 
     def refusal(self, path: str) -> LogError:
         """Return the error for the log at `path`."""
-        return LogError(str(self), where=path, mend=self._mend)
+        return LogError(str(self), where=path, hint=self._hint)
 
 
 class Bounds:

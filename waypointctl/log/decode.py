@@ -22,11 +22,11 @@ from waypointctl.log.messages import (
     CommandStage,
     CommandStatus,
     ConsoleInput,
+    DeliveryOutcome,
     Event,
     EventKind,
     FloatArray,
     GroundControl,
-    LinkFate,
     LinkRecord,
     Mode,
     Observation,
@@ -150,7 +150,7 @@ def link_record(data: bytes) -> LinkRecord:
         size_bytes=it.size_bytes,
         departs_ns=it.departs_ns,
         arrives_ns=tuple(it.arrives_ns),
-        fate=LinkFate(it.fate),
+        fate=DeliveryOutcome(it.fate),
     )
 
 

@@ -71,14 +71,14 @@ class Mode(StrEnum):
     """What the executive on board is doing."""
 
     IDLE = "idle"  # standing, no plan yet
-    WALKING = "walking"  # the policy has the motors
+    NAVIGATING = "navigating"  # the policy has the motors
     HOLDING = "holding"  # standing at a waypoint for its hold time
     OBSERVING = "observing"  # standing at a waypoint and taking a picture
     WAITING = "waiting"  # standing before a waypoint that is not released yet
     PAUSED = "paused"  # standing because it was told to hold
     SAFE = "safe"  # standing because of the link's loss, a fence, or because it got no further
     RETURNING = "returning"  # the policy has the motors, on the way home
-    STEERED = "steered"  # the ground has the motors
+    TELEOPERATED = "teleoperated"  # the ground has the motors
     DONE = "done"  # standing, the plan is finished
     FAILED = "failed"  # standing, the plan was given up
     FALLEN = "fallen"  # motors off
@@ -120,15 +120,15 @@ class EventKind(StrEnum):
     RELEASE_AWAITED = "release_awaited"  # robot: the next waypoint is not released
     OBSERVATION_STARTED = "observation_started"  # robot
     OBSERVATION_TAKEN = "observation_taken"  # robot; the State of the same time follows: a picture is made from it
-    WALK_PAUSED = "walk_paused"  # robot
-    WALK_RESUMED = "walk_resumed"  # robot
-    WALK_SECURED = "walk_secured"  # robot: it stands because a rule on board says so
+    NAVIGATION_PAUSED = "navigation_paused"  # robot
+    NAVIGATION_RESUMED = "navigation_resumed"  # robot
+    SAFE_HOLD_STARTED = "safe_hold_started"  # robot: it stands because a rule on board says so
     RETURN_STARTED = "return_started"  # robot
     HOME_REACHED = "home_reached"  # robot
     GEOFENCE_BREACHED = "geofence_breached"  # robot
     LINK_LOST = "link_lost"  # robot: nothing has arrived for too long
     LINK_RESTORED = "link_restored"  # robot
-    STEERING_STARTED = "steering_started"  # robot: the ground has the motors
+    TELEOPERATION_STARTED = "teleoperation_started"  # robot: the ground has the motors
     REST_STARTED = "rest_started"  # robot: it stands so still that physics sleeps until something happens
     REST_ENDED = "rest_ended"  # robot
     FALL = "fall"  # robot
@@ -274,7 +274,7 @@ class GroundControl:
     commanded: FloatArray  # (nu,) as a fraction of the motors' full torque
 
 
-class LinkFate(StrEnum):
+class DeliveryOutcome(StrEnum):
     """What the link did to a message, where it did more than to delay it."""
 
     WAITED = "waited"  # it was not sent at once
@@ -284,7 +284,7 @@ class LinkFate(StrEnum):
     NO_CONTACT = "no_contact"  # there is no contact any more that it fits in
 
 
-NOT_DELIVERED: Final = frozenset({LinkFate.LOST, LinkFate.QUEUE_FULL, LinkFate.NO_CONTACT})
+NOT_DELIVERED: Final = frozenset({DeliveryOutcome.LOST, DeliveryOutcome.QUEUE_FULL, DeliveryOutcome.NO_CONTACT})
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,7 +298,7 @@ class LinkRecord:
     size_bytes: int  # on the wire
     departs_ns: int  # when its first bit leaves; -1 if it does not
     arrives_ns: tuple[int, ...]  # once, twice, or not at all
-    fate: LinkFate
+    fate: DeliveryOutcome
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ def damaged(path: str, offset: int, what: str) -> LogError:
     return LogError(
         f"is damaged at byte {offset}: {what}",
         where=path,
-        mend="Its bytes are not those that were written: take another copy of it.",
+        hint="Its bytes are not those that were written: take another copy of it.",
     )
 
 
@@ -56,8 +56,8 @@ def check_magic(stream: IO[bytes], path: Path, size: int) -> None:
     if (beginning := stream.read(len(MAGIC))) != MAGIC:
         if is_lfs_pointer(beginning + stream.read(_LOOK_BYTES)):
             raise LogError(FileKind.LFS_POINTER.value, where=str(path))
-        mend = command_for_mission(str(path)) or command_for_plan(str(path)) or "a log is what `waypointctl run` writes"
-        raise LogError("is not an MCAP file", where=str(path), mend=f"{mend[0].upper()}{mend[1:]}.")
+        hint = command_for_mission(str(path)) or command_for_plan(str(path)) or "a log is what `waypointctl run` writes"
+        raise LogError("is not an MCAP file", where=str(path), hint=f"{hint[0].upper()}{hint[1:]}.")
 
 
 def nothing_flown(path: Path) -> LogError:
@@ -65,6 +65,6 @@ def nothing_flown(path: Path) -> LogError:
     return LogError(
         "nothing was flown yet: its flight was killed before it began, or is only just beginning",
         where=str(path),
-        mend=f"Run the mission again: `waypointctl run MISSION.yaml --out {shell_word(str(path.with_suffix('')))} "
+        hint=f"Run the mission again: `waypointctl run MISSION.yaml --out {shell_word(str(path.with_suffix('')))} "
         "--force`.",
     )

@@ -84,7 +84,7 @@ def _truncated(path: Path, size: int, survey: _Survey) -> LogError:
     return LogError(
         f"is cut short at byte {size}, {kept}: its writer was killed, or it was not copied to its end",
         where=str(path),
-        mend="The flight was killed, is not over, or the file was cut: `waypointctl info` shows what there is, "
+        hint="The flight was killed, is not over, or the file was cut: `waypointctl info` shows what there is, "
         "`waypointctl run --resume` goes on with a flight that was killed.",
     )
 
@@ -224,5 +224,5 @@ def _check_version(path: str, text: str) -> None:
         raise LogError(
             f"has the schema version {text}; this waypointctl reads up to {SCHEMA_VERSION}",
             where=path,
-            mend="It was written by a newer waypointctl: install that one.",
+            hint="It was written by a newer waypointctl: install that one.",
         )

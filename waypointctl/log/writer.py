@@ -105,17 +105,17 @@ class LogWriter:
     def _refusal(self, error: OSError) -> OutputError:
         with suppress(OSError):
             if self.part.stat().st_size:
-                mend = f"What was written so far is in {self.part}."
-                return OutputError(f"cannot be written: {error.strerror}", where=str(self.path), mend=mend)
-        mend = "Make room on the disk, or choose another place."
-        return OutputError(f"cannot be written: {error.strerror}", where=str(self.path), mend=mend)
+                hint = f"What was written so far is in {self.part}."
+                return OutputError(f"cannot be written: {error.strerror}", where=str(self.path), hint=hint)
+        hint = "Make room on the disk, or choose another place."
+        return OutputError(f"cannot be written: {error.strerror}", where=str(self.path), hint=hint)
 
 
 def _create(path: Path, part: Path) -> IO[bytes]:
     if path.is_dir():
-        raise OutputError("is a folder; a log is a file", where=str(path), mend="Name the file, such as flight.mcap.")
+        raise OutputError("is a folder; a log is a file", where=str(path), hint="Name the file, such as flight.mcap.")
     try:
         return open(part, "wb")
     except OSError as error:
-        mend = "Create the folder, or choose another place." if isinstance(error, FileNotFoundError) else None
-        raise OutputError(f"cannot be written: {error.strerror}", where=str(path), mend=mend) from error
+        hint = "Create the folder, or choose another place." if isinstance(error, FileNotFoundError) else None
+        raise OutputError(f"cannot be written: {error.strerror}", where=str(path), hint=hint) from error

@@ -174,7 +174,7 @@ class Link(FileModel):
     def _no_bare_word(cls, given: Any) -> Any:
         """Tell whoever writes a word alone how a preset is written."""
         if isinstance(given, str):
-            raise ValueError(f"{given!r} is not a mapping of keys to values; {_mend(given)}")
+            raise ValueError(f"{given!r} is not a mapping of keys to values; {_hint(given)}")
         return given
 
     @classmethod
@@ -195,7 +195,7 @@ class Link(FileModel):
         return data
 
 
-def _mend(word: str) -> str:
+def _hint(word: str) -> str:
     """Return how to write what somebody has written in place of a link's mapping."""
     import difflib  # 10 ms that a good file need not wait for
 

@@ -24,7 +24,7 @@ class OperatorScript(FileModel):
     steering: Literal["move_and_wait", "continuous"] = Field(
         "move_and_wait", description="autonomy heading: the next goal when the last was heard to be over, or at a rate"
     )
-    carrot_m: Annotated[float, Quantity("m", ge=0.1, le=100)] = Field(
+    lookahead_m: Annotated[float, Quantity("m", ge=0.1, le=100)] = Field(
         1.0, description="autonomy heading: how far ahead of the robot its short-range goal lies"
     )
     update_rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(

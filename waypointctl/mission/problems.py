@@ -152,7 +152,7 @@ def _value_text(details: ErrorDetails, path: DataPath, value: object) -> str:
     if bare_name(field) is None:
         return f"{shown(value)} is not {expected}"
     if kind == "float_type":
-        return f"{shown(value)} is not {_number_mend(field, path)}"
+        return f"{shown(value)} is not {_number_hint(field, path)}"
     if kind in _BOUNDS:
         # Text that has come as far as this is a number with its unit, and needs no quotes.
         return f"{value if isinstance(value, str) else shown(value)} is not {expected} {unit_of(field)}"
@@ -169,7 +169,7 @@ def _nearest(kind: str, value: object, context: Mapping[str, object]) -> str:
     return f"; did you mean '{near[0]}'?" if near else ""
 
 
-def _number_mend(field: str, path: DataPath) -> str:
+def _number_hint(field: str, path: DataPath) -> str:
     """Return what a value is not, and what to write instead, where a field takes a number with a unit."""
     bare = bare_name(field)
     if isinstance(path[-1], int):

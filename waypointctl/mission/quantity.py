@@ -78,12 +78,12 @@ def _to_number(own: Quantity, given: object) -> object:
         except ValueError as error:
             raise PydanticCustomError("quantity", "{problem}", {"problem": str(error)}) from error
     if isinstance(value, int | float) and not isinstance(value, bool):
-        problem = f"{shown(value)} has no unit; {_mend(own, given, value)}"
+        problem = f"{shown(value)} has no unit; {_hint(own, given, value)}"
         raise PydanticCustomError("unit_missing", "{problem}", {"problem": problem})
     return value
 
 
-def _mend(own: Quantity, given: Bare, value: float) -> str:
+def _hint(own: Quantity, given: Bare, value: float) -> str:
     if isinstance(given.whole, list):
         return how_to_write_list(given.field, given.whole, given.length, own.fits)
     return how_to_write(given.field, value if own.fits(value) else 1)

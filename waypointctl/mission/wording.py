@@ -51,12 +51,12 @@ def unit_of(field: str) -> str:
 
 
 def how_to_write(field: str, value: object) -> str:
-    """Return a mend with a number in both spellings of a field."""
+    """Return a hint with a number in both spellings of a field."""
     return f"write '{bare_name(field)}: {value} {unit_of(field)}' or '{field}: {value}'"
 
 
 def how_to_write_list(field: str, values: list[object], length: int | None, fits: Callable[[float], bool]) -> str:
-    """Return a mend with the list that was meant, as it has to be written: what is wrong beside is mended, too.
+    """Return a hint with the list that was meant, as it has to be written: what is wrong beside is fixed, too.
 
     Args:
         field: that the list is of, with its unit.
@@ -69,9 +69,9 @@ def how_to_write_list(field: str, values: list[object], length: int | None, fits
     # An order that the numbers must have is kept by taking one twice.
     filler = next((part for part in parts if part is not None), f"1 {unit_of(field)}")
     written = [part or filler for part in parts] + [filler] * (length - len(parts))
-    mend = f"write '{bare_name(field)}: [{', '.join(written)}]'"
+    hint = f"write '{bare_name(field)}: [{', '.join(written)}]'"
     alike = len(values) == length and parts == [f"{value} {unit_of(field)}" for value in values]
-    return f"{mend} or '{field}: {values}'" if alike else mend
+    return f"{hint} or '{field}: {values}'" if alike else hint
 
 
 def _with_unit(field: str, value: object, fits: Callable[[float], bool]) -> str | None:

@@ -74,7 +74,7 @@ def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
         PolicyError: a file is missing, damaged or does not fit the manifest.
     """
     if fault := folder_fault(folder):
-        raise PolicyError(fault, where=str(folder), mend=policies_there_are(folder.name))
+        raise PolicyError(fault, where=str(folder), hint=policies_there_are(folder.name))
     files = {}
     for name in FILES:
         try:
@@ -83,7 +83,7 @@ def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
             if error.problem != NOT_THERE:  # load_policy_bytes says which file is missing
                 raise
     if not files:
-        raise PolicyError(_missing(FILES), where=str(folder), mend=policies_near(folder))
+        raise PolicyError(_missing(FILES), where=str(folder), hint=policies_near(folder))
     return load_policy_bytes(files, str(folder), threads=threads)
 
 
@@ -100,7 +100,7 @@ def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 
     """
     own = {name: files[name] for name in FILES if name in files}
     if missing := [name for name in FILES if name not in own]:
-        raise PolicyError(_missing(missing), where=where, mend=_COPY_AGAIN)
+        raise PolicyError(_missing(missing), where=where, hint=_COPY_AGAIN)
     for name, content in own.items():
         if is_lfs_pointer(content):
             raise PolicyError(FileKind.LFS_POINTER.value, where=f"{where}/{name}")
@@ -129,18 +129,18 @@ def _manifest(text: bytes, where: str) -> Manifest:
     try:
         content: Any = json.loads(text, object_pairs_hook=_without_doubles)
     except (ValueError, RecursionError) as error:  # the latter: nested some thousand deep
-        raise PolicyError(f"not JSON: {error}", where=where, mend=_COPY_AGAIN) from error
+        raise PolicyError(f"not JSON: {error}", where=where, hint=_COPY_AGAIN) from error
     version = content.get("schema_version") if isinstance(content, dict) else None
     if type(version) is not int:
         problem = "not a policy's manifest: it must be an object with a whole number as schema_version"
-        raise PolicyError(problem, where=where, mend=_COPY_AGAIN)
+        raise PolicyError(problem, where=where, hint=_COPY_AGAIN)
     if version != SCHEMA_VERSION:
         problem = f"schema_version is {version}; this waypointctl reads {SCHEMA_VERSION}"
-        raise PolicyError(problem, where=where, mend="use the waypointctl that wrote it, or train the policy again")
+        raise PolicyError(problem, where=where, hint="use the waypointctl that wrote it, or train the policy again")
     try:
         return Manifest.model_validate_json(text)
     except ValidationError as error:
-        raise PolicyError(_found(error), where=where, mend=_COPY_AGAIN) from error
+        raise PolicyError(_found(error), where=where, hint=_COPY_AGAIN) from error
 
 
 def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -173,7 +173,7 @@ def _refuse_damaged(manifest: Manifest, files: Mapping[str, bytes], where: str) 
             problem = f"altered: its SHA-256 is not the manifest's {expected.sha256}"
         else:
             continue
-        raise PolicyError(problem, where=f"{where}/{name}", mend=_COPY_AGAIN)
+        raise PolicyError(problem, where=f"{where}/{name}", hint=_COPY_AGAIN)
 
 
 def _refuse_other_sizes(manifest: Manifest, network: Network, where: str) -> None:
@@ -183,4 +183,4 @@ def _refuse_other_sizes(manifest: Manifest, network: Network, where: str) -> Non
             f"the network maps {sizes[0]} numbers to {sizes[1]}, but the manifest says "
             f"{manifest.observation.size} observations and {manifest.action.size} actions"
         )
-        raise PolicyError(problem, where=f"{where}/{NETWORK}", mend=_COPY_AGAIN)
+        raise PolicyError(problem, where=f"{where}/{NETWORK}", hint=_COPY_AGAIN)

@@ -15,7 +15,7 @@ _LOOKED_AT: Final = 2000  # folders: the one that was named may be a whole disk
 
 
 def policies_near(folder: Path) -> str:
-    """Return which folders in a folder, or in the folders in it, are policies, the newest first, as a mend."""
+    """Return which folders in a folder, or in the folders in it, are policies, the newest first, as a hint."""
     for found in (_policies(folders) for folders in (_folders(folder), _folders_in_folders(folder))):
         if found:
             more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""

@@ -64,15 +64,15 @@ class Network:
         try:
             (found,) = self._session.run(self._output_names, feed)
         except Exception as error:  # onnxruntime's exceptions have no base class of their own
-            raise PolicyError(f"onnxruntime cannot run it: {_reason(error)}", where=self._where, mend=_OTHER) from error
+            raise PolicyError(f"onnxruntime cannot run it: {_reason(error)}", where=self._where, hint=_OTHER) from error
         if found.shape != (len(observation), self.output_size) or found.dtype != np.float32:
             problem = f"the network gave {found.dtype} of shape {found.shape} for {len(observation)} observations"
-            raise PolicyError(problem, where=self._where, mend=_OTHER)
+            raise PolicyError(problem, where=self._where, hint=_OTHER)
         action: NDArray[np.float64] = found.astype(np.float64)
         # The squares of float32 numbers cannot overflow in float64, and this way takes less than a microsecond.
         if not math.isfinite(np.vdot(action, action)):
             problem = "the network gave a number that is not finite: the policy is damaged, or its training diverged"
-            raise PolicyError(problem, where=self._where, mend=_OTHER)
+            raise PolicyError(problem, where=self._where, hint=_OTHER)
         return action
 
 
@@ -86,11 +86,11 @@ def _refusing(where: str) -> Iterator[None]:
         yield
     except Refused as error:
         problem = f"the model has {error}; a policy is one file of standard, deterministic operators (docs/limits.md)"
-        raise PolicyError(problem, where=where, mend=EXPORT_AGAIN) from error
+        raise PolicyError(problem, where=where, hint=EXPORT_AGAIN) from error
     except TooLarge as error:
-        raise PolicyError(str(error), where=where, mend=limit_hint(LIMIT, error.work)) from error
+        raise PolicyError(str(error), where=where, hint=limit_hint(LIMIT, error.work)) from error
     except ValueError as error:
-        raise PolicyError(f"not the ONNX model of a policy: {error}", where=where, mend=EXPORT_AGAIN) from error
+        raise PolicyError(f"not the ONNX model of a policy: {error}", where=where, hint=EXPORT_AGAIN) from error
 
 
 def _session(model: bytes, where: str, threads: int) -> InferenceSession:
@@ -107,7 +107,7 @@ def _session(model: bytes, where: str, threads: int) -> InferenceSession:
     try:
         return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
     except Exception as error:
-        raise PolicyError(f"onnxruntime cannot read it: {_reason(error)}", where=where, mend=EXPORT_AGAIN) from error
+        raise PolicyError(f"onnxruntime cannot read it: {_reason(error)}", where=where, hint=EXPORT_AGAIN) from error
 
 
 def _reason(error: Exception) -> str:

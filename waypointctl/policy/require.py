@@ -39,18 +39,18 @@ def require(
     if made_for.robot != robot:
         problem = f"made for the robot {made_for.robot!r}, not {robot!r}"
         raise PolicyError(
-            problem, where=where, mend=f"choose a policy for {robot!r}: `waypointctl policies` lists them"
+            problem, where=where, hint=f"choose a policy for {robot!r}: `waypointctl policies` lists them"
         )
     if fault := _layout_fault(made_for.observation, components):
         problem = f"made for another observation layout {made_for.observation.layout!r}: {fault}"
-        raise PolicyError(problem, where=where, mend="train a policy with this version of the layout")
+        raise PolicyError(problem, where=where, hint="train a policy with this version of the layout")
     if fault := _action_fault(made_for.action, num_joints):
         raise PolicyError(
-            f"made for other actions: {fault}", where=where, mend=f"train a policy for {robot!r} as it is"
+            f"made for other actions: {fault}", where=where, hint=f"train a policy for {robot!r} as it is"
         )
     if made_for.control_period_ns != control_period_ns:
         problem = f"made for a control period of {_ms(made_for.control_period_ns)}, not {_ms(control_period_ns)}"
-        raise PolicyError(problem, where=where, mend="use a policy trained at the robot's control period")
+        raise PolicyError(problem, where=where, hint="use a policy trained at the robot's control period")
 
 
 def _layout_fault(made_for: ObservationSpec, given: Sequence[tuple[str, str, float]]) -> str:

@@ -60,7 +60,7 @@ def copy_bundle(policy: LoadedPolicy, folder: Path) -> None:
         _put(folder, staging, policy.files)
     except OSError as error:
         problem = f"the policy cannot be written: {error.strerror}"
-        raise OutputError(problem, where=str(folder), mend="give a folder in a place you can write to") from error
+        raise OutputError(problem, where=str(folder), hint="give a folder in a place you can write to") from error
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 

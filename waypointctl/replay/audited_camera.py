@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from waypointctl.flight.camera import FORMAT, FRAME, OnboardCamera
 from waypointctl.log.messages import Event, Picture, State
 from waypointctl.log.png import SOFTWARE, texts_of
 from waypointctl.log.records import shown
-from waypointctl.ops.camera import FORMAT, FRAME, OnboardCamera
 from waypointctl.replay.witness import Witness
 
 

@@ -10,14 +10,8 @@ from typing import Final
 from pydantic import ValidationError
 
 from waypointctl.errors import LogError
-from waypointctl.log.comparison import brief
-from waypointctl.log.header import LIBRARY, LogHeader
-from waypointctl.log.reader import Log
-from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.mission.mission import Mission
-from waypointctl.ops.camera import OnboardCamera
-from waypointctl.ops.ground.operator import planned_waypoints
-from waypointctl.ops.header import (
+from waypointctl.flight.camera import OnboardCamera
+from waypointctl.flight.header import (
     MISSION,
     MISSION_FILE_HASH,
     MISSION_FOLDER,
@@ -28,7 +22,13 @@ from waypointctl.ops.header import (
     flight_header,
     platform_facts,
 )
-from waypointctl.ops.record import refuse_misfit
+from waypointctl.flight.operator.operator import planned_waypoints
+from waypointctl.flight.record import refuse_misfit
+from waypointctl.log.comparison import brief
+from waypointctl.log.header import LIBRARY, LogHeader
+from waypointctl.log.reader import Log
+from waypointctl.mission.files import MissionFile, parse_mission
+from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import MANIFEST, Manifest
 from waypointctl.replay.verdict import Divergence

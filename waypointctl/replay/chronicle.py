@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from itertools import islice
 from typing import Final
 
+from waypointctl.flight.executive.plan import names
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
@@ -26,7 +27,6 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.log.setting import MissionSetting
-from waypointctl.ops.executive.plan import names
 from waypointctl.replay.effort import EffortTally
 from waypointctl.replay.growing_records import GrowingCommand, GrowingWaypoint
 from waypointctl.replay.link_story import LinkTally
@@ -47,7 +47,7 @@ _ENDS_A_LEG: Final = frozenset(
         EventKind.PLAN_COMPLETED,
         EventKind.PLAN_FAILED,
         EventKind.RETURN_STARTED,
-        EventKind.STEERING_STARTED,
+        EventKind.TELEOPERATION_STARTED,
     }
 )
 _NO_SETTING: Final = MissionSetting()

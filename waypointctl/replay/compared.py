@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import Final, Self
 
-from waypointctl.ops.header import POLICY_FOLDER
+from waypointctl.flight.header import POLICY_FOLDER
 from waypointctl.policy.manifest import NETWORK, WEIGHTS
 from waypointctl.policy.weights import weights_fault
 from waypointctl.replay.audited_camera import AuditedCamera

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkFate, LinkRecord
+from waypointctl.log.messages import NOT_DELIVERED, DeliveryOutcome, Event, EventKind, LinkRecord
 from waypointctl.log.setting import IntArray, Span
 
 
@@ -74,7 +74,7 @@ class LinkStory:
 class WayTally:
     """Counts one way's records."""
 
-    fates: Counter[LinkFate] = field(default_factory=Counter)
+    fates: Counter[DeliveryOutcome] = field(default_factory=Counter)
     not_arrived: Counter[str] = field(default_factory=Counter)
     waited: int = 0
     longest_wait_ns: int = 0
@@ -93,11 +93,11 @@ class WayTally:
     def story(self) -> WayStory:
         """Return the counts so far."""
         return WayStory(
-            lost=self.fates[LinkFate.LOST],
-            queue_full=self.fates[LinkFate.QUEUE_FULL],
-            no_contact=self.fates[LinkFate.NO_CONTACT],
+            lost=self.fates[DeliveryOutcome.LOST],
+            queue_full=self.fates[DeliveryOutcome.QUEUE_FULL],
+            no_contact=self.fates[DeliveryOutcome.NO_CONTACT],
             not_arrived=tuple(sorted(self.not_arrived.items())),
-            doubled=self.fates[LinkFate.DOUBLED],
+            doubled=self.fates[DeliveryOutcome.DOUBLED],
             waited=self.waited,
             longest_wait_ns=self.longest_wait_ns,
             missing_ns=np.array(self.missing_ns, np.int64),

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from waypointctl.errors import MissionError
+from waypointctl.flight.header import MISSION, files_of_mission
+from waypointctl.flight.operator.operator import planned_waypoints
+from waypointctl.flight.setting import setting_of
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.log.reader import Log
 from waypointctl.log.setting import MissionSetting
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.ground.operator import planned_waypoints
-from waypointctl.ops.header import MISSION, files_of_mission
-from waypointctl.ops.setting import setting_of
 from waypointctl.replay.chronicle import tell
 from waypointctl.replay.story import Story
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from waypointctl.flight.operator.console import order_from
+from waypointctl.flight.operator.line_source import QUIT
 from waypointctl.log.messages import ConsoleInput
 from waypointctl.mission.mission import Mission
-from waypointctl.ops.ground.console import order_from
-from waypointctl.ops.ground.line_source import QUIT
 from waypointctl.replay.milestones import Milestones
 from waypointctl.replay.witness import Witness
 

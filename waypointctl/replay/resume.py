@@ -16,16 +16,16 @@ from pathlib import Path
 from typing import Final
 
 from waypointctl.errors import InputError, LogError, OutputError
+from waypointctl.flight.fly import fly
+from waypointctl.flight.operator.line_source import QUIT, LineSource
+from waypointctl.flight.outcome import FlightResult
+from waypointctl.flight.record import Recording, recording_of
+from waypointctl.flight.shutter import Camera, with_pictures
+from waypointctl.flight.sink import Sink
 from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.opening import PART, open_file
 from waypointctl.log.reader import Log, open_log
 from waypointctl.log.writer import LogWriter
-from waypointctl.ops.fly import fly
-from waypointctl.ops.ground.line_source import QUIT, LineSource
-from waypointctl.ops.outcome import FlightResult
-from waypointctl.ops.record import Recording, recording_of
-from waypointctl.ops.shutter import Camera, with_pictures
-from waypointctl.ops.sink import Sink
 from waypointctl.paths import lock
 from waypointctl.replay.audited_camera import AuditedCamera
 from waypointctl.replay.carried import Carried, altered, carried_by, made_elsewhere, unverifiable
@@ -73,7 +73,7 @@ def unfinished(path: Path) -> Iterator[Unfinished | None]:
     found = part if part.exists() else final
     with open_file(found) as stream:
         if not lock(stream):
-            raise LogError("is being written: its flight is not over", where=str(found), mend="Wait for its end.")
+            raise LogError("is being written: its flight is not over", where=str(found), hint="Wait for its end.")
         log = open_log(found, allow_truncated=True)
         milestones = milestones_of(log)
         if log.is_complete and milestones.ending:
@@ -131,8 +131,8 @@ def go_on(
     except OutputError as error:
         if not beside.exists():  # it has taken the old one's place, and has all that the old one had
             raise
-        mend = f"Make room on the disk and resume it again: {flight.log.path} is as it was."
-        raise OutputError(error.problem, where=error.where, mend=mend) from error
+        hint = f"Make room on the disk and resume it again: {flight.log.path} is as it was."
+        raise OutputError(error.problem, where=error.where, hint=hint) from error
     finally:
         beside.unlink(missing_ok=True)  # after an error in the first part; later it has its place
     taken = audited.handed_on + camera.taken
@@ -197,14 +197,14 @@ class _Lines:
 def _carried(log: Log) -> Carried:
     where = str(log.path)
     if reason := unverifiable(log):
-        raise LogError(f"cannot be gone on with: {reason}", where=where, mend=_KEPT)
+        raise LogError(f"cannot be gone on with: {reason}", where=where, hint=_KEPT)
     if wrong := altered(log):
-        raise LogError(f"cannot be gone on with: {wrong.component} is not what was recorded", where=where, mend=_KEPT)
+        raise LogError(f"cannot be gone on with: {wrong.component} is not what was recorded", where=where, hint=_KEPT)
     try:
         return carried_by(log)
     except InputError as error:
         problem = f"cannot be gone on with: what it carries cannot be used: {error.problem}"
-        raise LogError(problem, where=where, mend=_KEPT, details=error.details) from error
+        raise LogError(problem, where=where, hint=_KEPT, details=error.details) from error
 
 
 def _require_all_seen(witness: Witness, result: FlightResult) -> None:
@@ -224,4 +224,4 @@ def _not_the_same(log: Log, where: Divergence) -> LogError:
         if others
         else "It has been altered. "
     )
-    return LogError(problem, where=str(log.path), mend=f"{why}{_KEPT}")
+    return LogError(problem, where=str(log.path), hint=f"{why}{_KEPT}")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
+from waypointctl.flight.executive.rules import FLIGHT_ENDED
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
@@ -18,7 +19,6 @@ from waypointctl.log.messages import (
     Stage,
     Telemetry,
 )
-from waypointctl.ops.executive.rules import FLIGHT_ENDED
 from waypointctl.units import seconds
 
 
@@ -39,7 +39,7 @@ _ENDINGS: Final = {
     EventKind.FALL: ReturnEnding.FALLEN,
     EventKind.LEG_STARTED: ReturnEnding.CALLED_OFF,
     EventKind.RELEASE_AWAITED: ReturnEnding.CALLED_OFF,
-    EventKind.STEERING_STARTED: ReturnEnding.CALLED_OFF,
+    EventKind.TELEOPERATION_STARTED: ReturnEnding.CALLED_OFF,
     EventKind.RETURN_STARTED: ReturnEnding.CALLED_OFF,
 }
 _BY_RULE: Final = -1  # in place of a command's id

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from waypointctl.errors import InputError
+from waypointctl.flight.fly import fly
+from waypointctl.flight.header import platform_facts
+from waypointctl.flight.shutter import with_pictures
 from waypointctl.log.messages import Message
 from waypointctl.log.reader import Log, open_log
-from waypointctl.ops.fly import fly
-from waypointctl.ops.header import platform_facts
-from waypointctl.ops.shutter import with_pictures
 from waypointctl.replay.audited_camera import AuditedCamera
 from waypointctl.replay.carried import KERNELS, Carried, altered, carried_by, made_elsewhere, unverifiable
 from waypointctl.replay.compared import Compared

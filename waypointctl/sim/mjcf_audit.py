@@ -141,8 +141,8 @@ class _Audit:
         if self._pixels > MOST_PIXELS:
             raise self._refusal(f"textures and height fields of more than {MOST_PIXELS:,} pixels")
 
-    def _refusal(self, problem: str, mend: str | None = None) -> InputError:
-        return InputError(problem, where=f"{self._where}:{self.parser.CurrentLineNumber}", mend=mend)
+    def _refusal(self, problem: str, hint: str | None = None) -> InputError:
+        return InputError(problem, where=f"{self._where}:{self.parser.CurrentLineNumber}", hint=hint)
 
 
 def _fault(element: str, attribute: str, value: str) -> str:

@@ -46,8 +46,8 @@ class OffscreenContext:
             self.renderer = _renderer()
         # A driver that is missing or broken shows as whatever its binding stumbles over.
         except Exception as error:
-            mend = f"{VARIABLE} chooses another: {', '.join(_ALLOWED)}. {_INSTALL}"
-            raise NoRendering(f"{backend} gives no OpenGL context: {_in_words(error)}", mend=mend) from error
+            hint = f"{VARIABLE} chooses another: {', '.join(_ALLOWED)}. {_INSTALL}"
+            raise NoRendering(f"{backend} gives no OpenGL context: {_in_words(error)}", hint=hint) from error
 
     def make_current(self) -> None:
         """Draw here from now on: there may be others."""
@@ -79,15 +79,15 @@ def _in_words(error: Exception) -> str:
 def _backend(asked: str) -> str:
     """Return which of mujoco's modules makes the context."""
     if asked in _OFF:
-        raise NoRendering(f"{VARIABLE}={asked} says so", mend=f"Unset {VARIABLE} to have pictures.")
+        raise NoRendering(f"{VARIABLE}={asked} says so", hint=f"Unset {VARIABLE} to have pictures.")
     if asked:
         if asked not in _ALLOWED:
-            raise NoRendering(f"{VARIABLE}={asked} is none of {', '.join(_ALLOWED)}", mend=f"Unset {VARIABLE}.")
+            raise NoRendering(f"{VARIABLE}={asked} is none of {', '.join(_ALLOWED)}", hint=f"Unset {VARIABLE}.")
         return asked
     for backend, names in _LIBRARIES.items():
         if any(_loads(name) for name in names):
             return backend
-    raise NoRendering("neither libEGL nor libOSMesa is installed", mend=_INSTALL)
+    raise NoRendering("neither libEGL nor libOSMesa is installed", hint=_INSTALL)
 
 
 def _loads(library: str) -> bool:

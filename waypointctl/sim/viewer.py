@@ -74,7 +74,7 @@ class Viewer:
 def _refuse_missing_display() -> None:
     """Refuse to open a window that cannot be: MuJoCo would end the whole process."""
     if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in _DISPLAYS):
-        raise InputError(f"a window needs a display, and neither {' nor '.join(_DISPLAYS)} is set", mend=_HINT)
+        raise InputError(f"a window needs a display, and neither {' nor '.join(_DISPLAYS)} is set", hint=_HINT)
     import glfw
 
     with warnings.catch_warnings():
@@ -82,7 +82,7 @@ def _refuse_missing_display() -> None:
         opened = glfw.init()
     if not opened:
         display = ", ".join(f"{name}={os.environ[name]}" for name in _DISPLAYS if os.environ.get(name))
-        raise InputError(f"a window cannot be opened on {display or 'this display'}", mend=_HINT)
+        raise InputError(f"a window cannot be opened on {display or 'this display'}", hint=_HINT)
 
 
 def _post(geom: mujoco.MjvGeom, marker: Marker) -> None:

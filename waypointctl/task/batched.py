@@ -52,11 +52,11 @@ def refuse_bad_action(action: object, num_joints: int, num_robots: int | None = 
     except (TypeError, ValueError) as error:
         raise InputError(f"{what} must be real numbers: {error}") from error
     if actions.shape != shape:
-        raise InputError(f"{what} must have the shape {shape}, not {actions.shape}", mend=_ACTION_HINT)
+        raise InputError(f"{what} must have the shape {shape}, not {actions.shape}", hint=_ACTION_HINT)
     if not np.isfinite(actions).all():
         place = np.argwhere(~np.isfinite(actions))[0]
         where = f"joint {place[-1]}" + ("" if num_robots is None else f" of robot {place[0]}")
-        raise InputError(f"{what} must be finite: {where} is given {actions[tuple(place)]}", mend=_ACTION_HINT)
+        raise InputError(f"{what} must be finite: {where} is given {actions[tuple(place)]}", hint=_ACTION_HINT)
     return actions
 
 

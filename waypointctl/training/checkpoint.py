@@ -117,12 +117,12 @@ def load_checkpoint(learner: Learner, recipe_file: RecipeFile, folder: Path) -> 
     ):
         if began != now:
             problem = f"the run began with {what} {began}, not {now}"
-            raise RecipeError(problem, where=str(folder), mend="Resume it as it began, or begin another run.")
+            raise RecipeError(problem, where=str(folder), hint="Resume it as it began, or begin another run.")
     try:
         restore(learner, Snapshot(load(arrays), facts.learner))
     except (KeyError, RuntimeError, ValueError, SafetensorError) as error:
         problem = f"the checkpoint does not fit this version of waypointctl: {error}"
-        raise RecipeError(problem, where=str(folder), mend="Resume with the version it was made by.") from error
+        raise RecipeError(problem, where=str(folder), hint="Resume with the version it was made by.") from error
     learner.start = facts.start
     if facts.torch_threads is not None:
         learner.use_torch_threads(facts.torch_threads)
@@ -157,21 +157,21 @@ def _read(folder: Path) -> tuple[Facts, bytes]:
         expected = content["sha256"]
     except RecipeError as error:
         problem = f"the checkpoint cannot be read: {Path(str(error.where)).name}: {error.problem}"
-        raise RecipeError(problem, where=str(folder), mend=_REMOVE) from error
+        raise RecipeError(problem, where=str(folder), hint=_REMOVE) from error
     except (KeyError, TypeError, ValueError, RecursionError) as error:
         problem = f"the checkpoint is damaged: {FACTS} is not what it was"
-        raise RecipeError(problem, where=str(folder), mend=_REMOVE) from error
+        raise RecipeError(problem, where=str(folder), hint=_REMOVE) from error
     if _sha256(facts, arrays) != expected:
         problem = f"the checkpoint is damaged: {FACTS} and {ARRAYS} are not what they were"
-        raise RecipeError(problem, where=str(folder), mend=_REMOVE)
+        raise RecipeError(problem, where=str(folder), hint=_REMOVE)
     return facts, arrays
 
 
 def _refuse_other_file(facts: Facts, recipe_file: RecipeFile, folder: Path) -> None:
     if facts.recipe_sha256 != recipe_file.sha256:
-        mend = (
+        hint = (
             f"Resume with {folder.parents[1] / RECIPE}, the recipe as it was when the run began, or begin another run."
         )
         raise RecipeError(
-            f"the checkpoint was made by another recipe than {recipe_file.path}", where=str(folder), mend=mend
+            f"the checkpoint was made by another recipe than {recipe_file.path}", where=str(folder), hint=hint
         )

@@ -24,5 +24,5 @@ def refuse_diverged(learner: Learner, recipe_file: RecipeFile, run: Path) -> Non
     last = newest_checkpoint(run)
     kept = f"the last checkpoint is {last}" if last else "there is no checkpoint yet"
     problem = f"the training diverged: at step {learner.steps} the network has numbers that are not finite; {kept}"
-    mend = "Begin another run with a lower learning_rate, reward_scale or max_gradient."
-    raise RecipeError(problem, where=str(recipe_file.path), mend=mend)
+    hint = "Begin another run with a lower learning_rate, reward_scale or max_gradient."
+    raise RecipeError(problem, where=str(recipe_file.path), hint=hint)

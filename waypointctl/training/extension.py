@@ -64,14 +64,14 @@ def shared_checkpoints(recipe_file: RecipeFile, source: Path) -> tuple[RecipeFil
         RecipeError: as `extend`.
     """
     if not checkpoints(source):
-        mend = "--extend takes the folder of a run, or its name; a recipe's start_from begins with a policy's weights."
-        raise RecipeError("is not a run: it has no checkpoints", where=str(source), mend=mend)
+        hint = "--extend takes the folder of a run, or its name; a recipe's start_from begins with a policy's weights."
+        raise RecipeError("is not a run: it has no checkpoints", where=str(source), hint=hint)
     began = begun_as(load_recipe(source / RECIPE), source)
     shared = shared_steps(began.recipe, recipe_file.recipe, source)
     taken = [folder for steps, folder in checkpoints(source) if steps < shared]
     if not taken:
         problem = f"has no checkpoint before step {shared}, up to which the two recipes are the same"
-        raise RecipeError(problem, where=str(source), mend="Train without --extend.")
+        raise RecipeError(problem, where=str(source), hint="Train without --extend.")
     return began, taken
 
 
@@ -92,8 +92,8 @@ def shared_steps(old: Recipe, new: Recipe, source: Path) -> int:
         different = ["phases[0]"]
     if different:
         problem = f"was trained by a recipe with another {', '.join(different)}"
-        mend = f"Only {', '.join(_FREE[:2])}, {', '.join(_FREE[3:])} and phases at the end may differ."
-        raise RecipeError(problem, where=str(source), mend=mend)
+        hint = f"Only {', '.join(_FREE[:2])}, {', '.join(_FREE[3:])} and phases at the end may differ."
+        raise RecipeError(problem, where=str(source), hint=hint)
     return steps
 
 

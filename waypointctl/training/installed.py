@@ -18,4 +18,4 @@ def refuse_incomplete() -> None:
     """
     if missing := [module for module in MODULES if find_spec(module) is None]:
         problem = f"training needs packages that are not installed: {', '.join(missing)}"
-        raise InputError(problem, mend='Install them with the train extra: pip install ".[train]" in the checkout.')
+        raise InputError(problem, hint='Install them with the train extra: pip install ".[train]" in the checkout.')

@@ -43,8 +43,8 @@ def load_origin(recipe_file: RecipeFile) -> Origin | None:
         return None
     folder = policy_folder(recipe_file.recipe.start_from, recipe_file.path.parent)
     policy = load_policy(folder)
-    for fault, mend in misfits(policy, recipe_file.recipe):
-        raise refusal(policy, fault, recipe_file, mend)
+    for fault, hint in misfits(policy, recipe_file.recipe):
+        raise refusal(policy, fault, recipe_file, hint)
     return Origin(policy, _learnt(policy.files[WEIGHTS], str(folder / WEIGHTS)))
 
 
@@ -63,7 +63,7 @@ def _learnt(weights: bytes, where: str) -> dict[str, NDArray[np.generic]]:
 
 
 def misfits(policy: LoadedPolicy, recipe: Recipe) -> Iterator[tuple[str, str]]:
-    """Yield each thing that keeps a training by the recipe from beginning with the policy, and how to mend it."""
+    """Yield each thing that keeps a training by the recipe from beginning with the policy, and how to fix it."""
     manifest = policy.manifest
     pairs = (
         ("robot is", manifest.robot, recipe.robot),
@@ -84,7 +84,7 @@ def not_startable(policy: LoadedPolicy, fault: str) -> str:
     return f"policy {policy.manifest.name!r} cannot be started from: {fault}"
 
 
-def refusal(policy: LoadedPolicy, fault: str, recipe_file: RecipeFile, mend: str) -> RecipeError:
+def refusal(policy: LoadedPolicy, fault: str, recipe_file: RecipeFile, hint: str) -> RecipeError:
     """Return the error for a policy that a recipe names and cannot begin with."""
     problem = f"start_from: {not_startable(policy, fault)}"
-    return RecipeError(problem, where=recipe_file.place("start_from"), mend=mend)
+    return RecipeError(problem, where=recipe_file.place("start_from"), hint=hint)

@@ -114,7 +114,7 @@ def read_progress(run: Path) -> list[ProgressRow]:
         return [_row(cells) for cells in csv.DictReader(StringIO(whole), strict=True)]
     except (KeyError, TypeError, ValueError, csv.Error) as error:
         problem = f"is not the progress of a training: {error}"
-        raise InputError(problem, where=str(path), mend=_MEND) from error
+        raise InputError(problem, where=str(path), hint=_MEND) from error
 
 
 def _row(cells: dict[str, str]) -> ProgressRow:

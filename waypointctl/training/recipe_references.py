@@ -111,12 +111,12 @@ def _start_faults(named: str, beside: Path, recipe: Recipe | None) -> Iterator[s
     try:
         policy = load_policy(folder)
     except PolicyError as error:
-        yield f"{error.where}: {error.problem}{_inline(error.mend)}"
+        yield f"{error.where}: {error.problem}{_inline(error.hint)}"
         return
-    for fault, mend in misfits(policy, recipe) if recipe else ():
-        yield f"{not_startable(policy, fault)}{_inline(mend)}"
+    for fault, hint in misfits(policy, recipe) if recipe else ():
+        yield f"{not_startable(policy, fault)}{_inline(hint)}"
 
 
-def _inline(mend: str | None) -> str:
-    """Return a mend as the end of a sentence."""
-    return f"; {mend[0].lower()}{mend[1:].rstrip('.')}" if mend else ""
+def _inline(hint: str | None) -> str:
+    """Return a hint as the end of a sentence."""
+    return f"; {hint[0].lower()}{hint[1:].rstrip('.')}" if hint else ""

@@ -90,7 +90,7 @@ def require_checkpoint(run: Path) -> Path:
     """
     checkpoint = newest_checkpoint(run)
     if checkpoint is None:
-        raise RecipeError("no checkpoint to resume from", where=str(run), mend="Train without --resume.")
+        raise RecipeError("no checkpoint to resume from", where=str(run), hint="Train without --resume.")
     return checkpoint
 
 
@@ -105,7 +105,7 @@ def held(run: Path) -> Iterator[None]:
         run.mkdir(parents=True, exist_ok=True)
         lock = open_lock(run / ".lock")
     except OSError as error:
-        raise OutputError(f"the run cannot be written: {error.strerror}", where=str(run), mend=_ELSEWHERE) from error
+        raise OutputError(f"the run cannot be written: {error.strerror}", where=str(run), hint=_ELSEWHERE) from error
     with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # let go of when the process ends, however it does
@@ -132,7 +132,7 @@ def _made(path: Path) -> bool:
     except FileExistsError:
         return False
     except OSError as error:
-        raise OutputError(f"the run cannot be made: {error.strerror}", where=str(path), mend=_ELSEWHERE) from error
+        raise OutputError(f"the run cannot be made: {error.strerror}", where=str(path), hint=_ELSEWHERE) from error
     return True
 
 
@@ -145,10 +145,10 @@ def _newest_run(name: str, runs: Path) -> Path:
     folders = [path for path in runs.iterdir() if own.fullmatch(path.name)] if runs.is_dir() else []
     found = [(newest_checkpoint(path), path) for path in folders if path.is_dir()]
     if not any(checkpoint for checkpoint, _ in found):
-        mend = "Train without --resume, or name a run's folder with --out."
-        raise RecipeError(f"no run of {name!r} with a checkpoint to resume from", where=str(runs), mend=mend)
+        hint = "Train without --resume, or name a run's folder with --out."
+        raise RecipeError(f"no run of {name!r} with a checkpoint to resume from", where=str(runs), hint=hint)
     checkpoint, newest = max(found, key=lambda one: (one[0] or one[1]).stat().st_mtime_ns)
     if checkpoint is None:
-        mend = "Name the run to go on with by --out, or train anew, without --resume."
-        raise RecipeError(f"the newest run {newest} has no checkpoint", where=str(runs), mend=mend)
+        hint = "Name the run to go on with by --out, or train anew, without --resume."
+        raise RecipeError(f"the newest run {newest} has no checkpoint", where=str(runs), hint=hint)
     return newest

@@ -95,8 +95,8 @@ def read_archive(path: Path) -> Sb3Archive:
             tensors = read_part(archive, _TENSORS, limit(LIMIT))
             version = read_part(archive, _VERSION, 1000) if _VERSION in archive.namelist() else b"unknown"
     except ValueError as error:
-        mend = f"{_MEND} Its parts {_DATA} and {_TENSORS} are read, up to a limit (docs/limits.md)."
-        raise PolicyError(str(error), where=str(path), mend=mend) from error
+        hint = f"{_MEND} Its parts {_DATA} and {_TENSORS} are read, up to a limit (docs/limits.md)."
+        raise PolicyError(str(error), where=str(path), hint=hint) from error
     return Sb3Archive(
         path,
         hashlib.sha256(content).hexdigest(),
@@ -110,9 +110,9 @@ def _settings(content: bytes, where: str) -> dict[str, Any]:
     try:
         settings = json.loads(content)
     except (ValueError, RecursionError) as error:
-        raise PolicyError(f"not JSON: {error}", where=where, mend=_MEND) from error
+        raise PolicyError(f"not JSON: {error}", where=where, hint=_MEND) from error
     if not isinstance(settings, dict):
-        raise PolicyError("not a JSON object", where=where, mend=_MEND)
+        raise PolicyError("not a JSON object", where=where, hint=_MEND)
     return settings
 
 
@@ -120,4 +120,4 @@ def _tensors(content: bytes, where: str) -> dict[str, Array]:
     try:
         return read_tensors(content, limit(LIMIT))
     except ValueError as error:
-        raise PolicyError(f"{error}; nothing of it was executed", where=where, mend=_MEND) from error
+        raise PolicyError(f"{error}; nothing of it was executed", where=where, hint=_MEND) from error

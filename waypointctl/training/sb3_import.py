@@ -95,7 +95,7 @@ def import_sb3(
     difference = _difference(policy, network, normaliser, str(model))
     if not difference <= TOLERANCE:
         problem = f"the exported network's actions differ from stable-baselines3's by {difference:.2g}"
-        raise PolicyError(problem, where=str(model), mend="Nothing was written; please report it with the model.")
+        raise PolicyError(problem, where=str(model), hint="Nothing was written; please report it with the model.")
     _write(policy, out)
     return Imported(policy, archive, network, normaliser, difference)
 
@@ -160,10 +160,10 @@ def _refuse_replacing(out: Path, force: bool) -> None:
     if not out.exists() or not any(out.iterdir()):
         return
     if not (out / MANIFEST).is_file():
-        raise OutputError("is there already and is no policy", where=str(out), mend="Name another folder.")
+        raise OutputError("is there already and is no policy", where=str(out), hint="Name another folder.")
     if not force:
         raise OutputError(
-            "is a policy already", where=str(out), mend="Name another folder, or replace it with --force."
+            "is a policy already", where=str(out), hint="Name another folder, or replace it with --force."
         )
 
 

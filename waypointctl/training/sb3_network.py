@@ -151,7 +151,7 @@ def _activation(archive: Sb3Archive, where: str) -> Activation:
     name = re.fullmatch(r"<class 'torch\.nn\.modules\.activation\.(\w+)'>", str(given))
     if name is None or name[1].lower() not in ACTIVATIONS:
         problem = f"its activation is {name[1] if name else given}; a policy's is ELU, Tanh or ReLU"
-        raise PolicyError(problem, where=where, mend="Train it again with one of these.")
+        raise PolicyError(problem, where=where, hint="Train it again with one of these.")
     return cast(Activation, name[1].lower())
 
 
@@ -165,7 +165,7 @@ def _refuse_other_kind(archive: Sb3Archive, where: str) -> None:
         raise PolicyError(f"its features extractor is {extractor}; only FlattenExtractor can be imported", where=where)
     if kind != ACTOR_CRITIC and archive.settings.get("use_sde") is True:
         problem = "it explores with gSDE (use_sde), whose clipped mean of SAC and TD3 is not supported"
-        raise PolicyError(problem, where=where, mend="Train it again without use_sde, or with PPO.")
+        raise PolicyError(problem, where=where, hint="Train it again without use_sde, or with PPO.")
 
 
 def _refuse_other_actions(archive: Sb3Archive, where: str) -> None:
@@ -178,7 +178,7 @@ def _refuse_other_actions(archive: Sb3Archive, where: str) -> None:
             fits = False
         if not fits or not text.split():
             problem = f"the {name} of its actions is {space.get(name, 'not said')}; a policy's actions are in [-1, 1]"
-            raise PolicyError(problem, where=where, mend="Train it again with actions in [-1, 1].")
+            raise PolicyError(problem, where=where, hint="Train it again with actions in [-1, 1].")
 
 
 def _refuse_unconnected(archive: Sb3Archive, inputs: int, outputs: int, where: str) -> None:
@@ -193,7 +193,7 @@ def _refuse_unconnected(archive: Sb3Archive, inputs: int, outputs: int, where: s
             f"its network maps {found[0]} observations to {found[1]} actions, not {inputs} to {outputs} as the robot "
             "and the observation layout that were named have them"
         )
-        raise PolicyError(problem, where=where, mend="Name what it was trained on: --observation, --robot.")
+        raise PolicyError(problem, where=where, hint="Name what it was trained on: --observation, --robot.")
     critics = [_weights(tensors, f"critic.{name}") for name in _critics(tensors)]
     if len({tuple(weight.shape for weight in critic) for critic in critics}) > 1:
         raise _no_perceptron("its critics are not of one size", where)
@@ -208,7 +208,7 @@ def _refuse_unconnected(archive: Sb3Archive, inputs: int, outputs: int, where: s
 
 def _no_perceptron(reason: str, where: str) -> PolicyError:
     problem = f"its network is no plain multilayer perceptron: {reason}"
-    return PolicyError(problem, where=where, mend="Only stable-baselines3's own MlpPolicy can be imported.")
+    return PolicyError(problem, where=where, hint="Only stable-baselines3's own MlpPolicy can be imported.")
 
 
 def _first_fault(error: Exception) -> str:

@@ -62,10 +62,10 @@ def read_normaliser(path: Path, size: int) -> Normaliser:
     try:
         normaliser = _normaliser(read_inert(content), hashlib.sha256(content).hexdigest(), size)
     except (ValueError, TypeError, OverflowError) as error:  # the latter: an array or an endless number for a number
-        raise PolicyError(f"not a file of VecNormalize: {error}", where=str(path), mend=_MEND) from error
+        raise PolicyError(f"not a file of VecNormalize: {error}", where=str(path), hint=_MEND) from error
     if normaliser.mean.shape != (size,):
         problem = f"it normalises observations of shape {normaliser.mean.shape}; the model takes {size} numbers"
-        raise PolicyError(problem, where=str(path), mend=_MEND)
+        raise PolicyError(problem, where=str(path), hint=_MEND)
     return normaliser
 
 

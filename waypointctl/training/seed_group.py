@@ -63,8 +63,8 @@ def group_place(name: str, runs: Path, out: Path | None, *, resume: bool) -> Pat
     names = re.compile(rf"{re.escape(own)}(-[0-9]+)?")
     found = [path.parent for path in runs.glob(f"*/{GROUP}") if names.fullmatch(path.parent.name)]
     if not found:
-        mend = "Train without --resume, or name a group's folder with --out."
-        raise RecipeError(f"no group of seeds of {name!r} to go on with", where=str(runs), mend=mend)
+        hint = "Train without --resume, or name a group's folder with --out."
+        raise RecipeError(f"no group of seeds of {name!r} to go on with", where=str(runs), hint=hint)
     return max(found, key=_last_worked_on)
 
 
@@ -97,11 +97,11 @@ def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int], thre
     """
     if any((group / name).exists() for name in (GROUP, MANIFEST)) or newest_checkpoint(group):
         problem = "has an earlier training or policy, whose recipe would be replaced"
-        raise OutputError(problem, where=str(group), mend="Go on with --resume, or choose another folder.")
+        raise OutputError(problem, where=str(group), hint="Go on with --resume, or choose another folder.")
     for run in (run_of(group, seed) for seed in seeds):
         if newest_checkpoint(run) or is_complete(run):
             problem = "has the checkpoints of an earlier training"
-            raise OutputError(problem, where=str(run), mend="Go on with --resume, or choose another folder.")
+            raise OutputError(problem, where=str(run), hint="Go on with --resume, or choose another folder.")
     recipe = recipe_file.recipe
     plan = GroupFile(
         recipe_sha256=recipe_file.sha256,
@@ -127,9 +127,9 @@ def group_begun_as(recipe_file: RecipeFile, group: Path) -> tuple[RecipeFile, in
         plan = GroupFile.model_validate_json(read_input(group / GROUP, RECORD_FILE, RecipeError, within=group))
     except (RecipeError, ValidationError) as error:
         problem = f"no group of trainings to go on with: there is no {GROUP} that can be read"
-        raise RecipeError(problem, where=str(group), mend="Train without --resume.") from error
+        raise RecipeError(problem, where=str(group), hint="Train without --resume.") from error
     if plan.recipe_sha256 != recipe_file.sha256:
-        mend = f"Resume with {group / RECIPE}, the recipe as it was when the group began, or begin another."
-        raise RecipeError(f"the group was made by another recipe than {recipe_file.path}", where=str(group), mend=mend)
+        hint = f"Resume with {group / RECIPE}, the recipe as it was when the group began, or begin another."
+        raise RecipeError(f"the group was made by another recipe than {recipe_file.path}", where=str(group), hint=hint)
     recipe = recipe_file.recipe.with_phase_steps(plan.phase_steps).model_copy(update={"selection": plan.selection})
     return replace(recipe_file, recipe=recipe), plan.threads

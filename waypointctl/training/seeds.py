@@ -88,5 +88,5 @@ def _rows(run: Path) -> list[ProgressRow]:
     if rows := read_progress(run):
         return rows
     problem = "has no rows, and the training is complete: its learning curve is lost"
-    mend = "Put the file back, or remove the run's folder: with --resume that seed is trained again."
-    raise RecipeError(problem, where=str(run / PROGRESS), mend=mend)
+    hint = "Put the file back, or remove the run's folder: with --resume that seed is trained again."
+    raise RecipeError(problem, where=str(run / PROGRESS), hint=hint)

@@ -154,5 +154,5 @@ def _read(path: Path) -> list[Candidate]:
         if getattr(error, "problem", "") == NOT_THERE:
             return []  # killed before the first test
         problem = "the record of the checkpoints that were tested cannot be read"
-        mend = "Remove the file: the checkpoints from now on are tested."
-        raise RecipeError(problem, where=str(path), mend=mend) from error
+        hint = "Remove the file: the checkpoints from now on are tested."
+        raise RecipeError(problem, where=str(path), hint=hint) from error

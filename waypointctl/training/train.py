@@ -122,7 +122,7 @@ def _begin(learner: Learner, recipe_file: RecipeFile, run: Path, resume: bool, w
         return load_checkpoint(learner, recipe_file, require_checkpoint(run))
     if newest_checkpoint(run):
         problem = "has the checkpoints of an earlier training"
-        raise OutputError(problem, where=str(run), mend="Resume that training, or choose another folder.")
+        raise OutputError(problem, where=str(run), hint="Resume that training, or choose another folder.")
     if origin := load_origin(recipe_file):
         watch(start_from(learner, origin, recipe_file))
     _place_recipe(recipe_file, run)

@@ -34,7 +34,7 @@ def laid_out(source: bytes, where: str) -> bytes:
     written = written_again(text)
     if not _says_the_same(text, written):
         problem = "is written in a way that could not be laid out without changing it; left as it is"
-        raise MissionError(problem, where=where, mend="Write long texts in double quotes, and comments between keys.")
+        raise MissionError(problem, where=where, hint="Write long texts in double quotes, and comments between keys.")
     return written.encode()
 
 

@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.flight.executive.rig import A, Rig
+from waypointctl.flight.executive.life import Life
+from waypointctl.log.messages import Command, CommandKind, Stage
+
+
+def test_a_checkpoint_does_not_grow_with_the_commands_that_have_ended() -> None:
+    rig = Rig()
+    sizes = {}
+    rig.send(0.0, CommandKind.RESUME, id=1, not_before=1e6)
+    for number in range(2, 3001):
+        rig.send(1.0, CommandKind.GO_TO, A, id=number)
+        if number in (2, 200, 300, 3000):
+            sizes[number] = len(json.dumps(rig.executive.state()))
+    assert sizes[200] > 10 * sizes[2], "while they are few, each is told"
+    assert sizes[3000] < 1.05 * sizes[300]
+    commands = rig.executive.state()["commands"]
+    assert isinstance(commands, dict)
+    assert list(commands["records"]) == ["1", *map(str, range(2745, 3001))], "those that are open, and the newest"
+    assert commands["older"] == 3000 - 257
+
+
+def test_what_is_not_in_a_checkpoint_any_more_is_still_obeyed_once() -> None:
+    rig = Rig()
+    for number in range(1, 400):
+        rig.send(1.0, CommandKind.GO_TO, A, id=number)
+    rig.send(2.0, CommandKind.GO_TO, A, id=1)
+    assert rig.life(1) == [Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED, Stage.SUPERSEDED]
+    assert rig.reminders[-1].stage is Stage.SUPERSEDED
+
+
+def test_a_checkpoint_does_not_grow_with_the_waypoints_that_are_over() -> None:
+    rig, count = Rig(), 1000
+    rig.command(0.0, *(replace(A, index=index, name=f"{index:04}") for index in range(count)))
+    rig.send(0.0, CommandKind.RELEASE, id=2, released=1)
+    sizes = {}
+    for index in range(count - 1):
+        rig.sense(2.0 + 2 * index, "start")
+        rig.sense(3.0 + 2 * index, "a")
+        if index in (2, 300, 500):
+            sizes[index] = len(json.dumps(rig.executive.state()))
+    assert sizes[500] < 1.05 * sizes[300]
+    state: Any = rig.executive.state()
+    plan = state["plan"]
+    assert (plan["at"], plan["begin"], plan["of"], len(plan["items"])) == (999, 744, 1000, 256)
+    assert plan["items"][-1]["waypoint"]["index"] == 999
+    assert (state["reached"], state["reached_count"]) == ([*range(743, 999)], 999)
+
+
+ids = st.integers(1, 12)
+times = st.integers(-1, 20)
+
+
+@given(st.lists(st.tuples(ids, times, times), max_size=12), st.lists(ids, max_size=6), st.lists(times, max_size=4))
+def test_what_has_arrived_waits_and_expires_as_when_each_command_is_looked_at(
+    arrivals: list[tuple[int, int, int]], cancelled: list[int], looks: list[int]
+) -> None:
+    life, commands = Life(lambda _: None, lambda _: None), {}
+    for number, not_before, expires in arrivals:
+        if number in commands:
+            continue
+        commands[number] = command = Command(
+            number, CommandKind.HOLD, (), "", 0, 0, not_before_ns=not_before, expires_ns=expires
+        )
+        life.receive(0, command)
+        life.advance(0, number, Stage.ACCEPTED)
+        life.postpone(command)
+    for number in range(1, 14):
+        assert life.knows_all_before(number) == all(one in commands for one in range(1, number))
+    still = dict(commands)
+    for number in cancelled:
+        if number in still:
+            life.advance(0, number, Stage.CANCELLED)
+            del still[number]
+    for now in sorted(looks):
+        over = [number for number, command in still.items() if 0 <= command.expires_ns < now]
+        expiries = [command.expires_ns for command in still.values() if command.expires_ns >= 0]
+        assert life.next_expiry_ns == min(expiries, default=None)
+        assert life.expired(now) == over
+        for number in over:
+            life.advance(now, number, Stage.EXPIRED)
+            del still[number]
+    due = sorted(still.values(), key=lambda command: (command.not_before_ns, command.id))
+    assert life.pending == due
+    assert [life.take_due(20) for _ in due] == due

@@ -1,0 +1,118 @@
+"""What one direction of the link does with chance, and in the cases that are easily got wrong."""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.flight.link.made import Told, chancy
+from waypointctl.flight.link.contacts import Contacts, Window
+from waypointctl.flight.link.delay import fixed_delay, table_delay
+from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Direction, Doubling
+from waypointctl.flight.link.draws import BLOCK
+
+
+def luck(link: Direction[int], sizes: list[int], gap: int) -> list[tuple[int, str]]:
+    """Return of each message how long it was under way after it had left, and why it was lost on the way if it was."""
+    fates = [link.send(gap * number, size, lambda when: when) for number, size in enumerate(sizes)]
+    return [(fate.arrivals_ns[0] - fate.left_ns if fate.arrivals_ns else -1, fate.lost) for fate in fates]
+
+
+@given(st.lists(st.integers(1, 3000), min_size=600, max_size=600), st.integers(0, 5))
+@settings(max_examples=10, deadline=None)
+def test_no_message_shifts_another_ones_luck_by_its_size(sizes: list[int], seed: int) -> None:
+    assert luck(chancy(seed), sizes, 3000) == luck(chancy(seed), [1] * 600, 3000)
+
+
+def test_no_message_shifts_another_ones_luck_by_being_lost_or_refused() -> None:
+    sizes = [700] * 600
+    all_arrive = luck(chancy(3, losing=0.0), sizes, 1000)
+    some_lost = luck(chancy(3, losing=0.3), sizes, 1000)
+    refused = luck(chancy(3, losing=0.3, queue_bytes=0), [2000 if n % 7 == 0 else 700 for n in range(600)], 1000)
+    assert 120 < sum(bool(lost) for _, lost in some_lost) < 240
+    assert sum(lost == QUEUE_FULL for _, lost in refused) > 60
+    for kept, lossy, tight in zip(all_arrive, some_lost, refused, strict=True):
+        assert lossy in (kept, (-1, NOISE))
+        assert tight in (lossy, (-1, QUEUE_FULL))
+
+
+def test_the_same_seed_is_the_same_trace_and_another_seed_another() -> None:
+    sizes = list(range(1, 700))
+    assert luck(chancy(1), sizes, 500) == luck(chancy(1), sizes, 500) != luck(chancy(2), sizes, 500)
+
+
+def following(number: int, _: int) -> int:
+    return number + 1
+
+
+def test_a_doubled_message_that_is_lost_arrives_once() -> None:
+    link = Direction[int](loss=Told([True, False, True]), doubling=Doubling(Told([True, True, False])))
+    assert [len(link.send(0, 1, lambda when: when).arrivals_ns) for _ in range(3)] == [1, 2, 0]
+
+
+def test_nothing_overtakes_where_the_delay_falls_faster_than_time_goes_by() -> None:
+    falling = table_delay([(0, 1000), (100, 0)])
+    sent = [Direction[int](delay=falling, keeps_order=ordered) for ordered in (True, False)]
+    arrivals = [[link.send(at, 1, lambda when: when).arrivals_ns[0] for at in range(0, 101, 10)] for link in sent]
+    assert arrivals[0] == [1000] * 11
+    assert arrivals[1] == [1000 - 9 * at for at in range(0, 101, 10)]
+    assert [list(link.due(1000)) for link in sent] == [arrivals[0], sorted(arrivals[1])]
+
+
+def test_a_message_larger_than_the_queue_goes_when_it_need_not_wait() -> None:
+    link = Direction[int](contacts=Contacts([Window(0, 1 << 40, 8e9)]), queue_bytes=10)
+    first, second, third = (link.send(at, 100, lambda when: when) for at in (0, 99, 100))
+    assert (first.left_ns, second.lost, third.departs_ns) == (100, QUEUE_FULL, 100)
+
+
+def test_a_message_larger_than_every_contact_blocks_nothing() -> None:
+    link = Direction[int](contacts=Contacts([Window(0, 50, 8e9)], 100))
+    assert link.send(0, 51, lambda when: when).lost == NO_CONTACT
+    assert link.send(0, 50, lambda when: when).left_ns == 50
+    assert link.send(0, 50, lambda when: when).departs_ns == 100
+
+
+def test_what_is_sent_while_the_mail_is_read_is_read_too() -> None:
+    link = Direction[int]()
+    link.send(0, 1, lambda _: 0)
+    numbers = []
+    for number in link.due(0):
+        numbers.append(number)
+        if number < 3:
+            link.send(0, 1, partial(following, number))
+    assert numbers == [0, 1, 2, 3]
+
+
+def test_the_latest_arrival_counts_queue_contact_delay_and_jitter() -> None:
+    link = chancy(0, losing=0.0, contacts=Contacts([Window(100, 1000, 8e9)], 5000))
+    assert link.latest_arrival_ns(0, 10) == 100 + 10 + 10_000 + 5_000
+    link.send(0, 850, lambda when: when)
+    assert link.latest_arrival_ns(0, 10) == 100 + 850 + 10 + 10_000 + 5_000
+    assert link.latest_arrival_ns(0, 60) == 5100 + 60 + 10_000 + 5_000
+    assert link.latest_arrival_ns(0, 901) is None
+    assert [link.send(0, 10, lambda when: when).departs_ns for _ in range(2)] == [950, 960], "asking changed nothing"
+
+
+def test_five_days_of_delay_cost_no_more_work_than_none() -> None:
+    def calls(delay_ns: int) -> int:
+        link = chancy(5, losing=0.05, delay=fixed_delay(delay_ns))
+        count = 0
+
+        def note(frame: object, event: str, argument: object) -> None:
+            nonlocal count
+            count += event in ("call", "c_call")
+
+        sys.setprofile(note)
+        try:
+            for number in range(4 * BLOCK):
+                link.send(1000 * number, 100, lambda when: when)
+            for _ in link.due(1 << 60):
+                pass
+        finally:
+            sys.setprofile(None)
+        return count
+
+    assert calls(5 * 86_400 * 10**9) <= 1.01 * calls(0), "blocks of draws are not shared out alike"

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+import pytest
+
+from tests.flight.operator.missions import mission_of
+from waypointctl.errors import MissionError
+from waypointctl.flight.operator.schedule import agenda_of
+from waypointctl.log.messages import CommandKind
+from waypointctl.units import NS_PER_S
+
+
+def test_scheduled_commands_are_due_at_their_times_in_order() -> None:
+    mission = mission_of(
+        "schedule:\n"
+        "- {at: 20 s, do: resume}\n"
+        "- {at: 10 s, do: hold, expires: 15 s}\n"
+        "- {at: 20 s, do: go_to, position: [1 m, 2 m], tolerance: 20 cm}\n"
+        "- {at: 30 s, do: set_timeout, timeout: 2 min}\n"
+        "- {at: 30 s, do: cancel, command: 4}\n"
+    )
+    agenda = agenda_of(mission)
+    assert agenda.next_ns == 10 * NS_PER_S
+    (hold,) = agenda.due(10 * NS_PER_S)
+    assert (hold.kind, hold.expires_ns) == (CommandKind.HOLD, 15 * NS_PER_S)
+    resume, go_to = agenda.due(20 * NS_PER_S)
+    assert resume.kind is CommandKind.RESUME
+    (place,) = go_to.waypoints
+    assert (place.x_m, place.y_m, place.tolerance_m) == (1.0, 2.0, 0.2)
+    timeout, cancel = agenda.due(30 * NS_PER_S)
+    assert (timeout.value, cancel.target_id) == (120.0, 4)
+    assert agenda.next_ns is None
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("{at: 1 s, do: go_to}", "go_to needs 'position'"),
+        ("{at: 1 s, do: hold, released: 2}", "'released' is nothing for hold"),
+        ("{at: 9 s, do: hold, expires: 5 s}", "it expires at 5 s, before it can be obeyed"),
+        ("{at: 1 s, do: dance}", "go_to"),
+        ("{do: hold}", "at_s"),
+    ],
+)
+def test_a_command_that_cannot_be_is_refused(command: str, said: str) -> None:
+    with pytest.raises(MissionError, match=said):
+        mission_of(f"schedule:\n- {command}")

@@ -1,0 +1,135 @@
+"""Whole studies, of robots that stand where they shall go: what they take is what the link takes."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.studies.standing import here
+from waypointctl.errors import PolicyError
+from waypointctl.log.reader import open_log
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.replay.logged import story_of
+from waypointctl.studies.case import Case, grid
+from waypointctl.studies.delay import DelayStudy, delay_cases, read_study
+from waypointctl.studies.files import PICTURE, STUDY, TABLES, VALUES
+from waypointctl.studies.pilot import Plan, fly_cases
+from waypointctl.studies.results_file import RESULTS
+from waypointctl.studies.run import LOGS, Progress, study_delay
+
+PERIOD_S = 0.02
+RTTS_S = (0.0, 0.4, 2.56)
+CASES = grid(["here"], ["mission", "waypoint", "heading", "heading-continuous"], RTTS_S, range(2))
+
+
+@pytest.fixture(scope="module")
+def still(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., LoadedPolicy]) -> LoadedPolicy:
+    return make_policy(tmp_path_factory.mktemp("policy") / "still", gain=0.0)
+
+
+def study(folder: Path, policy: LoadedPolicy, **options: object) -> DelayStudy | None:
+    arguments = {"cases": CASES, "fine": [], "folder": folder} | options
+    return study_delay(policy, {"here": here()}, **arguments)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory, still: LoadedPolicy) -> tuple[Path, DelayStudy]:
+    folder = tmp_path_factory.mktemp("study")
+    found = study(folder, still)
+    assert found is not None
+    return folder, found
+
+
+@pytest.mark.parametrize(("autonomy", "trips"), [("mission", 1), ("waypoint", 3), ("heading", 3)])
+def test_a_robot_that_is_there_takes_a_round_trip_for_each_command(
+    found: tuple[Path, DelayStudy], autonomy: str, trips: int
+) -> None:
+    for cell in found[1].cells_of("here", autonomy):
+        assert (cell.successes, cell.falls, cell.exchanges) == (2, 0, trips)
+        assert cell.time_s is not None
+        # A leg is judged after its first control period, and the robot looks at its receiver once in one.
+        assert trips * cell.rtt_s < cell.time_s.value <= trips * cell.rtt_s + 2 * 3 * PERIOD_S
+
+
+def test_it_has_not_walked_but_stood(found: tuple[Path, DelayStudy]) -> None:
+    (cell,) = (one for one in found[1].cells_of("here", "waypoint") if one.rtt_s == 2.56)
+    assert cell.distance_m is not None
+    assert cell.standing_share is not None
+    assert cell.distance_m.value < 0.1
+    assert cell.standing_share.value > 0.9
+
+
+def test_the_verdicts_are_those_of_the_link(found: tuple[Path, DelayStudy]) -> None:
+    findings = {one.claim.partition(" ")[0].strip(","): one.finding for one in found[1].verdicts}
+    assert findings["waypoint"] == "holds"
+    assert findings["heading"] == "holds"
+
+
+def test_what_comes_of_it_is_in_the_folder(found: tuple[Path, DelayStudy]) -> None:
+    folder, study = found
+    assert {path.name for path in folder.iterdir()} == {RESULTS, STUDY, TABLES, VALUES, PICTURE, ".lock"}
+    assert read_study(folder / STUDY) == study
+    assert len((folder / RESULTS).read_bytes().splitlines()) == len(CASES) + 1
+
+
+def test_flights_side_by_side_give_the_same_bytes(
+    found: tuple[Path, DelayStudy], tmp_path: Path, still: LoadedPolicy
+) -> None:
+    study(tmp_path, still, jobs=2)
+    for name in (RESULTS, STUDY, TABLES, VALUES, PICTURE):
+        ours, theirs = (hashlib.sha256((folder / name).read_bytes()).hexdigest() for folder in (tmp_path, found[0]))
+        assert ours == theirs, name
+
+
+def test_an_interrupted_study_goes_on_where_it_was(
+    found: tuple[Path, DelayStudy], tmp_path: Path, still: LoadedPolicy
+) -> None:
+    seen: list[Progress] = []
+    assert study(tmp_path, still, watch=seen.append, interrupted=lambda: len(seen) > 5) is None
+    assert not (tmp_path / STUDY).exists()
+    assert [one.flown for one in seen] == [0, 1, 2, 3, 4, 5]
+    again: list[Progress] = []
+    assert study(tmp_path, still, watch=again.append) == found[1]
+    assert (again[0].flown, again[0].total, again[1].last) == (5, len(CASES), CASES[5])
+    assert (tmp_path / RESULTS).read_bytes() == (found[0] / RESULTS).read_bytes()
+
+
+def test_a_finished_study_flies_nothing_again_and_takes_more_in(tmp_path: Path, still: LoadedPolicy) -> None:
+    few, _ = delay_cases(["here"], ["mission"], [0.0], [1])
+    more, _ = delay_cases(["here"], ["mission"], [0.0, 0.4], [1, 2])
+    study(tmp_path, still, cases=few)
+    seen: list[Progress] = []
+    assert study(tmp_path, still, cases=few, watch=seen.append) is not None
+    assert [one.last for one in seen] == [None]
+    larger = study(tmp_path, still, cases=more, watch=seen.append)
+    assert larger is not None
+    assert [cell.flights for cell in larger.cells] == [2, 2]
+    assert [one.last for one in seen[2:]] == more[1:]
+
+
+def test_an_interruption_in_the_middle_of_a_flight_leaves_it_out(still: LoadedPolicy) -> None:
+    asked = iter([False] * 10 + [True] * 10)
+    plan = Plan({"here": here()}, still.files, "still", 0.0)
+    assert list(fly_cases(plan, [Case("here", "mission", 10.0, 0)], 1, lambda: next(asked))) == []
+
+
+def test_logs_are_kept_that_tell_the_same_story(tmp_path: Path, still: LoadedPolicy) -> None:
+    cases = [case for case in CASES if (case.autonomy, case.rtt_s) == ("heading", 2.56)]
+    found = study(tmp_path, still, cases=cases, keep_logs=True)
+    assert found is not None
+    logs = sorted((tmp_path / LOGS).iterdir())
+    assert [log.name for log in logs] == [f"here-heading-2.56s-{seed}.mcap" for seed in (0, 1)]
+    stories = [story_of(open_log(log)) for log in logs]
+    assert [story.outcome for story in stories] == ["success", "success"]
+    assert found.cells[0].time_s is not None
+    assert sum(story.ended_ns for story in stories) / 2e9 == pytest.approx(found.cells[0].time_s.value)
+
+
+def test_a_policy_for_another_robot_flies_nothing(tmp_path: Path, make_policy: Callable[..., LoadedPolicy]) -> None:
+    other = make_policy(tmp_path / "rover", robot="rover")
+    with pytest.raises(PolicyError, match="made for the robot 'rover'"):
+        study(tmp_path / "study", other)
+    assert not (tmp_path / "study").exists()

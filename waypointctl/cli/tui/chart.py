@@ -1,0 +1,224 @@
+"""The map: zones, waypoints with their acceptance, the way walked, home, the robot, and the operator's belief of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from waypointctl.cli.tui.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
+from waypointctl.cli.tui.map_scene import Scene
+from waypointctl.display_text import printable
+from waypointctl.replay.map_extent import extent
+from waypointctl.replay.story import Fate, WaypointStory
+from waypointctl.replay.track import FloatArray, is_on_map
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from waypointctl.mission.zones import Zone
+
+WAY: Final = "cyan"
+UNHEARD: Final = "bright_black"  # the way where nothing could be sent from
+WAY_HOME: Final = "yellow"
+ROBOT: Final = "bold green"
+BELIEF: Final = "bold magenta"
+HOME: Final = "bold yellow"
+LOST: Final = "red"
+KEEP_IN: Final = "dim green"
+KEEP_OUT: Final = "red"
+_FATE_STYLES: Final = {
+    Fate.REACHED: "green",
+    Fate.TIMED_OUT: "red",
+    Fate.SKIPPED: "red",
+    Fate.OPEN: "yellow",
+}
+_MARGIN: Final = 0.04  # of the larger side, around everything
+_MOST_NAME: Final = 24  # of a name's letters
+_BELIEF: Final = "operator's belief"
+_SHORT: Final = {_BELIEF: "belief"}  # where the whole legend has no room
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """From metres to dots, the same scale along both axes."""
+
+    left_m: float
+    top_m: float
+    dots_per_m: float
+
+    def dots(self, x_m: FloatArray, y_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return (x_m - self.left_m) * self.dots_per_m, (self.top_m - y_m) * self.dots_per_m
+
+    def dot(self, x_m: float, y_m: float) -> tuple[float, float]:
+        return (x_m - self.left_m) * self.dots_per_m, (self.top_m - y_m) * self.dots_per_m
+
+
+def draw_map(scene: Scene, columns: int, lines: int, *, ascii_only: bool = False) -> list[Text]:
+    """Return the map in `lines` lines of `columns` characters; the last line has the scale and the signs.
+
+    Waypoints and a belief that an altered log put nowhere, or farther than any map reaches, are left out.
+    """
+    waypoints = [waypoint for waypoint in scene.waypoints if waypoint.is_on_map]
+    belief = scene.belief if scene.belief is not None and is_on_map(*scene.belief) else None
+    scene = replace(scene, waypoints=waypoints, belief=belief)
+    canvas = Canvas(columns, lines - 1)
+    frame = _frame(scene, canvas)
+    for zone in scene.setting.zones:
+        corners = np.array([*zone.outline_m, zone.outline_m[0]])
+        canvas.polyline(*frame.dots(corners[:, 0], corners[:, 1]), KEEP_IN if zone.keep_in else KEEP_OUT)
+    for waypoint in scene.waypoints:
+        canvas.polyline(*frame.dots(*_region(waypoint)), _FATE_STYLES[waypoint.fate])
+    _draw_way(canvas, frame, scene)
+    signs = tuple(_signs(scene, ascii_only))
+    lost, *others = signs
+    for sign in others:
+        for place in sign.places:
+            canvas.sign(*frame.dot(*place), sign.letter, sign.style)
+    for waypoint in scene.waypoints:
+        _name_waypoint(canvas, frame, waypoint)
+    for zone in scene.setting.zones:
+        _name_zone(canvas, frame, zone)
+    for place in lost.places:  # last, where there is room: a link can lose thousands
+        _write(canvas, lost.letter, [frame.dot(*place)], lost.style)
+    return [*canvas.rows(ascii_only=ascii_only), _legend(frame, columns, signs, ascii_only)]
+
+
+def _draw_way(canvas: Canvas, frame: _Frame, scene: Scene) -> None:
+    """Draw the way walked: where nothing could be sent from in another style, and the ways home in one of their own."""
+    truth, down = scene.truth, scene.setting.down
+    canvas.polyline(*frame.dots(truth.x_m, truth.y_m), WAY)
+    if down is not None:
+        unheard = truth.at(np.flatnonzero(~down.is_open(truth.time_ns)))
+        canvas.dots(*frame.dots(unheard.x_m, unheard.y_m), UNHEARD)
+    for each in scene.returns:
+        end_ns = int(truth.time_ns[-1]) if each.ended_ns is None and len(truth) else each.ended_ns or 0
+        way = truth.between(each.began_ns, end_ns)
+        canvas.polyline(*frame.dots(way.x_m, way.y_m), WAY_HOME)
+
+
+@dataclass(frozen=True, slots=True)
+class _Sign:
+    """A letter that stands for something, where it is, and what the legend says of it, if anything."""
+
+    letter: str
+    style: str
+    text: str
+    places: Sequence[tuple[float, float]]
+
+
+def _signs(scene: Scene, ascii_only: bool) -> Iterator[_Sign]:
+    """Yield the signs of a map, each over those before it."""
+    truth = scene.truth
+    lost = truth.nearest(scene.missing_ns)
+    count = f"{len(lost)} not delivered" if len(lost) else ""
+    places = list(zip(lost.x_m.tolist(), lost.y_m.tolist(), strict=True))
+    yield _Sign("x" if ascii_only else "\N{MULTIPLICATION SIGN}", LOST, count, places)
+    if len(truth):
+        yield _Sign("+", WAY, "", [(float(truth.x_m[0]), float(truth.y_m[0]))])
+    if scene.home is not None:
+        yield _Sign("H" if ascii_only else "⌂", HOME, "home", [scene.home])
+    belief = [] if scene.belief is None else [scene.belief]
+    yield _Sign("o" if ascii_only else "◇", BELIEF, _BELIEF if belief else "", belief)
+    robot = [(float(truth.x_m[-1]), float(truth.y_m[-1]))] if len(truth) else []
+    yield _Sign("@" if ascii_only else "●", ROBOT, "robot", robot)
+
+
+def _region(waypoint: WaypointStory) -> tuple[FloatArray, FloatArray]:
+    """Return the outline of the acceptance, x (n,) and y (n,) [m]."""
+    plan = waypoint.planned
+    if plan.acceptance == "box":
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * plan.tolerance_m
+    else:
+        turn = np.linspace(0.0, 2.0 * math.pi, 33)
+        corners = np.column_stack([np.cos(turn), np.sin(turn)]) * plan.tolerance_m
+    return plan.x_m + corners[:, 0], plan.y_m + corners[:, 1]
+
+
+def _frame(scene: Scene, canvas: Canvas) -> _Frame:
+    outlines = [_region(waypoint) for waypoint in scene.waypoints]
+    home_x_m, home_y_m = zip(scene.home, strict=True) if scene.home is not None else ((), ())
+    x_m = np.concatenate([scene.truth.x_m, *(outline[0] for outline in outlines), home_x_m])
+    y_m = np.concatenate([scene.truth.y_m, *(outline[1] for outline in outlines), home_y_m])
+    shown = extent(x_m, y_m, scene.setting.zones)
+    wide, high = shown.right_m - shown.left_m, shown.top_m - shown.bottom_m
+    margin = max(wide, high) * _MARGIN
+    scale = min(canvas.width / (wide + 2 * margin), canvas.height / (high + 2 * margin))
+    center_x, center_y = (shown.left_m + shown.right_m) / 2, (shown.bottom_m + shown.top_m) / 2
+    return _Frame(center_x - canvas.width / scale / 2, center_y + canvas.height / scale / 2, scale)
+
+
+def _name_waypoint(canvas: Canvas, frame: _Frame, waypoint: WaypointStory) -> None:
+    """Write the waypoint's name beside its region, on whichever side there is room."""
+    plan, name = waypoint.planned, shortened(waypoint.planned.name)
+    x, y = frame.dot(plan.x_m, plan.y_m)
+    reach = plan.tolerance_m * frame.dots_per_m
+    length = _length(name)
+    right, left = x + reach + CELL_WIDTH, x - reach - CELL_WIDTH * (length + 1)
+    middle = x - CELL_WIDTH * (length // 2)
+    places = ((right, y), (left, y), (middle, y - reach - CELL_HEIGHT), (middle, y + reach + CELL_HEIGHT))
+    _write(canvas, name, places, _FATE_STYLES[waypoint.fate])
+
+
+def _name_zone(canvas: Canvas, frame: _Frame, zone: Zone) -> None:
+    """Write the zone's name in what is on the map of it, at its top or its bottom, or beside it if it is too small."""
+    name = shortened(zone.label)
+    length = CELL_WIDTH * _length(name)
+    x, y = frame.dots(*np.array(zone.outline_m).T)
+    left, right = max(float(x.min()), 0.0), min(float(x.max()), canvas.width)
+    top, bottom = max(float(y.min()), 0.0), min(float(y.max()), canvas.height)
+    middle, center = (left + right - length) / 2, (top + bottom) / 2
+    places = [(middle, top + CELL_HEIGHT), (middle, bottom - CELL_HEIGHT - 1), (middle, center)]
+    if right - left < length:
+        places = [(middle, bottom + CELL_HEIGHT), (middle, top - CELL_HEIGHT)]
+        places += [(right + CELL_WIDTH, center), (left - CELL_WIDTH - length, center)]
+    _write(canvas, name, places, KEEP_IN if zone.keep_in else KEEP_OUT)
+
+
+def _write(canvas: Canvas, name: str, places: Sequence[tuple[float, float]], style: str) -> None:
+    """Write a name at that of some places where it covers little that is drawn and nothing that is written, if any."""
+    free = [place for place in places if canvas.is_free(*place, name)]
+    if free:
+        canvas.sign(*min(free, key=lambda place: canvas.covered(place[0], place[1], name)), name, style)
+
+
+def _length(name: str) -> int:
+    from rich.cells import cell_len
+
+    return cell_len(name)
+
+
+def shortened(name: str) -> str:
+    """Return a name fit to show, with its end left out where it is long."""
+    from rich.cells import set_cell_size
+
+    shown = printable(name)
+    return shown if _length(shown) <= _MOST_NAME else f"{set_cell_size(shown, _MOST_NAME - 3).rstrip()}..."
+
+
+def _legend(frame: _Frame, columns: int, signs: Sequence[_Sign], ascii_only: bool) -> Text:
+    """Return the scale and the signs; of these, whole ones as far as there is room."""
+    from rich.text import Text
+
+    legend = Text(no_wrap=True, overflow="crop")
+    length_m = _round_length(columns / 5 * CELL_WIDTH / frame.dots_per_m)
+    cells = max(2, round(length_m * frame.dots_per_m / CELL_WIDTH))
+    legend.append("|" + "-" * (cells - 2) + "|" if ascii_only else "├" + "─" * (cells - 2) + "┤", "dim")
+    legend.append(f" {length_m:g} m", "dim")
+    told = [sign for sign in reversed(signs) if sign.text]
+    if legend.cell_len + sum(len(sign.text) + 4 for sign in told) > columns:
+        told = [replace(sign, text=_SHORT.get(sign.text, sign.text)) for sign in told]
+    for sign in told:
+        if legend.cell_len + len(sign.text) + 4 <= columns:
+            legend.append("  ").append(sign.letter, sign.style).append(f" {sign.text}", "dim")
+    legend.truncate(columns)
+    return legend
+
+
+def _round_length(length_m: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten that is not above `length_m`."""
+    power = 10.0 ** math.floor(math.log10(length_m))
+    return next(step * power for step in (5, 2, 1) if step * power <= length_m * (1 + 1e-9))

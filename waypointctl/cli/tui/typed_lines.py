@@ -1,0 +1,91 @@
+"""Lines typed at stdin while something else goes on: read without waiting, edited in place on a terminal."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+import time
+from typing import Final
+
+from waypointctl.cli.tui.key_by_key import KeyByKey
+from waypointctl.errors import InputError
+
+MOST_COLUMNS: Final = 200  # of a line: no command is as long
+_AT_ONCE: Final = 4096  # bytes read in one go
+_ESCAPE: Final = "\x1b"
+_UP: Final = f"{_ESCAPE}[A"
+_END: Final = "\x04"  # Ctrl-D
+_CLEAR: Final = "\x15"  # Ctrl-U
+_BACK: Final = ("\x7f", "\b")
+
+
+class TypedLines(KeyByKey):
+    """Reads lines in a `with` block. The lines of a pipe or a file are read as fast as they come.
+
+    Attributes:
+        is_open: whether more may come.
+        is_terminal: whether somebody types them: then what is typed is not echoed, but is in `draft`.
+        draft: what has been typed of the line to come.
+    """
+
+    def __init__(self, *, echo: bool) -> None:
+        """Look at stdin; without `echo` there is nowhere to show a draft, and a terminal shows it by itself."""
+        if sys.stdin is None:
+            raise InputError("--console: there is no stdin to read commands from")
+        super().__init__(is_terminal=echo and sys.stdin.isatty())
+        self.is_open = True
+        self.draft = ""
+        self._last = ""
+        self._escape = ""  # a key of several characters, as far as it has come
+
+    def read(self, timeout_s: float) -> list[str]:
+        """Return the lines that are ready, if need be after waiting for `timeout_s` for something to be typed."""
+        if not self.is_open:
+            time.sleep(timeout_s)
+            return []
+        ready, _, _ = select.select([sys.stdin], [], [], timeout_s)
+        if not ready:
+            return []
+        try:
+            typed = os.read(sys.stdin.fileno(), _AT_ONCE).decode(errors="replace")
+        except OSError:  # the terminal is gone
+            typed = ""
+        if not typed:
+            return self._end()
+        return [line for key in typed if (line := self._take(key)) is not None]
+
+    def _take(self, key: str) -> str | None:
+        """Take one character; return the line that it ends."""
+        if not self.is_open:
+            return None
+        if self.is_terminal and (self._escape or key == _ESCAPE):
+            self._take_escape(key)
+        elif key in "\r\n":
+            return self._line()
+        elif self.is_terminal and key in _BACK:
+            self.draft = self.draft[:-1]
+        elif self.is_terminal and key == _CLEAR:
+            self.draft = ""
+        elif self.is_terminal and key == _END and not self.draft:
+            self.is_open = False
+        elif (key.isprintable() or key == "\t") and len(self.draft) < MOST_COLUMNS:
+            self.draft += key
+        return None
+
+    def _take_escape(self, key: str) -> None:
+        """Take a character of an arrow key or the like; up brings back the last line."""
+        self._escape += key
+        if self._escape == _UP:
+            self.draft = self._last
+        if len(self._escape) > 1 and key not in "[O0123456789;":
+            self._escape = ""
+
+    def _line(self) -> str:
+        line, self.draft = self.draft.strip(), ""
+        self._last = line or self._last
+        return line
+
+    def _end(self) -> list[str]:
+        self.is_open = False
+        return [self._line()] if self.draft else []

@@ -1,0 +1,77 @@
+"""The camera of a flight: pictures as messages, or why there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property
+from types import TracebackType
+from typing import TYPE_CHECKING, Final, Self
+
+from waypointctl.log.messages import Event, Picture, PlannedWaypoint, State
+
+if TYPE_CHECKING:
+    from waypointctl.sim.camera import MastCamera
+    from waypointctl.sim.robots import Robot
+
+FRAME: Final = "camera"
+FORMAT: Final = "png"
+
+
+class OnboardCamera:
+    """A robot's camera. It is set up at the first picture: a flight without one pays nothing; use it in `with`.
+
+    Attributes:
+        taken: how many pictures it has taken.
+        trouble: why it takes none, and how to fix that; empty where it can, or has not been asked to.
+    """
+
+    def __init__(self, robot: Robot, waypoints: Iterable[PlannedWaypoint]) -> None:
+        """Make the camera of a robot that sees markers at the waypoints."""
+        self.taken = 0
+        self.trouble = ""
+        self._robot = robot
+        self._waypoints = {waypoint.index: waypoint for waypoint in waypoints}
+
+    def __call__(self, event: Event, state: State) -> Picture | None:
+        """Return the picture of an observation, at the state in which it was taken; None where nothing can draw."""
+        if self._mast is None:
+            return None
+        from waypointctl.log.png import to_png
+
+        self.taken += 1
+        waypoint = self._waypoints.get(event.waypoint)
+        title = waypoint.name if waypoint is not None else f"waypoint {event.waypoint + 1}"
+        data = to_png(self._mast.take(state.qpos), title, self.renderer)
+        return Picture(event.time_ns, FRAME, FORMAT, data)
+
+    @cached_property
+    def renderer(self) -> str:
+        """What draws and packs the pictures, where the bytes are the same; empty where nothing can draw."""
+        from waypointctl.log.png import packer
+
+        return "" if self._mast is None else f"{self._mast.renderer}, {packer()}"
+
+    def __enter__(self) -> Self:
+        """Return the camera."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Give back what it draws with."""
+        mast = self.__dict__.get("_mast")  # asking for it would set it up
+        if mast is not None:
+            mast.close()
+
+    @cached_property
+    def _mast(self) -> MastCamera | None:
+        from waypointctl.sim.camera import Marker, MastCamera
+        from waypointctl.sim.offscreen import NoRendering
+
+        # In a mission with rounds a place comes again: it bears the name that it had first.
+        markers = {(it.x_m, it.y_m): Marker(it.name, it.x_m, it.y_m) for it in reversed(self._waypoints.values())}
+        try:
+            return MastCamera(self._robot, markers.values())
+        except NoRendering as error:
+            self.trouble = str(error)
+            return None

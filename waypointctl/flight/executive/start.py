@@ -1,0 +1,72 @@
+"""What becomes of a command on board.
+
+A command that arrives for the first time is RECEIVED. Then, in this order, it is
+
+1. REJECTED if its arguments are wrong (arguments.py) or a waypoint of it lies outside the fence,
+2. EXPIRED, "late", if its `expires` is over,
+3. ACCEPTED and kept if its `not_before` is still to come,
+4. SKIPPED, "overtaken by command 7", if one that was issued later has been obeyed and had done with it (sequence.py),
+5. judged by what the robot is doing: REJECTED if it cannot be obeyed (`objection`), or SKIPPED, "late: ...", if it came
+   too late to be of use (`lateness`): a release of what is released already, a skip of a waypoint that is over, a plan
+   that arrives after its `not_before` and of which every waypoint has been reached,
+6. ACCEPTED and STARTED. One that adds to the plan is STARTED when the robot comes to its first waypoint.
+
+A command that was kept is judged as in 4 and 5 when its time has come, before what arrives then; of those for one time
+the one that was issued first comes first. What cannot be obeyed then has FAILED. After its `expires` a command is
+EXPIRED, not yet started or under way: its waypoints leave the plan, and the robot goes on with what other commands
+want, or stands. What arrives after its `not_before` and before its `expires` starts at once.
+
+While a command that was issued earlier is still to come, one that is about it cannot be told from one that is wrong. A
+release, a resume, a tolerance or a time-out that finds nothing to change, and a cancel of what is not there, are then
+obeyed, and remembered for what is to come.
+
+docs/commands.md is the table of this for people.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from waypointctl.flight.executive.commands import KINDS, by, issued_before
+from waypointctl.flight.executive.machine import UNDER_WAY, Signal
+from waypointctl.flight.executive.walk import Walk
+from waypointctl.log.messages import Command, CommandKind, Stage
+
+SUPERSEDING: Final = frozenset({CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME})
+
+
+def start(walk: Walk, now_ns: int, command: Command) -> None:
+    """Judge a command by what was issued after it and by what the robot is doing, and do it; it may have been kept."""
+    kind, life = KINDS[command.kind], walk.life
+    kept = life.records[command.id].stage is Stage.ACCEPTED
+    if is_overtaken(walk, now_ns, command):
+        return
+    if reason := kind.objection(walk, command):
+        life.advance(now_ns, command.id, Stage.FAILED if kept else Stage.REJECTED, reason)
+        return
+    if reason := kind.lateness(walk, command):
+        life.advance(now_ns, command.id, Stage.SKIPPED, reason)
+        return
+    if not kept:
+        life.advance(now_ns, command.id, Stage.ACCEPTED)
+    if command.kind in SUPERSEDING:
+        walk.end_all(now_ns, Stage.SUPERSEDED, by(command.id))
+    if not kind.waits:
+        life.advance(now_ns, command.id, Stage.STARTED)
+    kind.do(walk, now_ns, command)
+    walk.sequence.obey(command, command.not_before_ns if kept else now_ns)
+    if not kind.lasts:
+        life.advance(now_ns, command.id, Stage.COMPLETED)
+    elif (hold_id := walk.sequence.held_by(command)) is not None and walk.mode in UNDER_WAY:
+        walk.suspend(now_ns, Signal.PAUSE, by(hold_id))
+
+
+def is_overtaken(walk: Walk, now_ns: int, command: Command) -> bool:
+    """Drop a command that one issued later had done with; an abort still ends what was issued before it."""
+    later_id = walk.sequence.overtaking(command)
+    if later_id is None or (command.kind is CommandKind.ABORT and issued_before(walk, command)):
+        return False
+    if command.kind is CommandKind.ABORT:
+        walk.sequence.obey(command, now_ns)  # what is older and still to come is not wanted either
+    walk.life.advance(now_ns, command.id, Stage.SKIPPED, f"overtaken by command {later_id}")
+    return True

@@ -1,0 +1,265 @@
+"""The plan under way: leg after leg, holds and observations, pauses, and the way home."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.flight.executive.leg import Leg
+from waypointctl.flight.executive.life import Life
+from waypointctl.flight.executive.machine import ON_AGAIN, SUSPENDED, UNDER_WAY, Machine, Signal
+from waypointctl.flight.executive.plan import Item, Plan
+from waypointctl.flight.executive.rules import AT_HOME, RETURN_FAILED, Rules
+from waypointctl.flight.executive.sequence import Sequence
+from waypointctl.log.messages import Clock, Event, EventKind, Mode, PlannedWaypoint, Severity, Stage
+
+FloatArray = NDArray[np.float64]
+
+BY_RULE: Final = -1  # in place of a command's id: a rule sent it home
+_TOLD: Final = 256  # of the waypoints reached, in a checkpoint, for the same reason as in plan.py
+_NO_GOALS: Final = np.zeros((1, 2, 2))
+
+
+@dataclass(slots=True)
+class Walk:
+    """What the robot is doing about its plan.
+
+    Attributes:
+        rules: what it does by itself.
+        life: of its commands.
+        announce: told every event.
+        machine: its mode.
+        plan: what is to be walked.
+        sequence: as the ground issued what has arrived.
+        leg: the way to a waypoint, or home, while there is one.
+        stood_ns: when the hold or the observation began.
+        reached: indices in the mission, each once, in the order of reaching them.
+        suspended: what goes on after a pause; None where the plan goes on with its next waypoint.
+        suspended_ns: when the pause began.
+        cause: why it stands or walks home, where a rule or a command says so.
+        home_id: the command that sent it home, or BY_RULE; None while it is not on the way home.
+        home_cause: why a rule sent it home; empty for a command.
+        command_id: the command that was under way last; -1 for none.
+    """
+
+    rules: Rules
+    life: Life
+    announce: Callable[[Event], None]
+    machine: Machine = field(default_factory=Machine)
+    plan: Plan = field(default_factory=Plan)
+    sequence: Sequence = field(default_factory=Sequence)
+    leg: Leg | None = None
+    stood_ns: int = 0
+    reached: tuple[int, ...] = ()
+    suspended: Mode | None = None
+    suspended_ns: int = 0
+    cause: str = ""
+    home_id: int | None = None
+    home_cause: str = ""
+    command_id: int = -1
+
+    @property
+    def mode(self) -> Mode:
+        """The mode it is in."""
+        return self.machine.mode
+
+    @property
+    def goals(self) -> FloatArray:
+        """The waypoint it walks to and the next, (1, 2, 2) [m]."""
+        return _NO_GOALS if self.leg is None else self.leg.goals
+
+    @property
+    def target(self) -> PlannedWaypoint | None:
+        """The waypoint that it walks to, stands at, or goes on with after a pause."""
+        return None if self.leg is None else self.leg.waypoint
+
+    @property
+    def can_go_on(self) -> bool:
+        """Whether there is anything that a pause keeps it from."""
+        return self.mode in SUSPENDED and (self.home_id is not None or self.plan.current is not None)
+
+    def proceed(self, now_ns: int) -> None:
+        """Walk to the next waypoint of the plan, which has one, or wait for its release."""
+        item = self.plan.current
+        assert item is not None
+        self.suspended, self.leg, self.cause, self.command_id = None, None, "", item.command_id
+        if not self.life.has_started(item.command_id):
+            self.life.advance(now_ns, item.command_id, Stage.STARTED)
+        if not item.released:
+            self.machine.signal(Signal.WITHHELD)
+            self.tell(now_ns, EventKind.RELEASE_AWAITED, f"waiting for the release of {item.waypoint.name}", item)
+            return
+        self.machine.signal(Signal.SET_OUT)
+        self.leg = Leg(item.waypoint, self.plan.following or item.waypoint, now_ns, best_ns=now_ns)
+        self.tell(now_ns, EventKind.LEG_STARTED, f"walking to {item.waypoint.name}", item)
+
+    def suspend(self, now_ns: int, signal: Signal, cause: str) -> None:
+        """Stand, and keep what was under way for later; from a stand for one reason into one for another."""
+        if self.mode in UNDER_WAY:
+            self.suspended, self.suspended_ns = self.mode, now_ns
+        self.machine.signal(signal)
+        self.cause = cause
+        paused = signal is Signal.PAUSE
+        kind = EventKind.NAVIGATION_PAUSED if paused else EventKind.SAFE_HOLD_STARTED
+        severity = Severity.INFO if paused else Severity.WARNING
+        self.tell(now_ns, kind, f"standing: {cause}", self.plan.current, severity)
+
+    def go_on(self, now_ns: int) -> None:
+        """Go on with what a pause kept it from; its clocks stood still meanwhile."""
+        self.tell(now_ns, EventKind.NAVIGATION_RESUMED, "going on", self.plan.current)
+        signal = None if self.suspended is None else ON_AGAIN.get(self.suspended)
+        self.cause = "" if self.home_id is None else self.home_cause
+        if signal is None:  # it waited for a release, or what was under way is over
+            self.proceed(now_ns)
+            return
+        self.machine.signal(signal)
+        self.suspended = None
+        self.stood_ns += now_ns - self.suspended_ns
+        if self.leg is not None:
+            self.leg.shift(now_ns - self.suspended_ns)
+
+    def pass_over(self, now_ns: int, item: Item, cause: str) -> None:
+        """Leave the plan's current waypoint without having reached it, or with its task undone."""
+        text = f"{item.waypoint.name} skipped: {cause}"
+        self.tell(now_ns, EventKind.WAYPOINT_SKIPPED, text, item, Severity.WARNING)
+        self.conclude(now_ns, item)
+
+    def conclude(self, now_ns: int, item: Item) -> None:
+        """Have done with a waypoint of the plan; after the current one go on with the next, unless it is paused."""
+        was_current = item is self.plan.current
+        self.plan.end([item])
+        if self.plan.current is None:
+            self.finish(now_ns, item.command_id)
+            return
+        if not self.plan.has_open(item.command_id):
+            self.life.advance(now_ns, item.command_id, Stage.COMPLETED)
+        self._after_a_change(now_ns, moved_on=was_current)
+
+    def finish(self, now_ns: int, command_id: int) -> None:
+        """Stand, with all done: the command's last waypoint is over, or it is home."""
+        self.machine.signal(Signal.FINISH)
+        self.leg, self.suspended, self.home_id, self.cause = None, None, None, ""
+        self.tell(now_ns, EventKind.PLAN_COMPLETED, f"command {command_id} completed", command_id=command_id)
+        self.life.advance(now_ns, command_id, Stage.COMPLETED)
+
+    def stay_home(self) -> None:
+        """Stand at home, where a rule has sent it."""
+        self.leg, self.suspended, self.home_id = None, None, None
+        self.machine.signal(Signal.SECURE)
+        self.cause = AT_HOME + self.home_cause
+
+    def look_again(self) -> None:
+        """Take what has changed in the plan into the leg that is under way."""
+        item = self.plan.current
+        if self.leg is not None and item is not None and self.home_id is None:
+            self.leg.aim(item.waypoint, self.plan.following or item.waypoint)
+
+    def drop(self, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
+        """Take a command that is under way out of the plan; go on with what other commands want, or stand."""
+        before = self.plan.current
+        self.plan.end(self.plan.open_items(command_id))
+        if self.plan.current is None:  # nothing is left; on the way home there is no plan either
+            self.rest()
+            self.life.advance(now_ns, command_id, stage, reason)
+            return
+        self.life.advance(now_ns, command_id, stage, reason)
+        self._after_a_change(now_ns, moved_on=self.plan.current is not before)
+
+    def rest(self) -> None:
+        """Stand, with nothing to do."""
+        self.clear()
+        self.machine.signal(Signal.DROP)
+
+    def clear(self) -> None:
+        """Forget the plan, and the way home; its commands' stages and the mode are for the caller to set."""
+        self.plan, self.leg, self.suspended, self.home_id, self.cause = Plan(), None, None, None, ""
+
+    def end_all(self, now_ns: int, stage: Stage, reason: str) -> None:
+        """Forget the plan, and the way home; every command that was under way comes to a stage."""
+        commands = self.under_way
+        self.clear()
+        for command_id in commands:
+            self.life.advance(now_ns, command_id, stage, reason)
+
+    def fail_all(self, now_ns: int, code: str) -> None:
+        """Forget the plan, and the way home; the command under way has failed, and the rest is cancelled."""
+        commands = self.under_way
+        self.clear()
+        for command_id in commands[:1]:
+            self.life.advance(now_ns, command_id, Stage.FAILED, code)
+        for command_id in commands[1:]:
+            self.life.advance(now_ns, command_id, Stage.CANCELLED, f"plan given up: {code}")
+
+    @property
+    def under_way(self) -> list[int]:
+        """The commands that have waypoints left, the one that is being walked first; or that sent it home."""
+        home = [] if self.home_id is None or self.home_id == BY_RULE else [self.home_id]
+        return home or self.plan.open_commands()
+
+    def go_home(self, now_ns: int, command_id: int, cause: str = "") -> None:
+        """Walk to where the mission began, the plan forgotten; by a command, or by a rule for some cause."""
+        self.machine.signal(Signal.GO_HOME)
+        self.home_id = self.command_id = command_id
+        self.cause = self.home_cause = cause
+        self.leg = Leg(self.rules.home, self.rules.home, now_ns, best_ns=now_ns)
+        self.tell(now_ns, EventKind.RETURN_STARTED, f"walking home: {cause}" if cause else "walking home")
+
+    def give_up(self, now_ns: int, code: str) -> None:
+        """End what is under way as failed: the plan, a single goal, or the way home."""
+        self.machine.signal(Signal.GIVE_UP)
+        item = self.plan.current
+        kind, what = EventKind.PLAN_FAILED, "plan given up at {}"
+        if item is None:
+            kind, what = EventKind.RETURN_FAILED, "way home given up"
+        elif item.alone:  # what follows is for the ground to decide, which has the rest of the plan
+            what = "{} given up"
+        text = f"{what.format(item.waypoint.name if item else '')}: {code}"
+        self.tell(now_ns, kind, text, item, Severity.ERROR)
+        self.fail_all(now_ns, code)
+        self.cause = RETURN_FAILED + code if item is None else ""
+
+    def tell(
+        self,
+        now_ns: int,
+        kind: EventKind,
+        text: str,
+        item: Item | None = None,
+        severity: Severity = Severity.INFO,
+        command_id: int | None = None,
+    ) -> None:
+        """Announce an event; where no command is given, it is about the item's, or the one last under way."""
+        index = -1 if item is None else item.waypoint.index
+        if command_id is None:
+            command_id = self.command_id if item is None else item.command_id
+        self.announce(Event(now_ns, kind, Clock.ROBOT, severity, text, index, command_id))
+
+    def _after_a_change(self, now_ns: int, *, moved_on: bool) -> None:
+        """Follow a change of the plan, which has waypoints left."""
+        if not moved_on:
+            self.look_again()
+        elif self.mode in SUSPENDED:
+            self.suspended, self.leg = None, None
+        else:
+            self.proceed(now_ns)
+
+    def state(self) -> dict[str, object]:
+        """Return it as plain data; of many waypoints reached the newest, and how many they are."""
+        newest = list(self.reached[-_TOLD:])
+        return {
+            "mode": self.mode.value,
+            "command_id": self.command_id,
+            "plan": self.plan.state(),
+            "leg": None if self.leg is None else self.leg.state(),
+            "stood_ns": self.stood_ns,
+            "reached": newest,
+            **({"reached_count": len(self.reached)} if len(newest) < len(self.reached) else {}),
+            "suspended": None if self.suspended is None else self.suspended.value,
+            "suspended_ns": self.suspended_ns,
+            "cause": self.cause,
+            "home_id": self.home_id,
+            "home_cause": self.home_cause,
+        }

@@ -1,0 +1,214 @@
+"""A flight under way: the robot, the operator, the link between them, and the clock."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from waypointctl.flight.closing import Closing
+from waypointctl.flight.executive.rules import rules_of
+from waypointctl.flight.link.build import direction
+from waypointctl.flight.link.direction import Direction
+from waypointctl.flight.link.frames import BodyFrame, ControlFrame, Heartbeat
+from waypointctl.flight.link.in_flight import link_state
+from waypointctl.flight.link.logged import DOWN, UP, LoggedDirection
+from waypointctl.flight.operator.build import answer_time, leaving_time, patience_ns, station_for
+from waypointctl.flight.operator.console import order_from
+from waypointctl.flight.operator.line_source import QUIT, LineSource, Nobody
+from waypointctl.flight.outcome import FlightResult, result_of
+from waypointctl.flight.reporter import Downlink, Reporter
+from waypointctl.flight.sink import Sink
+from waypointctl.flight.vehicle import Vehicle
+from waypointctl.log.messages import Ack, Clock, Command, ConsoleInput, Event, EventKind, Severity, Telemetry
+from waypointctl.mission.mission import Mission
+from waypointctl.policy.protocol import Policy
+from waypointctl.seeding import stream
+from waypointctl.sim.robots import Robot
+from waypointctl.task.observation import NOISE_SIZE
+from waypointctl.task.start import Start
+from waypointctl.units import NS_PER_S, ns
+
+CHECKPOINT_PERIOD_NS: Final = 10 * NS_PER_S
+
+
+class Flight:
+    """Everything that changes during a flight, and the steps of its loop."""
+
+    def __init__(
+        self, mission: Mission, policy: Policy, sink: Sink, robot: Robot, console: LineSource | None = None
+    ) -> None:
+        """Set the robot at its start; nothing has been sent yet."""
+        self._console = console or Nobody()
+        link, files, seed = mission.link, mission.files, mission.seed
+        self._mission = mission
+        self._sink = sink
+        self._period_ns = robot.control_period_ns
+        up: Direction[Command | ControlFrame | Heartbeat] = direction(link.up, files, seed, "link.up")
+        down: Direction[Ack | Telemetry | BodyFrame] = direction(link.down, files, seed, "link.down")
+        self._uplink, self._downlink = LoggedDirection(up, UP, sink), LoggedDirection(down, DOWN, sink)
+        noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
+        patience = patience_ns(down, ns(mission.commands.margin_s))
+        answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
+        self._station = station_for(
+            mission, policy, noise, sink, self._uplink.send, self._uplink.send, answer_by, patience, leaving_time(up)
+        )
+        reporter = _reporter(mission, self._downlink)
+        self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission))
+        self._closing = Closing(self._station, self._vehicle.executive, reporter.news, up, down, self._vehicle.is_still)
+        self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
+        self._now_ns = 0
+        self._checkpoint_ns = 0
+        self._ground_ns = 0  # when the operator last heard or did anything
+        self._known_ns: int | None = None  # when the operator ended the mission
+
+    @property
+    def over(self) -> bool:
+        """Whether all that was begun is over, the mission's time is up, or nothing can happen any more."""
+        now_ns = self._now_ns
+        return self._closing.is_done(now_ns) or self._out_of_time or self._closing.is_silent(now_ns)
+
+    @property
+    def _out_of_time(self) -> bool:
+        limit_s = self._mission.expect.max_time_s
+        return limit_s is not None and self._now_ns > ns(limit_s)
+
+    def begin(self) -> None:
+        """Let the operator send what it sends at mission start."""
+        self._announce(0, EventKind.MISSION_STARTED, f"mission {self._mission.name} started")
+        if self._console.is_open:
+            self._station.console_is_open = True
+            self._announce(0, EventKind.CONSOLE_OPENED, "console opened")
+        self._station.begin()
+
+    def listen(self) -> None:
+        """Let the ground take what has been typed at its console by now."""
+        for text in self._console.lines(self._now_ns):
+            self._ground_ns = self._now_ns
+            self._sink(ConsoleInput(self._now_ns, text))
+            if text == QUIT:
+                self._station.console_is_open = False
+                self._announce(self._now_ns, EventKind.CONSOLE_CLOSED, "console closed")
+            else:
+                self._station.issue(self._now_ns, [order_from(text, self._mission)])
+            self._note_end()
+
+    def exchange(self) -> None:
+        """Let the ground live up to now, and the robot obey what has arrived, until there is silence."""
+        while not self._closing.is_done(self._now_ns):
+            at_ns = self._next_on_ground_ns
+            if at_ns is not None and at_ns <= self._now_ns:
+                self._live_on_ground(at_ns)
+                self._note_end()
+                continue
+            arrived = next(self._uplink.due(self._now_ns), None)
+            if arrived is None:
+                return
+            if isinstance(arrived, Command):
+                self._sink(arrived)
+            self._vehicle.obey(self._now_ns, arrived)
+
+    def _note_end(self) -> None:
+        """Keep when the operator ended the mission, as far as it has."""
+        if not self._station.finished:
+            self._known_ns = None
+        elif self._known_ns is None:
+            self._known_ns = self._ground_ns
+
+    @property
+    def _next_on_ground_ns(self) -> int | None:
+        """When the ground hears something or wants to act [ns]; None for never."""
+        arrival_ns, wake_ns = self._downlink.direction.next_arrival_ns, self._station.wake_ns
+        if arrival_ns is None or wake_ns is None:
+            return wake_ns if arrival_ns is None else arrival_ns
+        return min(arrival_ns, wake_ns)
+
+    def _live_on_ground(self, at_ns: int) -> None:
+        """Let the ground hear what arrives at this moment; if nothing does, let it do what it has planned."""
+        self._ground_ns = at_ns
+        heard = next(self._downlink.due(at_ns), None)
+        if heard is None:
+            self._station.wake(at_ns)
+            return
+        if not isinstance(heard, BodyFrame):
+            self._sink(heard)
+            self._station.hear(at_ns, heard)
+            return
+        control = self._station.see(at_ns, heard)
+        if control is not None:
+            self._sink(control)
+            self._uplink.send(
+                at_ns, lambda arrives_ns: ControlFrame(control.step, control.commanded, at_ns, arrives_ns)
+            )
+
+    def sense(self) -> None:
+        """Let the robot look at where it is."""
+        self._vehicle.sense(self._now_ns)
+
+    def act(self) -> None:
+        """Let the robot act for one control period, or sleep until something happens."""
+        if self._vehicle.rests(self._now_ns):
+            self._sleep()
+            return
+        if self._now_ns >= self._checkpoint_ns:
+            link = link_state(self._uplink.direction, self._downlink.direction)
+            self._vehicle.log_checkpoint(self._now_ns, link | {"ground": self._station.state()})
+            self._checkpoint_ns = self._now_ns - self._now_ns % CHECKPOINT_PERIOD_NS + CHECKPOINT_PERIOD_NS
+        self._vehicle.act(self._now_ns)
+        self._now_ns += self._period_ns
+
+    def _sleep(self) -> None:
+        """Go on to the next control step at which something can happen."""
+        limit_s = self._mission.expect.max_time_s
+        times = (
+            self._next_on_ground_ns,
+            self._uplink.direction.next_arrival_ns,
+            self._vehicle.next_ns(self._now_ns),
+            None if limit_s is None else ns(limit_s) + 1,
+        )
+        next_ns = min(time_ns for time_ns in times if time_ns is not None)
+        wake_ns = self._first_step(next_ns)
+        self._now_ns = min(wake_ns, self._first_step(self._console.asleep(self._now_ns, wake_ns)))
+
+    def _first_step(self, time_ns: int) -> int:
+        """Return the first control step to come that is not before a time [ns]."""
+        steps = -(-(time_ns - self._now_ns) // self._period_ns)
+        return self._now_ns + max(steps, 1) * self._period_ns
+
+    def end(self) -> FlightResult:
+        """Close the flight with the outcome that the operator's belief gives it."""
+        done = self._closing.is_done(self._now_ns)
+        heard = done and self._now_ns - self._ground_ns < self._period_ns  # what was waited for has just been heard
+        ended_ns = self._ground_ns if heard else self._now_ns
+        late = self._out_of_time and not done
+        return self._close(result_of(self._mission, self._station, ended_ns, self._known_ns, late=late))
+
+    def interrupt(self) -> FlightResult:
+        """Close the flight because somebody asked for it."""
+        reached, total, now_ns = len(self._station.reached), self._mission.num_legs, self._now_ns
+        facts = f"{reached} of {total} waypoints known to be reached"
+        return self._close(FlightResult("interrupted", facts, reached, total, now_ns, now_ns))
+
+    def _close(self, result: FlightResult) -> FlightResult:
+        self._vehicle.close(self._now_ns)
+        self._vehicle.log_state(self._now_ns)
+        severity = Severity.INFO if result.outcome == "success" else Severity.ERROR
+        text = f"{result.outcome}: {result.reason}"
+        self._announce(result.sim_time_ns, EventKind.MISSION_ENDED, text, severity)
+        return result
+
+    def _announce(
+        self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO, command_id: int = -1
+    ) -> None:
+        self._sink(Event(now_ns, kind, Clock.OPERATOR, severity, text, command_id=command_id))
+
+
+def _reporter(mission: Mission, downlink: Downlink) -> Reporter:
+    telemetry = mission.telemetry
+    period_ns, beacon_ns = ns(1 / telemetry.rate_hz), ns(telemetry.beacon_s)
+    return Reporter(downlink, period_ns, beacon_ns, every_state=mission.autonomy == "joint")
+
+
+def start_of(mission: Mission) -> Start:
+    """Return where the mission begins, as the task draws it."""
+    x_m, y_m = mission.start.position_m
+    return Start(position_m=(x_m, y_m), heading_rad=math.radians(mission.start.heading_deg))

@@ -1,0 +1,50 @@
+"""A way home that takes longer than it may, or leads through the fence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from waypointctl.flight.executive.fence import Point, crosses
+from waypointctl.flight.executive.rules import Rules, rules_of
+from waypointctl.flight.forecast.finding import Finding
+from waypointctl.mission.mission import Mission
+from waypointctl.units import seconds
+
+
+def home_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
+    """Yield a way home that is not completed, where something may send the robot home.
+
+    A rule may do that anywhere: the farthest place counts, and the first from which the fence is in the way. A
+    scheduled command does it at one time: the nearest place counts, for the rest is for the schedule to say.
+    """
+    rules = rules_of(mission)
+    home = (rules.home.x_m, rules.home.y_m)
+    places = [("the start", mission.start.position_m), *((leg.name, (leg.x_m, leg.y_m)) for leg in mission.legs())]
+    ways = [(math.dist(place, home), name) for name, place in places]
+    fence = mission.onboard.geofence
+    by_rule = rules.then == "return_home" or (rules.on_breach == "return_home" and bool(fence.keep_in + fence.keep_out))
+    by_rule = by_rule or (rules.link_loss_ns > 0 and rules.on_link_loss == "return_home")
+    if not by_rule and not any(command.do == "return_home" for command in mission.schedule):
+        return
+    yield from _through_the_fence(rules, places, by_rule=by_rule)
+    way_m, name = max(ways) if by_rule else min(ways)
+    timeout_s = seconds(rules.home.timeout_ns)
+    needed_s = (way_m - rules.home.tolerance_m) / speed_mps
+    if needed_s > timeout_s:
+        text = f"the way home from {name} takes about {needed_s:.0f} s; its timeout is {timeout_s:g} s"
+        yield Finding("timeout", ("onboard", "home", "timeout_s"), text)
+
+
+def _through_the_fence(rules: Rules, places: Sequence[tuple[str, Point]], *, by_rule: bool) -> Iterator[Finding]:
+    """Yield a straight way home that breaks the fence: from any of the places, or, not by a rule, from all of them."""
+    home = (rules.home.x_m, rules.home.y_m)
+    if rules.fence.breach(*home):
+        return  # that is said of home itself
+    inside = [(name, place) for name, place in places if not rules.fence.breach(*place)]
+    breaches = [(name, rules.fence.breach_between(place, home)) for name, place in inside]
+    name, breach = next(((name, breach) for name, breach in breaches if breach), ("", ""))
+    if breach and (by_rule or all(breach for _, breach in breaches)):
+        follows = "the robot walks on" if rules.on_breach == "return_home" else "it will not be completed"
+        text = f"the straight way home from {name} {crosses(breach)}: {follows}"
+        yield Finding("fence", ("onboard", "geofence"), text)

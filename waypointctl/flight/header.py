@@ -1,0 +1,132 @@
+"""What a flight's log says before its first message: everything that replay needs, and where it came from."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+import waypointctl
+from waypointctl import __version__
+from waypointctl.flight.operator.operator import planned_waypoints
+from waypointctl.flight.setting import setting_of
+from waypointctl.log.header import Attachment, LogHeader
+from waypointctl.mission.files import MissionFile
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.sim.kinematics import RobotKinematics
+from waypointctl.sim.robots import Robot
+from waypointctl.sim.single import integration_components
+from waypointctl.task.reward import TERMS
+
+MISSION: Final = "mission.yaml"
+MISSION_FOLDER: Final = "mission/"  # of the files that the mission refers to
+MISSION_FILE_HASH: Final = "sha256_mission/"
+MJCF: Final = "model.xml"
+MJB: Final = "model.mjb"
+POLICY_FOLDER: Final = "policy/"
+_DECISIVE_PARTS: Final = ("mission", "sim", "task", "policy", "flight", "log", "seeding.py", "units.py")
+CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
+
+
+def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot) -> LogHeader:
+    """Return the header of the log of a flight."""
+    mjb = robot.to_mjb()
+    mission = mission_file.mission
+    return LogHeader(
+        robot=robot.name,
+        kinematics=RobotKinematics(robot),
+        waypoints=planned_waypoints(mission),
+        setting=setting_of(mission),
+        attachments=(
+            Attachment(MISSION, "application/yaml", mission_file.source),
+            *(
+                Attachment(f"{MISSION_FOLDER}{name}", "text/plain", data)
+                for name, data in sorted(mission_file.files.items())
+            ),
+            Attachment(MJCF, "application/xml", robot.mjcf.encode()),
+            Attachment(MJB, "application/octet-stream", mjb),
+            *(
+                Attachment(f"{POLICY_FOLDER}{name}", _media_type(name), data)
+                for name, data in sorted(policy.files.items())
+            ),
+        ),
+        metadata={
+            "mission": mission.name,
+            "seed": str(mission.seed),
+            "autonomy": mission.autonomy,
+            "policy": policy.manifest.name,
+            "observation_layout": policy.observation_layout,
+            "reward_terms": " ".join(TERMS),
+            "control_period_ns": str(robot.control_period_ns),
+            "physics_period_ns": str(round(robot.physics_period_s * 1e9)),
+            "state_components": f"qpos:{robot.model.nq} qvel:{robot.model.nv} qacc_warmstart:{robot.model.nv}",
+            "checkpoint_components": " ".join(f"{name}:{size}" for name, size in integration_components(robot)),
+            "clock": CLOCK,
+            "sha256_mission": hashlib.sha256(mission_file.source).hexdigest(),
+            "sha256_mjcf": hashlib.sha256(robot.mjcf.encode()).hexdigest(),
+            "sha256_mjb": hashlib.sha256(mjb).hexdigest(),
+            "sha256_policy": policy.sha256,
+            **{
+                f"{MISSION_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
+                for name, data in sorted(mission_file.files.items())
+            },
+            **platform_facts(),
+        },
+    )
+
+
+@cache
+def platform_facts() -> Mapping[str, str]:
+    """Return what decides a log's bytes besides mission, policy and seed: versions and the processor."""
+    return {
+        "version_waypointctl": __version__,
+        "source": source_revision(),
+        "version_mujoco": version("mujoco"),
+        "version_numpy": version("numpy"),
+        "version_onnxruntime": version("onnxruntime"),
+        "version_mcap": version("mcap"),
+        "version_protobuf": version("protobuf"),
+        "version_foxglove_schemas": version("foxglove-schemas-protobuf"),
+        "version_zstandard": version("zstandard"),
+        "architecture": platform.machine(),
+        "processor": _processor(),
+    }
+
+
+@cache
+def source_revision() -> str:
+    """Return a short hash of the code that decides a flight and its log: code changes within a version."""
+    package = Path(waypointctl.__file__).parent
+    digest = hashlib.sha256()
+    for part in _DECISIVE_PARTS:
+        for path in sorted((package / part).rglob("*.py") if (package / part).is_dir() else [package / part]):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def files_of_mission(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return what stands in the files that a log's mission refers to, by their names in it."""
+    found = attachments.items()
+    return {name.removeprefix(MISSION_FOLDER): data for name, data in found if name.startswith(MISSION_FOLDER)}
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    facts = (line.partition(":")[2].strip() for line in lines if line.startswith(("model name", "flags")))
+    name, flags = next(facts, ""), next(facts, "")
+    # Float kernels are chosen by the processor's features, so the name alone says too little; numpy's can be switched.
+    features = f"{flags} {np.show_config(mode='dicts')['SIMD Extensions']}"
+    return f"{name} ({hashlib.sha256(features.encode()).hexdigest()[:8]})"
+
+
+def _media_type(name: str) -> str:
+    return "application/json" if name.endswith(".json") else "application/octet-stream"

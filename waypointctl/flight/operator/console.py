@@ -1,0 +1,163 @@
+"""What a person types at the console of a flight under way, as orders.
+
+Quantities are written as in mission files, such as `goto 3 m 250 cm hold 5 s`; a number without a unit is in m or s.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Final, get_args
+
+from waypointctl.flight.executive.arguments import is_hold, is_timeout, is_tolerance
+from waypointctl.flight.executive.rules import rules_of
+from waypointctl.flight.operator.order import Order
+from waypointctl.flight.operator.schedule import place
+from waypointctl.log.messages import CommandKind, PlannedWaypoint
+from waypointctl.mission.fields import FURTHEST_M, Hold, Timeout, Tolerance
+from waypointctl.mission.mission import Mission
+from waypointctl.mission.quantity import Quantity
+from waypointctl.mission.schedule import LARGEST_NUMBER
+from waypointctl.units import DISTANCE_UNITS_M, DURATION_UNITS_S, NUMBER_PATTERN, ns, quantity, whole_ns
+
+_WORDS: Final = {
+    "hold": CommandKind.HOLD,
+    "resume": CommandKind.RESUME,
+    "skip": CommandKind.SKIP,
+    "abort": CommandKind.ABORT,
+    "home": CommandKind.RETURN_HOME,
+}
+USAGE: Final = (
+    "goto X m Y m [hold T s] [tolerance D m] [timeout T s] | hold | resume | skip | cancel ID | release N | "
+    "tolerance D m | timeout T s | home | abort | status | time | help | quit"
+)
+_QUANTITY: Final = re.compile(rf"\s*({NUMBER_PATTERN})\s*([A-Za-z/%]*)(?=[\s\d.+-]|$)")
+_OPTION: Final = re.compile(r"\b(hold|tolerance|timeout)\b")
+
+
+def order_from(line: str, mission: Mission) -> Order:
+    """Return the order that a line asks for.
+
+    Raises:
+        ValueError: it asks for none; the message says what can be asked for.
+    """
+    word, rest = (*line.strip().split(None, 1), "", "")[:2]
+    if word in _WORDS:
+        if rest:
+            also = "; `goto X m Y m hold 5 s` holds at a place" if word == "hold" else ""
+            raise ValueError(f"{word} takes nothing after it, not {rest!r}{also}")
+        return Order(_WORDS[word])
+    if word == "goto":
+        return Order(CommandKind.GO_TO, (_place(rest, mission),))
+    if word in _VALUED:
+        return _VALUED[word](rest)
+    raise ValueError(f"unknown command {word!r}; commands are: {USAGE}")
+
+
+def _place(text: str, mission: Mission) -> PlannedWaypoint:
+    """Return the place of `goto`, with what is said of it in place of the mission's defaults."""
+    where, *options = _OPTION.split(text)
+    x_m, y_m = _quantities("goto", where, "X m Y m", DISTANCE_UNITS_M, 2)
+    if max(abs(x_m), abs(y_m)) > FURTHEST_M:
+        raise ValueError(f"goto: {x_m:g} {y_m:g} is further than {FURTHEST_M:g} m")
+    planned = place((x_m, y_m), mission)
+    if twice := next((name for name in _OPTIONS if options[::2].count(name) > 1), ""):
+        raise ValueError(f"goto: {twice} is given twice; give it once")
+    for name, given in zip(options[::2], options[1::2], strict=True):
+        planned = _OPTIONS[name](planned, given)
+    return planned
+
+
+def _tolerance_m(text: str) -> float:
+    (value,) = _quantities("tolerance", text, "a length such as 0.5 m", DISTANCE_UNITS_M, 1)
+    return value
+
+
+def _timeout_s(text: str) -> float:
+    (value,) = _quantities("timeout", text, "a time such as 30 s", DURATION_UNITS_S, 1)
+    return value
+
+
+def _hold_s(text: str) -> float:
+    (value,) = _quantities("hold", text, "a time such as 5 s", DURATION_UNITS_S, 1)
+    return value
+
+
+def _within(name: str, value: float, is_allowed: Callable[[float], bool], field: object) -> float:
+    """Return the value of an option of `goto`, within the bounds of a mission file's field."""
+    if not is_allowed(value):
+        raise ValueError(f"goto: {name} {value:g} is not {_range(field)}")
+    return value
+
+
+_OPTIONS: Final[Mapping[str, Callable[[PlannedWaypoint, str], PlannedWaypoint]]] = {
+    "tolerance": lambda it, text: replace(
+        it, tolerance_m=_within("tolerance", _tolerance_m(text), is_tolerance, Tolerance)
+    ),
+    "timeout": lambda it, text: replace(
+        it, timeout_ns=whole_ns(_within("timeout", _timeout_s(text), is_timeout, Timeout))
+    ),
+    "hold": lambda it, text: replace(it, hold_ns=ns(_within("hold", _hold_s(text), is_hold, Hold))),
+}
+
+
+def _quantities(word: str, text: str, wanted: str, units: Mapping[str, float], count: int) -> Sequence[float]:
+    """Return the numbers of a text, each with its unit or in the base unit."""
+    values: list[float] = []
+    at = 0
+    base = next(unit for unit, factor in units.items() if factor == 1.0)
+    while found := _QUANTITY.match(text, at):
+        number, unit = found.groups()
+        values.append(quantity(f"{number} {unit or base}", units))
+        at = found.end()
+    if text[at:].strip() or len(values) != count or not all(abs(value) < float("inf") for value in values):
+        raise ValueError(f"{word} takes {wanted}, not {text.strip() or 'nothing'!r}")
+    return values
+
+
+def impossible(order: Order, mission: Mission) -> str:
+    """Return why an order can never be obeyed, whatever the robot is doing, and what is allowed; empty if it can.
+
+    What depends on the robot is the robot's to say. A line from a log is not judged by this: it was sent.
+    """
+    match order.kind:
+        case CommandKind.SET_TOLERANCE if not is_tolerance(order.value):
+            return f"tolerance: {order.value:g} m is not {_range(Tolerance)}; type tolerance 0.5 m, for instance"
+        case CommandKind.SET_TIMEOUT if not is_timeout(order.value):
+            return f"timeout: {order.value:g} s is not {_range(Timeout)}; type timeout 30 s, for instance"
+        case CommandKind.RELEASE if order.released < -1:
+            return f"release: {order.released} is no number of waypoints; type 0 or more, or -1 for all"
+        case CommandKind.CANCEL if order.target_id < 1:
+            return f"cancel: {order.target_id} is no command; their ids count from 1, and `status` lists them"
+    fence = rules_of(mission).fence
+    breaches = ((place, fence.breach(place.x_m, place.y_m)) for place in order.waypoints)
+    outside = next((f"({place.x_m:g}, {place.y_m:g}) {breach}" for place, breach in breaches if breach), "")
+    return f"goto: {outside}; the robot takes no goal there, the mission's geofence says so" if outside else ""
+
+
+def _range(field: object) -> str:
+    """Return the bounds of a mission file's number, in words."""
+    (bounds,) = (part for part in get_args(field) if isinstance(part, Quantity))
+    least = f"more than {bounds.gt:g}" if bounds.ge is None else f"at least {bounds.ge:g}"
+    return f"{least} {bounds.unit} and at most {bounds.le:g} {bounds.unit}"
+
+
+def _whole(word: str, text: str) -> int:
+    """Return a whole number that a command can carry."""
+    if not re.fullmatch(NUMBER_PATTERN, text):
+        raise ValueError(f"{word} takes a whole number, not {text or 'nothing'!r}")
+    value = float(text)
+    if not abs(value) <= LARGEST_NUMBER:
+        raise ValueError(f"{word}: {text[:40]} is too large; command numbers go up to {LARGEST_NUMBER:,}")
+    if value != int(value):
+        raise ValueError(f"{word}: {value:g} is not a whole number")
+    return int(value)
+
+
+_VALUED: Final[Mapping[str, Callable[[str], Order]]] = {
+    "cancel": lambda text: Order(CommandKind.CANCEL, target_id=_whole("cancel", text)),
+    "release": lambda text: Order(CommandKind.RELEASE, released=_whole("release", text)),
+    "tolerance": lambda text: Order(CommandKind.SET_TOLERANCE, value=_tolerance_m(text)),
+    "timeout": lambda text: Order(CommandKind.SET_TIMEOUT, value=_timeout_s(text)),
+}

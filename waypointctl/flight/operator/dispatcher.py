@@ -1,0 +1,259 @@
+"""The life of a command on the ground: sent, sent again while nothing is heard of it, and known to have ended.
+
+    QUEUED -> SENT -> (the link: LOST, or it arrives) ... any acknowledgement ... a final one
+      ^                  |
+      +--- UNKNOWN <-----+  no acknowledgement by when there has to be one: it is sent again under the same id
+
+A frame of telemetry that names a command is as good as an acknowledgement: the command is not sent again. Where the
+frame tells its end, that of the acknowledgement is waited for a little longer, and then the frame's is taken. A command
+that was sent as often as allowed stays unknown: whatever is heard of it later counts.
+
+What the ground cannot know is logged for those who read the log: that a command was lost, by the link's clock.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
+
+from waypointctl.flight.link.direction import NEVER, Fate
+from waypointctl.flight.operator.insistence import Insistence
+from waypointctl.flight.operator.order import Order
+from waypointctl.log.messages import (
+    FINAL_STAGES,
+    Ack,
+    Clock,
+    Command,
+    CommandStage,
+    Event,
+    EventKind,
+    Mode,
+    Severity,
+    Stage,
+    Telemetry,
+)
+
+UNANSWERED: Final = "no acknowledgement"
+_UNDER_WAY: Final = (Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED)
+_AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN})  # no command is under way
+
+
+# Takes a command on its way at a time [ns]; it is told when the command arrives, and makes it.
+Uplink: TypeAlias = Callable[[int, Callable[[int], Command]], Fate]
+
+
+@dataclass(slots=True)
+class _Sent:
+    order: Order
+    attempt: int = 0
+    told_ns: int = -1  # when the newest word of it was issued, on the robot's clock
+    stage: Stage = Stage.QUEUED  # as the ground believes
+    end: Ack | None = None  # as telemetry has told it, while its acknowledgement may still come
+    answer_by_ns: int | None = None
+
+
+@dataclass(slots=True)
+class Dispatcher:
+    """Gives orders their ids, sends them, and sends them again.
+
+    Attributes:
+        uplink: takes a command on its way.
+        insistence: how hard to try.
+        sink: takes each stage of a command on the ground and on the link, and the events.
+    """
+
+    uplink: Uplink
+    insistence: Insistence
+    sink: Callable[[CommandStage | Event], None]
+    _issued: int = 0
+    _open: dict[int, _Sent] = field(default_factory=dict)  # by id: no end has been heard of
+    _unanswered: dict[int, _Sent] = field(default_factory=dict)  # not sent again; a late word opens them once more
+    _agenda: list[tuple[int, int, CommandStage]] = field(default_factory=list)  # a heap: stages to come
+    _serial: int = 0
+    _deadlines: list[tuple[int, int]] = field(default_factory=list)  # a heap: (answer by, id), some no longer so
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When there is something to do next [ns]; None for never."""
+        while self._deadlines and not self._holds(self._deadlines[0]):
+            heapq.heappop(self._deadlines)
+        earliest = self._agenda[0][0] if self._agenda else None
+        if self._deadlines and (earliest is None or self._deadlines[0][0] < earliest):
+            return self._deadlines[0][0]
+        return earliest
+
+    @property
+    def awaits(self) -> bool:
+        """Whether a command is under way of whose end it will still hear, or which it will give up."""
+        return self.insistence.acknowledged and bool(self._open)
+
+    @property
+    def unanswered(self) -> tuple[int, ...]:
+        """The commands that were sent as often as allowed, and of which nothing has been heard."""
+        return tuple(self._unanswered)
+
+    def missing(self, command_id: int) -> str:
+        """Return what has not been heard of a command, and what has; empty where its end has been."""
+        sent = self._open.get(command_id) or self._unanswered.get(command_id)
+        if sent is None or not self.insistence.acknowledged:
+            return ""
+        command = f"command {command_id} ({sent.order.words})"
+        if sent.stage not in _UNDER_WAY:
+            return f"{UNANSWERED} of {command}"
+        return f"the end of {command} was not heard of, only that it was {sent.stage}"
+
+    def issue(self, now_ns: int, order: Order) -> int:
+        """Send an order; return the id that it has from now on."""
+        self._issued += 1
+        command_id = self._issued
+        self._open[command_id] = _Sent(order)
+        self._announce(now_ns, EventKind.COMMAND_SENT, command_id, f"sent: {order.words}")
+        self._send(now_ns, command_id)
+        return command_id
+
+    def hear(self, now_ns: int, message: Ack | Telemetry) -> None:
+        """Take what has arrived: an acknowledgement, or a frame that tells what commands have come to."""
+        if isinstance(message, Ack):
+            self._learn(now_ns, message, acknowledged=True)
+            return
+        for it in message.commands:
+            told = Ack(it.command_id, it.stage, it.reason, message.issued_ns, now_ns)
+            self._learn(now_ns, told, acknowledged=False)
+        self._suspect(now_ns, message)
+
+    def wake(self, now_ns: int) -> list[Ack]:
+        """Do what is due; return the ends that are taken from telemetry, as acknowledgements would have told them."""
+        while self._agenda and self._agenda[0][0] <= now_ns:
+            self.sink(heapq.heappop(self._agenda)[2])
+        late = set()
+        while self._deadlines and self._deadlines[0][0] <= now_ns:
+            deadline = heapq.heappop(self._deadlines)
+            if self._holds(deadline):
+                late.add(deadline[1])
+        known = [self._conclude(now_ns, each) for each in sorted(late) if self._open[each].end is not None]
+        for command_id in sorted(late & self._open.keys()):
+            self._insist(now_ns, command_id)
+        return known
+
+    def state(self) -> Mapping[str, object]:
+        """Return what is open, as plain data."""
+        return {
+            "issued": self._issued,
+            "open": [
+                [command_id, sent.attempt, sent.stage.value, sent.answer_by_ns]
+                for command_id, sent in self._open.items()
+            ],
+            "unanswered": list(self._unanswered),
+        }
+
+    def _learn(self, now_ns: int, word: Ack, *, acknowledged: bool) -> None:
+        """Take what the robot says of a command, in an acknowledgement or in a frame of telemetry."""
+        command_id = word.command_id
+        if command_id in self._unanswered:
+            self._open[command_id] = self._unanswered.pop(command_id)
+        sent = self._open.get(command_id)
+        if sent is None:
+            return
+        if word.stage in FINAL_STAGES and acknowledged:
+            del self._open[command_id]
+        elif word.stage in FINAL_STAGES:
+            if sent.end is None:
+                sent.end = word
+                self._expect(command_id, now_ns + self.insistence.patience_ns)
+        elif sent.end is None:
+            if word.issued_ns >= sent.told_ns:  # one that was overtaken is no news
+                sent.stage, sent.told_ns = word.stage, word.issued_ns
+            sent.answer_by_ns = None
+
+    def _conclude(self, now_ns: int, command_id: int) -> Ack:
+        """Take a command's end from telemetry: its acknowledgement has not come."""
+        end = self._open.pop(command_id).end
+        assert end is not None
+        text = f"is known from telemetry to be {end.stage}{f' ({end.reason})' if end.reason else ''}"
+        self._announce(now_ns, EventKind.COMMAND_KNOWN, command_id, text)
+        return end
+
+    def _send(self, now_ns: int, command_id: int) -> None:
+        sent = self._open[command_id]
+        sent.attempt += 1
+        attempt, order = sent.attempt, sent.order
+        self._tell(now_ns, command_id, Stage.QUEUED)
+        fate = self.uplink(now_ns, lambda arrives_ns: order.command(command_id, attempt, now_ns, arrives_ns))
+        if fate.departs_ns == NEVER:
+            self._tell(now_ns, command_id, Stage.LOST, fate.lost)  # by the ground's own sender, which says so
+        else:
+            self._later(fate.departs_ns, command_id, Stage.SENT, Clock.OPERATOR)
+            if fate.lost:
+                self._later(fate.left_ns, command_id, Stage.LOST, Clock.LINK, fate.lost)
+        if order.fleeting:
+            del self._open[command_id]
+        elif self.insistence.acknowledged:
+            left_ns = now_ns if fate.departs_ns == NEVER else fate.left_ns
+            self._expect(command_id, self.insistence.answer_by(left_ns))
+
+    def _insist(self, now_ns: int, command_id: int) -> None:
+        """Send a command again of which nothing, or not the end, was heard, as often as that is allowed."""
+        sent = self._open[command_id]
+        sent.answer_by_ns = None
+        heard = sent.stage in _UNDER_WAY
+        if not heard:
+            sent.stage = Stage.UNKNOWN
+            self._tell(now_ns, command_id, Stage.UNKNOWN, UNANSWERED)
+        expired = 0 <= sent.order.expires_ns <= now_ns
+        if expired or sent.attempt > self.insistence.retries:
+            if not heard:
+                self._unanswered[command_id] = self._open.pop(command_id)
+            return
+        why = f"sending {sent.attempt} was not acknowledged"
+        if heard:
+            why = f"its end was not heard of, only that it was {sent.stage}"
+        self._announce(
+            now_ns,
+            EventKind.COMMAND_SENT,
+            command_id,
+            f"sent again (sending {sent.attempt + 1}): {why}",
+            Severity.WARNING,
+        )
+        self._send(now_ns, command_id)
+
+    def _suspect(self, now_ns: int, frame: Telemetry) -> None:
+        """Ask again, after a while, for the end of commands of which a robot at rest has not told the end."""
+        nothing_to_do = frame.mode in _AT_REST or (frame.mode is Mode.SAFE and frame.target < 0)
+        if not self.insistence.acknowledged or not nothing_to_do:
+            return
+        told = {each.command_id for each in frame.commands}
+        for command_id, sent in self._open.items():
+            kept = sent.order.not_before_ns > frame.issued_ns
+            silent = sent.stage in _UNDER_WAY and sent.answer_by_ns is None and frame.issued_ns > sent.told_ns
+            if silent and not kept and command_id not in told and sent.attempt <= self.insistence.retries:
+                self._expect(command_id, now_ns + self.insistence.patience_ns)
+
+    def _expect(self, command_id: int, by_ns: int | None) -> None:
+        """Wait for an acknowledgement until then; for ever, where no contact is left."""
+        self._open[command_id].answer_by_ns = by_ns
+        if by_ns is not None:
+            heapq.heappush(self._deadlines, (by_ns, command_id))
+
+    def _holds(self, deadline: tuple[int, int]) -> bool:
+        """Tell whether a command is still waited for, and until then."""
+        by_ns, command_id = deadline
+        return command_id in self._open and self._open[command_id].answer_by_ns == by_ns
+
+    def _announce(
+        self, now_ns: int, kind: EventKind, command_id: int, text: str, severity: Severity = Severity.INFO
+    ) -> None:
+        text = f"command {command_id} {text}"
+        self.sink(Event(now_ns, kind, Clock.OPERATOR, severity, text, command_id=command_id))
+
+    def _tell(self, now_ns: int, command_id: int, stage: Stage, reason: str = "") -> None:
+        attempt = self._open[command_id].attempt
+        self.sink(CommandStage(now_ns, command_id, stage, reason, Clock.OPERATOR, attempt))
+
+    def _later(self, at_ns: int, command_id: int, stage: Stage, clock: Clock, reason: str = "") -> None:
+        attempt = self._open[command_id].attempt
+        self._serial += 1
+        heapq.heappush(
+            self._agenda, (at_ns, self._serial, CommandStage(at_ns, command_id, stage, reason, clock, attempt))
+        )

@@ -1,0 +1,116 @@
+"""How long the robot has been on its way on a leg, by its own clock, as far as the ground has heard.
+
+A leg that is led from the ground is walked goal by goal. Its time is what the robot walks: from when a goal of it is
+STARTED on board to when that goal has ended, and the same for the next. What the robot stands between two goals, or in
+a hold, is not in it: it waits for the link, or for the operator's thought. All of it is read from the robot's time
+stamps, in acknowledgements and in frames of telemetry.
+
+Where nothing is told, the ground's own clock has to do: a leg is given up when the answer to a command that had left
+as late as its time-out would have been here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+from waypointctl.flight.operator.order import Order
+from waypointctl.log.messages import FINAL_STAGES, Ack, Mode, Stage, Telemetry
+
+_NOT_BEGUN: Final = frozenset({Stage.RECEIVED, Stage.ACCEPTED, Stage.REJECTED, Stage.SKIPPED})
+_STANDING: Final = frozenset({Mode.PAUSED, Mode.SAFE, Mode.WAITING})
+
+
+@dataclass(slots=True)
+class LegClock:
+    """The clock of the leg under way.
+
+    Attributes:
+        answer_by: by when a command that leaves at a time [ns] is answered; None for never.
+        leaves_ns: when a command that is sent at a time [ns] leaves; None for never.
+        began_ns: when the leg began, on the robot's clock; None while that has not been heard of.
+    """
+
+    answer_by: Callable[[int], int | None]
+    leaves_ns: Callable[[int], int | None] = lambda sent_ns: sent_ns
+    began_ns: int | None = None
+    _sent_ns: int = 0  # when the leg's first goal is sent
+    _told_ns: int = -1  # the robot's clock, by the newest message of it
+    _walked_ns: int = 0  # up to when it stood last
+    _walks_since_ns: int | None = None  # while a goal is under way
+    _changed_ns: int = 0  # when a goal of the leg last began or ended, as far as heard
+    _newest: int = 0  # the newest goal that has begun
+    _ended: int = 0  # the newest goal that has ended
+    _unsent: list[Order] = field(default_factory=list)  # goals of this leg, which are still thought about
+    _goals: set[int] = field(default_factory=set)  # those sent
+
+    def restart(self, sent_ns: int) -> None:
+        """Wait for another leg to begin, or for the same one anew; its first goal is sent at a time [ns]."""
+        self.began_ns, self._sent_ns = None, sent_ns
+        self._walked_ns, self._walks_since_ns = 0, None
+        self._unsent.clear()
+        self._goals.clear()
+
+    def of_this_leg(self, goal: Order) -> Order:
+        """Take note that an order which is to be sent belongs to this leg, and return it."""
+        self._unsent.append(goal)
+        return goal
+
+    def issued(self, command_id: int, order: Order) -> None:
+        """Learn the id of an order that has been sent, of this leg or not."""
+        places = [place for place, goal in enumerate(self._unsent) if goal is order]
+        if places:
+            del self._unsent[: places[0] + 1]  # what was to be sent before it has been dropped
+            self._goals.add(command_id)
+
+    def hear(self, message: Ack | Telemetry) -> None:
+        """Take what has arrived."""
+        at_ns, is_news = message.issued_ns, message.issued_ns >= self._told_ns
+        self._told_ns = max(self._told_ns, at_ns)
+        if isinstance(message, Ack):
+            self._learn(at_ns, message.command_id, message.stage)
+            return
+        for each in message.commands:
+            self._learn(at_ns, each.command_id, each.stage)
+        if is_news and message.mode in _STANDING:
+            self._stand(at_ns)
+        elif is_news and message.mode is Mode.NAVIGATING and self._newest in self._goals and self._ended < self._newest:
+            self._walk(at_ns)
+
+    def is_over(self, timeout_ns: int) -> bool:
+        """Tell whether the robot is known to have walked for more than this on the leg [ns]."""
+        since_ns = self._walks_since_ns
+        return self._walked_ns + (0 if since_ns is None else self._told_ns - since_ns) > timeout_ns
+
+    def is_silent(self, now_ns: int, timeout_ns: int) -> bool:
+        """Tell whether more of the leg should have been heard of by now, after so long a time [ns], whatever it was."""
+        since_ns = self.leaves_ns(self._sent_ns) if self.began_ns is None else self._changed_ns
+        over_ns = (self._sent_ns if since_ns is None else since_ns) + timeout_ns
+        left_ns = self.leaves_ns(over_ns)
+        heard_ns = None if left_ns is None else self.answer_by(left_ns)
+        return now_ns > (over_ns if heard_ns is None else heard_ns)
+
+    def _learn(self, at_ns: int, command_id: int, stage: Stage) -> None:
+        """Take what is told of a command: a goal of the leg has begun, or has ended."""
+        if command_id not in self._goals or stage in _NOT_BEGUN or command_id <= self._ended:
+            return
+        if self.began_ns is None:
+            self.began_ns = self._changed_ns = at_ns
+        if stage in FINAL_STAGES:
+            self._ended = command_id
+            if command_id >= self._newest:
+                self._newest, self._changed_ns = command_id, at_ns
+                self._stand(at_ns)
+        elif command_id > self._newest:
+            self._newest, self._changed_ns = command_id, at_ns
+            self._walk(at_ns)
+
+    def _walk(self, at_ns: int) -> None:
+        if self._walks_since_ns is None:
+            self._walks_since_ns = at_ns
+
+    def _stand(self, at_ns: int) -> None:
+        if self._walks_since_ns is not None:
+            self._walked_ns += max(at_ns - self._walks_since_ns, 0)
+            self._walks_since_ns = None

@@ -1,0 +1,198 @@
+"""The operator on the ground: a script that decides from belief alone, and thinks before it sends."""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from waypointctl.flight.belief import Belief
+from waypointctl.flight.executive.rules import STUCK, TIMEOUT
+from waypointctl.flight.operator.agenda import Agenda
+from waypointctl.flight.operator.order import Order
+from waypointctl.log.messages import (
+    FINAL_STAGES,
+    Ack,
+    Clock,
+    CommandKind,
+    Event,
+    EventKind,
+    PlannedWaypoint,
+    Severity,
+    Stage,
+    Telemetry,
+)
+from waypointctl.mission.mission import Mission
+from waypointctl.units import ns, whole_ns
+
+LOOKAHEAD: Final = -1  # index of a place that is none of the mission's waypoints
+
+
+# What somebody else's command, or the clock, did to it: the reason alone says who or when, not what.
+_BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
+_COMMAND: Final = re.compile(r"\bby command ([0-9]{1,18})$")
+_NO_KINDS: Final[Mapping[int, CommandKind]] = {}
+
+
+class Operator(ABC):
+    """One who commands the robot. It hears only what the downlink brings, when it brings it.
+
+    Each method is told the time and returns what to send at that time. What is sent gets its id from `issued`.
+
+    Attributes:
+        belief: what it knows.
+        finished: whether it has ended the mission.
+        verdict: why, where that is a failure.
+        suspended: whether it leads the robot no further for now.
+    """
+
+    def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
+        """Take charge of a mission; `announce` takes what it decides."""
+        self._announce = announce
+        self.belief = Belief()
+        self.finished = False
+        self.verdict = ""
+        self.suspended = False  # somebody has told the robot to hold
+        self._plan = planned_waypoints(mission)
+        self._think_ns = ns(mission.operator.think_s)
+        self._agenda: Agenda[Order] = Agenda()
+        self._newest: dict[CommandKind, int] = {}  # the newest command of each kind
+        self._kinds: dict[int, CommandKind] = {}  # of every command that has been sent, whoever sent it
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When it wants to act next, if nothing arrives before [ns]; None for never."""
+        return self._agenda.next_ns
+
+    @property
+    def reached(self) -> tuple[int, ...]:
+        """The waypoints that it knows to be reached: their indices in the mission."""
+        return self.belief.reached
+
+    @abstractmethod
+    def begin(self) -> list[Order]:
+        """Return what to send at mission start; the plan was thought about before it."""
+
+    def interfered(self, now_ns: int, order: Order) -> list[Order]:
+        """Learn what the schedule, or a person at the console, has sent; return what to send because of it.
+
+        An operator who leads the robot step by step stops leading it for a hold, until it is to be resumed. Where the
+        plan is on board the robot itself does that.
+        """
+        if order.kind is CommandKind.HOLD:
+            self.suspended = True
+        elif order.kind is CommandKind.RESUME:
+            self.suspended = False
+            return self._go_on(now_ns)
+        return []
+
+    def _go_on(self, now_ns: int) -> list[Order]:
+        """Return what to send after a hold."""
+        return []
+
+    def issued(self, command_id: int, order: Order) -> None:
+        """Learn the id of an order that has been sent."""
+        self._newest[order.kind] = command_id
+
+    def note_kind(self, command_id: int, kind: CommandKind) -> None:
+        """Learn the kind of a command that has been sent, by whomever."""
+        self._kinds[command_id] = kind
+
+    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+        """Take what has arrived; return what to send on hearing it."""
+        self.belief.hear(message)
+        if isinstance(message, Ack) and message.stage in FINAL_STAGES:
+            return self._concluded(now_ns, message)
+        return []
+
+    def wake(self, now_ns: int) -> list[Order]:
+        """Return what to send now."""
+        return self._agenda.due(now_ns)
+
+    @property
+    def newest(self) -> tuple[int, ...]:
+        """Its newest command of each kind, in the order of issue."""
+        return tuple(sorted(self._newest.values()))
+
+    @property
+    def acts_on_states(self) -> bool:
+        """Whether every state of the robot that arrives may make it send something."""
+        return False
+
+    def state(self) -> dict[str, object]:
+        """Return what it will do next depends on, beside its belief, as plain data."""
+        return {"finished": self.finished, "agenda": [[at_ns, order.words] for at_ns, order in self._agenda.entries()]}
+
+    @abstractmethod
+    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+        """Decide what follows the end of a command."""
+
+    def _after_thought(self, now_ns: int, order: Order) -> list[Order]:
+        """Send an order once it has been thought about."""
+        if not self._think_ns:
+            return [order]
+        self._agenda.note(now_ns + self._think_ns, order)
+        return []
+
+    def _tell(
+        self, now_ns: int, kind: EventKind, waypoint: PlannedWaypoint, text: str, severity: Severity = Severity.WARNING
+    ) -> None:
+        """Announce a decision about a waypoint."""
+        self._announce(Event(now_ns, kind, Clock.OPERATOR, severity, f"{waypoint.name} {text}", waypoint.index))
+
+    def _finish(self, verdict: str = "") -> list[Order]:
+        self.finished, self.verdict = True, verdict
+        self._agenda.clear()
+        return []
+
+
+def leg_failed(ack: Ack) -> bool:
+    """Tell whether a waypoint was not reached, by a robot that can still walk to another."""
+    return ack.stage is Stage.FAILED and ack.reason in (TIMEOUT, STUCK)
+
+
+def rule_of_leg(mission: Mission) -> str:
+    """Return what the board is to do when a single waypoint's command fails; empty: what its own rules say.
+
+    To skip it, or to end the mission, is for the operator to decide, who has the rest of the plan.
+    """
+    return "" if mission.failure_rule.then in ("hold", "return_home") else "abort"
+
+
+def ended_by_robot(ack: Ack, kinds: Mapping[int, CommandKind] = _NO_KINDS) -> str:
+    """Return why a command that did not complete ended, in a few words; `kinds` are of the commands that were sent."""
+    if ack.stage in _BY_ANOTHER:
+        return _ended_by_another(ack, kinds)
+    return ack.reason or ("" if ack.stage is Stage.COMPLETED else ack.stage.value)
+
+
+def _ended_by_another(ack: Ack, kinds: Mapping[int, CommandKind]) -> str:
+    """Return which command, or what else, ended a command; with the kind of each that is known."""
+    said = f"{ack.stage} {ack.reason}".rstrip()
+    named = _COMMAND.search(ack.reason)
+    kind = kinds.get(int(named[1])) if named else None
+    if named is None or kind is None:
+        return said
+    if ack.stage is not Stage.SUPERSEDED:
+        return f"{said} ({kind})"
+    replaced = "the plan" if kinds.get(ack.command_id) is CommandKind.UPLOAD_PLAN else f"command {ack.command_id}"
+    return f"command {named[1]} ({kind}) replaced {replaced}"
+
+
+def planned_waypoints(mission: Mission) -> tuple[PlannedWaypoint, ...]:
+    """Return the mission's waypoints as they are commanded."""
+    return tuple(
+        PlannedWaypoint(
+            index=leg.index,
+            name=leg.name,
+            x_m=leg.x_m,
+            y_m=leg.y_m,
+            acceptance=leg.acceptance,
+            tolerance_m=leg.tolerance_m,
+            timeout_ns=whole_ns(leg.timeout_s),
+            hold_ns=ns(leg.hold_s),
+            task="observe" if leg.observe else "",
+        )
+        for leg in mission.legs()
+    )

@@ -1,0 +1,165 @@
+"""The operator who does everything: the policy sits on the ground and sends every action: autonomy `joint`.
+
+The robot reports its body's state at each control step. Each state that arrives is answered with an action computed
+from it, which is one round trip old when the motors get it. Without delay that is the flight of a policy on board,
+bit for bit; with delay it is a robot balanced from afar.
+
+A picture is taken on board. Where one is asked for, the pilot hands the waypoint over with its hold and its task, sends
+no actions until it hears that they are done, and goes on from there. So it does with a hold at the last waypoint, to
+hear of its end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.flight.executive.rules import AT_HOME, FALL, TIMEOUT
+from waypointctl.flight.link.frames import BodyFrame
+from waypointctl.flight.operator.operator import Operator, ended_by_robot, leg_failed
+from waypointctl.flight.operator.order import Order
+from waypointctl.log.messages import (
+    Ack,
+    CommandKind,
+    Event,
+    EventKind,
+    GroundControl,
+    Mode,
+    Severity,
+    Stage,
+    Telemetry,
+)
+from waypointctl.mission.mission import Mission
+from waypointctl.policy.protocol import Policy
+from waypointctl.task.acceptance import Acceptance, reached
+from waypointctl.task.body import body_of
+from waypointctl.task.observation import Goals, layout
+
+FloatArray = NDArray[np.float64]
+
+
+class Pilot(Operator):
+    """Walks the robot from the ground."""
+
+    def __init__(self, mission: Mission, policy: Policy, noise: FloatArray, announce: Callable[[Event], None]) -> None:
+        """Take charge of a mission. noise: (4,) for layouts that have some; `announce` takes what it decides."""
+        super().__init__(mission, announce)
+        self._policy = policy
+        self._layout = layout(policy.observation_layout)
+        self._noise = noise[np.newaxis]
+        self._skips = mission.failure_rule.then == "skip"
+        self._reached: list[int] = []
+        self._leg = 0
+        self._since_ns = 0  # on the robot's clock, as its frames tell it
+        self._rests_until_ns = -1  # on the robot's clock
+        self._at_task = False  # the robot has been told to hold and observe, and its end has not been heard of
+        self._goals = self._goals_of(0)
+
+    @property
+    def reached(self) -> tuple[int, ...]:
+        """The waypoints that it has seen the robot reach."""
+        return tuple(self._reached)
+
+    @property
+    def acts_on_states(self) -> bool:
+        """Whether every state of the robot that arrives may make it send something."""
+        return not (self.finished or self.suspended or self._at_task)
+
+    def begin(self) -> list[Order]:
+        """Send nothing: the first state is answered."""
+        return []
+
+    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+        """Take what has arrived; a fall ends it."""
+        orders = super().hear(now_ns, message)
+        if isinstance(message, Telemetry) and message.mode is Mode.FALLEN and not self.finished:
+            return self._finish(FALL)
+        return orders
+
+    def see(self, now_ns: int, frame: BodyFrame) -> tuple[GroundControl | None, list[Order]]:
+        """Take a state that has arrived; return the action that answers it, and what else to send."""
+        if self.finished or self.suspended or self._stands(frame):
+            return None, []
+        orders = self._judge(now_ns, frame)
+        if self.finished or self._stands(frame):
+            return None, orders
+        body = body_of(frame.qpos[np.newaxis], frame.qvel[np.newaxis])
+        observation = self._layout.observe(body, Goals(self._goals, self._noise))
+        action = self._policy.act(observation)
+        return GroundControl(now_ns, frame.step, frame.issued_ns, observation[0], action[0]), orders
+
+    def state(self) -> dict[str, object]:
+        """Return what it will do next depends on, as plain data."""
+        own = {"leg": self._leg, "since_ns": self._since_ns, "rests_until_ns": self._rests_until_ns}
+        return super().state() | own | ({"at_task": True} if self._at_task else {})
+
+    def _stands(self, frame: BodyFrame) -> bool:
+        """Tell whether the robot is to be left alone: it holds, or does what is to be done at a waypoint."""
+        return self._at_task or frame.issued_ns < self._rests_until_ns
+
+    def _judge(self, now_ns: int, frame: BodyFrame) -> list[Order]:
+        """See whether the leg is over. It is judged after its first control period, as on board."""
+        waypoint = self._plan[self._leg]
+        if frame.issued_ns <= self._since_ns:
+            return []
+        acceptance = Acceptance(waypoint.acceptance, waypoint.tolerance_m)
+        if reached(acceptance, frame.qpos[np.newaxis, :2], self._goals[:, 0])[0]:
+            self._reached.append(waypoint.index)
+            self._tell(now_ns, EventKind.WAYPOINT_REACHED, waypoint, "reached, as seen from the ground", Severity.INFO)
+            if waypoint.task or (waypoint.hold_ns and self._is_last):
+                self._at_task = True
+                return [Order(CommandKind.GO_TO, (waypoint,), "abort")]
+            return self._next_leg(frame.issued_ns, waypoint.hold_ns)
+        if frame.issued_ns - self._since_ns < waypoint.timeout_ns:
+            return []
+        self._tell(now_ns, EventKind.WAYPOINT_TIMEOUT, waypoint, "not reached in time")
+        if self._skips:
+            self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, waypoint, f"skipped: {TIMEOUT}")
+            return self._next_leg(frame.issued_ns, 0)
+        return [*self._stop(), *self._finish(self._taken_by or TIMEOUT)]
+
+    def _next_leg(self, since_ns: int, hold_ns: int) -> list[Order]:
+        """Turn to the next waypoint, after a hold; since_ns is on the robot's clock."""
+        orders = self._stop() if hold_ns or self._is_last else []
+        if self._is_last:
+            return orders + self._finish()
+        self._leg += 1
+        self._goals = self._goals_of(self._leg)
+        self._rests_until_ns = since_ns + hold_ns if hold_ns else -1
+        self._since_ns = max(since_ns, self._rests_until_ns)
+        return orders
+
+    def _stop(self) -> list[Order]:
+        """Return what makes the robot stand; nothing where it is known to be on its way home, which is not cut off."""
+        frame = self.belief.telemetry
+        return [] if frame is not None and frame.mode is Mode.RETURNING else [Order(CommandKind.HOLD)]
+
+    @property
+    def _taken_by(self) -> str:
+        """The rule on board that has taken the motors from the ground, as the newest frame tells it; empty for none."""
+        frame = self.belief.telemetry
+        taken = frame is not None and frame.mode in (Mode.RETURNING, Mode.SAFE)
+        return frame.cause.removeprefix(AT_HOME) if frame is not None and taken else ""
+
+    @property
+    def _is_last(self) -> bool:
+        return self._leg + 1 == len(self._plan)
+
+    def _goals_of(self, leg: int) -> FloatArray:
+        """Return this leg's waypoint and the next, (1, 2, 2) [m]."""
+        two = self._plan[leg], self._plan[min(leg + 1, len(self._plan) - 1)]
+        return np.array([[[waypoint.x_m, waypoint.y_m] for waypoint in two]])
+
+    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+        if self.finished:
+            return []
+        if ack.reason == FALL:
+            return self._finish(FALL)
+        if not self._at_task or ack.command_id != self._newest.get(CommandKind.GO_TO):
+            return []
+        self._at_task = False
+        if ack.stage is Stage.COMPLETED or (self._skips and leg_failed(ack)):
+            return self._next_leg(ack.issued_ns, 0)
+        return self._finish(ended_by_robot(ack, self._kinds))

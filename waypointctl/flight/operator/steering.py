@@ -1,0 +1,177 @@
+"""The operator who leads the robot by a short-range goal, a carrot, from the pose it believes: autonomy `heading`.
+
+The carrot lies `carrot` metres from the believed pose towards the current waypoint; nearer than that the waypoint
+itself is sent. Under `move_and_wait` the next one is sent when the last was heard to be over, after a thought. Under
+`continuous` one is sent at each period, in place of the one before, from a pose that is as old as the link makes it.
+
+A leg's time-out is the robot's, as on board (leg_clock.py): what the link and the operator's thought take before the
+leg begins is not in it. What the robot stands between the carrots of one leg is: it is the robot's time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+from waypointctl.flight.executive.rules import FALL, TIMEOUT
+from waypointctl.flight.operator.leg_clock import LegClock
+from waypointctl.flight.operator.operator import LOOKAHEAD, Operator, ended_by_robot, leg_failed, rule_of_leg
+from waypointctl.flight.operator.order import Order
+from waypointctl.log.messages import Ack, CommandKind, Event, EventKind, PlannedWaypoint, Stage, Telemetry
+from waypointctl.mission.fields import FURTHEST_M
+from waypointctl.mission.mission import Mission
+from waypointctl.units import NS_PER_S
+
+_NEAR_CARROT: Final = 0.25  # of its distance: within this the carrot counts as reached
+
+
+class HeadingOperator(Operator):
+    """Steers."""
+
+    def __init__(
+        self,
+        mission: Mission,
+        clock: LegClock | None = None,
+        announce: Callable[[Event], None] = lambda _: None,
+    ) -> None:
+        """Take charge of a mission.
+
+        Args:
+            mission: what is asked.
+            clock: of its legs; without it the answer to what leaves is there at once.
+            announce: takes what it decides.
+        """
+        super().__init__(mission, announce)
+        script = mission.operator
+        self._rule = rule_of_leg(mission)
+        self._skips = mission.failure_rule.then == "skip"
+        self._continuous = script.steering == "continuous"
+        self._carrot_m = script.lookahead_m
+        self._period_ns = round(NS_PER_S / script.update_rate_hz)
+        self._start = mission.start.position_m
+        self._put_off = False  # a carrot is due that a hold kept back
+        self._at_task = False  # a waypoint with a hold or an observation is under way
+        self._leg = 0
+        self._clock = clock or LegClock(lambda left_ns: left_ns)
+        self._beat_ns: int | None = 0  # when the next carrot is due under `continuous`
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When it wants to act next, if nothing arrives before [ns]."""
+        beat_ns = None if self.suspended or self._at_task else self._beat_ns
+        times = [time for time in (self._agenda.next_ns, beat_ns) if time is not None]
+        return None if self.finished else min(times, default=None)
+
+    def begin(self) -> list[Order]:
+        """Send the first carrot."""
+        self._beat_ns = self._period_ns if self._continuous else None
+        return [self._lookahead_goal()]
+
+    def issued(self, command_id: int, order: Order) -> None:
+        """Learn the id of an order that has been sent."""
+        super().issued(command_id, order)
+        self._clock.issued(command_id, order)
+
+    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+        """Take what has arrived; steering continuously, the next leg begins when the robot reports the waypoint."""
+        self._clock.hear(message)
+        orders = super().hear(now_ns, message)
+        if self._continuous and not self.finished and not self._at_task and self._leg_is_over():
+            return orders + self._next_leg(now_ns)
+        return orders
+
+    def wake(self, now_ns: int) -> list[Order]:
+        """Send what is due: thought about, or the period's carrot."""
+        orders = self._unless_suspended(self._agenda.due(now_ns))
+        if self._beat_ns is None or self._beat_ns > now_ns or self.suspended or self._at_task:
+            return orders
+        self._beat_ns += self._period_ns
+        if self._is_out_of_time(now_ns) and not self._leg_is_over():
+            return orders + self._give_up_leg(now_ns, TIMEOUT)
+        return orders + self._after_thought(now_ns, self._lookahead_goal())
+
+    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+        if ack.reason == FALL:
+            return self._finish(FALL)
+        if self.finished or ack.command_id != self._newest.get(CommandKind.GO_TO):
+            return []
+        if self._continuous and not self._at_task:
+            return []
+        if ack.stage is Stage.COMPLETED:
+            if self._leg_is_over():
+                return self._next_leg(now_ns)
+            if self._clock.is_over(self._plan[self._leg].timeout_ns):
+                return self._give_up_leg(now_ns, TIMEOUT)
+            return self._unless_suspended(self._after_thought(now_ns, self._lookahead_goal()))
+        return (
+            self._give_up_leg(now_ns, ack.reason) if leg_failed(ack) else self._finish(ended_by_robot(ack, self._kinds))
+        )
+
+    def _is_out_of_time(self, now_ns: int) -> bool:
+        """Tell whether the robot's time for the leg is over, or nobody has told by when one should have heard of it."""
+        timeout_ns = self._plan[self._leg].timeout_ns
+        return self._clock.is_over(timeout_ns) or self._clock.is_silent(now_ns, timeout_ns)
+
+    def _leg_is_over(self) -> bool:
+        return self.belief.knows_reached(self._plan[self._leg].index)
+
+    def _give_up_leg(self, now_ns: int, code: str) -> list[Order]:
+        if not self._skips:
+            return self._finish(code)
+        self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, self._plan[self._leg], f"skipped: {code}")
+        return self._next_leg(now_ns)
+
+    def _next_leg(self, now_ns: int) -> list[Order]:
+        if self._leg + 1 == len(self._plan):
+            return self._finish()
+        self._leg, self._at_task = self._leg + 1, False
+        self._beat_again(now_ns)
+        self._clock.restart((now_ns if self._beat_ns is None else self._beat_ns) + self._think_ns)
+        return [] if self._continuous else self._unless_suspended(self._after_thought(now_ns, self._lookahead_goal()))
+
+    def _unless_suspended(self, orders: list[Order]) -> list[Order]:
+        """Return what to send, or put it off until the hold is over."""
+        if not self.suspended:
+            return orders
+        self._put_off = self._put_off or bool(orders)
+        return []
+
+    def _beat_again(self, now_ns: int) -> None:
+        """Let the next beat be one that is not over yet: there were none during a hold or a task."""
+        if self._beat_ns is not None and self._beat_ns < now_ns:
+            self._beat_ns -= (self._beat_ns - now_ns) // self._period_ns * self._period_ns
+
+    def _go_on(self, now_ns: int) -> list[Order]:
+        self._beat_again(now_ns)
+        self._clock.restart(now_ns)
+        put_off, self._put_off = self._put_off, False
+        return [self._lookahead_goal()] if put_off else []
+
+    def _lookahead_goal(self) -> Order:
+        waypoint, frame = self._plan[self._leg], self.belief.telemetry
+        x_m, y_m = self._start if frame is None else (frame.x_m, frame.y_m)
+        distance_m = math.dist((x_m, y_m), (waypoint.x_m, waypoint.y_m))
+        if distance_m <= self._carrot_m:
+            # Where there is something to do the robot is not to be called away from it.
+            self._at_task = bool(waypoint.hold_ns or waypoint.task)
+            fleeting = self._continuous and not self._at_task
+            return self._clock.of_this_leg(Order(CommandKind.GO_TO, (waypoint,), self._rule, fleeting=fleeting))
+        part = self._carrot_m / distance_m
+        place = PlannedWaypoint(
+            index=LOOKAHEAD,
+            name=f"towards {waypoint.name}",
+            x_m=_in_bounds(x_m + part * (waypoint.x_m - x_m)),
+            y_m=_in_bounds(y_m + part * (waypoint.y_m - y_m)),
+            acceptance=waypoint.acceptance,
+            tolerance_m=min(waypoint.tolerance_m, self._carrot_m * _NEAR_CARROT),
+            timeout_ns=waypoint.timeout_ns,
+            hold_ns=0,
+        )
+        order = Order(CommandKind.GO_TO, (place,), self._rule, fleeting=self._continuous)
+        return self._clock.of_this_leg(order)
+
+
+def _in_bounds(coordinate_m: float) -> float:
+    """Return a coordinate that the robot accepts: one that has overshot a waypoint at the edge may be beyond it."""
+    return min(max(coordinate_m, -FURTHEST_M), FURTHEST_M)

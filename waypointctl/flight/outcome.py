@@ -1,0 +1,94 @@
+"""What a flight has come to, as the operator knows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from waypointctl.flight.executive.rules import FALL, GEOFENCE, LINK_LOST, RETURN_FAILED
+from waypointctl.flight.operator.standstill import where_it_is, why_it_stands
+from waypointctl.flight.operator.station import Station
+from waypointctl.log.messages import Mode
+from waypointctl.mission.mission import Mission
+from waypointctl.units import ns, seconds
+
+SILENT: Final = "the robot rests, and nothing is left that the operator could hear or send"
+NO_COMMAND_FOLLOWED: Final = ", and no command followed"
+_CUT_SHORT: Final = (GEOFENCE, LINK_LOST)  # by these a plan fails of which every waypoint may have been reached
+
+
+@dataclass(frozen=True, slots=True)
+class FlightResult:
+    """How a flight ended, as the operator knows it.
+
+    Attributes:
+        outcome: "success", "failure" or "interrupted".
+        reason: why, in a few words.
+        waypoints_reached: that the operator has heard of.
+        waypoints_total: in the mission.
+        sim_time_ns: when the flight ended, on the operator's clock, from mission start.
+        known_ns: when the operator knew how the mission had gone; what was begun on board may have gone on.
+    """
+
+    outcome: str
+    reason: str
+    waypoints_reached: int
+    waypoints_total: int
+    sim_time_ns: int
+    known_ns: int
+
+
+def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int | None, *, late: bool) -> FlightResult:
+    """Return how a flight ended.
+
+    Args:
+        mission: what was asked.
+        station: the ground at the end.
+        ended_ns: when it ended [ns].
+        known_ns: when the operator had ended the mission [ns]; None where it has not.
+        late: whether the mission's longest time was up first.
+    """
+    total, reached = mission.num_legs, len(station.reached)
+    told_ns = ended_ns if known_ns is None else known_ns
+    where = where_it_is(mission, station.belief.telemetry, went_home=station.belief.went_home)
+    limit_s = mission.expect.max_time_s
+    late = late or (limit_s is not None and known_ns is not None and known_ns > ns(limit_s))
+    problem, expected = problem_of(mission, station, over=known_ns is not None, late=late)
+    facts = _facts(station, total, ended_ns, told_ns, expected, late=late)
+    if problem:
+        reason = f"{problem}: {facts}{'; ' * bool(where)}{where}"
+        return FlightResult("failure", reason, reached, total, ended_ns, told_ns)
+    reason = f"{facts}; {where}" if station.belief.went_home else facts
+    return FlightResult("success", reason, reached, total, ended_ns, told_ns)
+
+
+def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: str, *, late: bool) -> str:
+    """Return how many waypoints are known to be reached; and when that was, or both times where the flight went on."""
+    reached, told, ended = len(station.reached), f"{seconds(told_ns):.2f} s", f"{seconds(ended_ns):.2f} s"
+    goes_on = late or station.belief.went_home or reached < total
+    if told == ended or not goes_on:
+        return f"{reached} of {total} waypoints reached in {told}{expected}"
+    times = f"the end of the plan was known at {told}, the flight ended at {ended}"
+    return f"{reached} of {total} waypoints reached{expected}; {times}"
+
+
+def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) -> tuple[str, str]:
+    """Return why a mission failed, empty if it did not, and what was expected of it, where that says why."""
+    total, reached, frame = mission.num_legs, len(station.reached), station.belief.telemetry
+    wanted = total if mission.expect.reached == "all" else mission.expect.reached
+    stands = why_it_stands(mission, frame)
+    if late:
+        why = stands or (station.missing if station.dispatcher.unanswered and not over else "")
+        return f"longer than {mission.expect.max_time_s:g} s" + (f"; {why}" if why else ""), ""
+    expected = f", {wanted} expected"
+    if station.verdict == FALL or (frame is not None and frame.mode is Mode.FALLEN):
+        return FALL, expected
+    if not over and (stands or reached < wanted):
+        return stands + NO_COMMAND_FOLLOWED if stands else station.missing or SILENT, ""
+    if reached < wanted:
+        return station.verdict or "not all reached", expected
+    if frame is not None and frame.cause.startswith(RETURN_FAILED):
+        return frame.cause, ""
+    if wanted == total and station.verdict in _CUT_SHORT:
+        return station.verdict, ""
+    return "", ""

@@ -1,0 +1,221 @@
+"""The robot in flight: its physics, its executive, its policy, and what it reports."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.flight.executive.executive import Executive
+from waypointctl.flight.executive.rules import Rules
+from waypointctl.flight.link.frames import ControlFrame, Heartbeat
+from waypointctl.flight.pay import reward_weights
+from waypointctl.flight.reporter import Reporter
+from waypointctl.flight.sink import Sink
+from waypointctl.log.messages import (
+    FINAL_STAGES,
+    Action,
+    Checkpoint,
+    Clock,
+    Command,
+    CommandStage,
+    Event,
+    EventKind,
+    Mode,
+    Observation,
+    Reward,
+    Severity,
+    Stage,
+    State,
+)
+from waypointctl.policy.protocol import Policy
+from waypointctl.sim.robots import Robot
+from waypointctl.sim.single import SingleRobot
+from waypointctl.sim.stance import stance_action
+from waypointctl.task.batched import clip_actions
+from waypointctl.task.body import Body, body_of, fallen
+from waypointctl.task.observation import NOISE_SIZE, Goals, layout
+from waypointctl.task.reward import TERMS, JointLimits, progress_speed, reward_terms
+from waypointctl.units import NS_PER_S
+
+FloatArray = NDArray[np.float64]
+
+_STILL: Final = np.zeros(1)
+_NOTHING: Final = np.zeros((1, len(TERMS)))
+
+STILL_SPEED: Final = 1e-2  # [m/s, rad/s] of every part; slower is standing still
+PILOT_GONE_NS: Final = 60 * NS_PER_S  # so long without an action from the ground, then there is no pilot any more
+REST_AFTER_NS: Final = 10 * NS_PER_S  # so long, then physics sleeps
+
+# The end of a command is told after a frame of telemetry: the operator hears of the waypoints before the verdict.
+_TOLD_WITH_A_FRAME: Final = FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED}
+
+
+class Vehicle:
+    """One robot that obeys commands. It is told the time and never looks ahead of it."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        policy: Policy,
+        sink: Sink,
+        reporter: Reporter,
+        rules: Rules,
+    ) -> None:
+        """Make a robot that reports to the ground and logs its truth into `sink`; `place` it before flight."""
+        self.robot = robot
+        self.plant = SingleRobot(robot)
+        self.executive = Executive(self._report, sink, remind=reporter.acknowledge, rules=rules)
+        self.step = 0
+        self._policy = policy
+        self._layout = layout(policy.observation_layout)
+        self._weights = reward_weights(policy)
+        self._limits = JointLimits.of_range(robot.joint_low, robot.joint_high)
+        self._sink = sink
+        self._reporter = reporter
+        self._control: FloatArray = np.zeros((1, robot.num_joints))  # the newest action from the ground
+        self._control_step = -1  # whose state it was computed from
+        self._control_ns = 0  # when it arrived
+        self._moved_ns = 0  # when it last did
+        self._rests = False
+        self._body: Body = body_of(self.plant.qpos, self.plant.qvel)
+        self._fell = False
+        self._closed = False
+        self._noise: FloatArray = np.zeros((1, NOISE_SIZE))
+
+    def place(self, qpos: FloatArray, qvel: FloatArray, noise: FloatArray) -> None:
+        """Put the robot where the mission begins: qpos (nq,), qvel (nv,); noise (4,) is for layouts that have some."""
+        self._noise = noise[np.newaxis]
+        self.plant.place(qpos[np.newaxis], qvel[np.newaxis])
+        self._look()
+
+    def obey(self, now_ns: int, arrived: Command | ControlFrame | Heartbeat) -> None:
+        """Take what has arrived: a command, an action of a pilot on the ground, or a sign of life."""
+        if isinstance(arrived, ControlFrame):
+            if arrived.step > self._control_step:  # one that was overtaken is old
+                self._control, self._control_step = arrived.values[np.newaxis], arrived.step
+                self._control_ns = now_ns
+            self.executive.steer(now_ns)
+            return
+        if isinstance(arrived, Heartbeat):
+            self.executive.heard(now_ns)
+            return
+        self.executive.obey(now_ns, arrived)
+        self._reporter.frame(now_ns, self.executive, self._body)
+
+    def sense(self, now_ns: int) -> None:
+        """Let the executive look at the world; report at the telemetry rate and whenever how it stands changes."""
+        if self.executive.mode is Mode.TELEOPERATED and now_ns - self._control_ns >= PILOT_GONE_NS:
+            self.executive.release()
+        self.executive.sense(now_ns, self._body.position, self._fell, float(self._body.yaw[0]))
+        if self._reporter.frame_if_due(now_ns, self.executive, self._body):
+            if self._rests:
+                self._reporter.put_off(now_ns)
+        elif self._reporter.news.differ(self.executive):
+            self._reporter.frame(now_ns, self.executive, self._body)
+        self._reporter.state(now_ns, self.step, self.plant)
+
+    def rests(self, now_ns: int) -> bool:
+        """Tell whether the robot has stood still for so long that its physics can sleep until something happens."""
+        still = self.is_still(now_ns)
+        if still != self._rests:
+            self._rests = still
+            kind, text = (
+                (EventKind.REST_STARTED, "robot at rest: simulation skips to the next event")
+                if still
+                else (EventKind.REST_ENDED, "simulation continues")
+            )
+            self._sink(Event(now_ns, kind, Clock.ROBOT, Severity.INFO, text))
+            if still:
+                self._reporter.put_off(now_ns)
+            else:
+                self._reporter.go_on(now_ns)
+        return still
+
+    def is_still(self, now_ns: int) -> bool:
+        """Tell the same, and take no note of it."""
+        if self._reporter.every_state and now_ns - self._control_ns < PILOT_GONE_NS:
+            return False  # a pilot lives on the states that it is sent
+        return not self._driven and now_ns - self._moved_ns >= REST_AFTER_NS
+
+    @property
+    def _driven(self) -> bool:
+        """Whether a policy has the motors, here or on the ground."""
+        return self.executive.on_foot or self.executive.mode is Mode.TELEOPERATED
+
+    def next_ns(self, now_ns: int) -> int:
+        """Return when a robot that rests has something to do by itself [ns]: a beacon at the latest."""
+        due_ns = self.executive.next_ns(now_ns)
+        return self._reporter.next_ns if due_ns is None else min(due_ns, self._reporter.next_ns)
+
+    def act(self, now_ns: int) -> None:
+        """Log what is, choose an action, apply it for one control period, log what it was paid."""
+        self.log_state(now_ns)
+        source, commanded = self._choose(now_ns)
+        applied = clip_actions(commanded)
+        self._sink(Action(now_ns, self.step, source, commanded[0], applied[0]))
+        before = self.plant.qpos[:, :2].copy()
+        self.plant.step(applied)
+        self._look()
+        self._log_reward(now_ns + self.robot.control_period_ns, before, applied)
+        self.step += 1
+        if self._driven or np.abs(self.plant.qvel[0]).max() > STILL_SPEED:
+            self._moved_ns = now_ns + self.robot.control_period_ns
+
+    def close(self, now_ns: int) -> None:
+        """End, in the log, what is still open at the end of the flight; nobody is told any more."""
+        self._closed = True
+        self.executive.close(now_ns)
+
+    def log_state(self, now_ns: int) -> None:
+        """Log the physics state as it is now."""
+        plant = self.plant
+        qpos, qvel, warmstart = plant.qpos[0].copy(), plant.qvel[0].copy(), plant.qacc_warmstart[0].copy()
+        self._sink(State(now_ns, self.step, qpos, qvel, warmstart))
+
+    def log_checkpoint(self, now_ns: int, link: Mapping[str, object]) -> None:
+        """Log all that a replay needs to begin here; `link` is the state of the link."""
+        executive = json.dumps(self.executive.state())
+        self._sink(Checkpoint(now_ns, self.step, self.plant.integration_state(), executive, json.dumps(link)))
+
+    def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
+        if self.executive.on_foot:
+            observation = self._layout.observe(self._body, Goals(self.executive.goals, self._noise))
+            self._sink(Observation(now_ns, self.step, observation[0]))
+            return "policy", self._policy.act(observation)
+        if self.executive.mode is Mode.TELEOPERATED:
+            return "ground", self._control
+        if self.executive.mode is Mode.FALLEN:
+            return "off", np.zeros((1, self.robot.num_joints))
+        return "stance", stance_action(self.robot, self.plant.qpos, self.plant.qvel)
+
+    def _look(self) -> None:
+        self._body = body_of(self.plant.qpos, self.plant.qvel)
+        self._fell = bool(fallen(self._body, self.robot.fall_height_m, self.robot.fall_up)[0])
+
+    def _log_reward(self, now_ns: int, before: FloatArray, applied: FloatArray) -> None:
+        terms = self._pay(before, applied)
+        named = tuple(zip(TERMS, terms[0].tolist(), strict=True))
+        self._sink(Reward(now_ns, self.step, named, float(np.add.reduce(terms, axis=1)[0])))
+
+    def _pay(self, before: FloatArray, applied: FloatArray) -> FloatArray:
+        """Return the terms (1, len(TERMS)) of the control step that has just ended."""
+        if self.executive.mode is Mode.FALLEN:
+            return _NOTHING  # the fall was paid for in the step that ended in it
+        body, approach = self._body, _STILL
+        if self.executive.on_foot:
+            period_s = self.robot.control_period_ns / 1e9
+            approach = progress_speed(before, body.position, self.executive.goals[:, 0], period_s)
+        at_limit = self._limits.count(body.joints)
+        return reward_terms(self._weights, body, approach, applied, at_limit, np.array([self._fell]))
+
+    def _report(self, stage: CommandStage) -> None:
+        self._sink(stage)
+        if self._closed:
+            return
+        if stage.stage in _TOLD_WITH_A_FRAME:
+            self._reporter.frame(stage.time_ns, self.executive, self._body)
+        self._reporter.acknowledge(stage)

@@ -1,0 +1,97 @@
+"""A flight of a study, and the mission that it is."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from waypointctl.flight.forecast.link import longest_gap_ns
+from waypointctl.flight.forecast.traffic import traffic_of
+from waypointctl.mission.mission import DAY_S, Mission
+from waypointctl.studies.autonomy import AUTONOMIES
+from waypointctl.studies.varied_link import with_round_trip
+from waypointctl.units import seconds
+
+# The finer sweep in which `joint` is followed to where it fails [s].
+FINE_RTTS_S: Final = tuple(step * 20 / 1000 for step in range(14))
+
+_MOST_SENDS: Final = 10  # of a command over a link that loses messages, which limits leave time for
+_LONGEST_S: Final = 100 * DAY_S
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Case:
+    """One flight: nothing else decides how it goes but the policy, the route and the operator's think time.
+
+    Attributes:
+        route: its name.
+        autonomy: its name.
+        rtt_s: the link's round trip, half of it each way.
+        seed: the mission's. It is the trial's number: a trial starts in the same posture however it is commanded, so
+            that what differs between two autonomies or two round trips is the delay.
+    """
+
+    route: str
+    autonomy: str
+    rtt_s: float
+    seed: int
+
+
+def grid(routes: Iterable[str], autonomies: Iterable[str], rtts_s: Sequence[float], seeds: Sequence[int]) -> list[Case]:
+    """Return a case for each combination, the seeds innermost."""
+    return [Case(*key) for key in itertools.product(routes, autonomies, rtts_s, seeds)]
+
+
+def mission_of(route: Mission, case: Case, think_s: float | None = None) -> Mission:
+    """Return the mission of a case: the route with its delay, its autonomy, its seed and its time limits.
+
+    Limits grow with the round trip, and with what the link loses and lets wait: they are there for a robot that has
+    lost its way, not to end the study's longest flights. All else is the route's own.
+
+    Args:
+        route: that `refuse_what_is_not_kept` has let pass.
+        case: of the study.
+        think_s: in place of the route's own think time [s].
+    """
+    autonomy = AUTONOMIES[case.autonomy]
+    think_s = route.operator.think_s if think_s is None else think_s
+    allowance_s = _exchanges_of_a_leg(route) * (_exchange_s(route, case.rtt_s) + think_s)
+    limits_s = {leg.at: min(leg.timeout_s + allowance_s, DAY_S) for leg in route.legs()}
+    waypoints = [
+        waypoint.model_copy(update={"timeout_s": limits_s.get(at, waypoint.timeout_s)})
+        for at, waypoint in enumerate(route.waypoints)
+    ]
+    longest_s = sum(limits_s[leg.at] + leg.hold_s for leg in route.legs()) + allowance_s
+    return route.model_copy(
+        update={
+            "seed": case.seed,
+            "autonomy": autonomy.level,
+            "operator": route.operator.model_copy(update={"steering": autonomy.steering, "think_s": think_s}),
+            "link": with_round_trip(route.link, case.rtt_s),
+            "waypoints": tuple(waypoints),
+            "expect": route.expect.model_copy(update={"max_time_s": min(longest_s, _LONGEST_S)}),
+        }
+    )
+
+
+def _exchanges_of_a_leg(route: Mission) -> int:
+    """Return how often the operator may command during the longest leg: twice what its carrots take."""
+    places = [route.start.position_m, *((leg.x_m, leg.y_m) for leg in route.legs())]
+    longest_m = max(math.dist(a, b) for a, b in itertools.pairwise(places))
+    return 2 * math.ceil(longest_m / route.operator.lookahead_m) + 2
+
+
+def _exchange_s(route: Mission, rtt_s: float) -> float:
+    """Return how long a command and its answer may take over a route's link with another round trip [s]."""
+    link, commands = route.link, route.commands
+    sends = min(1 + commands.retries, _MOST_SENDS) if link.up.loss or link.down.loss else 1
+    traffic = traffic_of(route)
+    waits_s = 0.0
+    for way, contacts in ((link.up, traffic.up.contacts), (link.down, traffic.down.contacts)):
+        waits_s += seconds(longest_gap_ns(contacts) + (contacts.next_open_ns(0) or 0))
+        if way.rate_bps is not None:
+            waits_s += way.queue_bytes * 8 / way.rate_bps
+    return sends * rtt_s + (sends - 1) * commands.margin_s + waits_s
