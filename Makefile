@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 DEMO_LOG := logs/demo.mcap
 
-.PHONY: demo test test-all check format bench train clean
+.PHONY: demo test test-all check coverage format bench train clean
 
 demo: $(VENV)/.run
 	$(BIN)/waypointctl run missions/paper-two-point-moon.yaml --out $(DEMO_LOG) --force
@@ -24,6 +24,9 @@ check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+
+coverage: $(VENV)/.dev # fails below the share that pyproject.toml holds
+	$(BIN)/python -m pytest -n 2 -m "not slow" --cov --cov-report=term:skip-covered
 
 format: $(VENV)/.dev
 	$(BIN)/ruff format .
