@@ -132,6 +132,15 @@ def test_a_chunk_that_says_another_compression(log_path: Path, tmp_path: Path, c
     assert is_read(path) is good
 
 
+def test_a_chunk_whose_checksum_alone_is_wrong_is_refused(log_path: Path, tmp_path: Path) -> None:
+    def lie(chunk: Chunk) -> None:
+        chunk.uncompressed_crc ^= 1
+
+    path = tmp_path / "damaged.mcap"
+    path.write_bytes(rebuilt(log_path.read_bytes(), lie))
+    assert not is_read(path)
+
+
 def test_damage_that_every_checksum_agrees_with_is_refused_or_read(log_path: Path, tmp_path: Path) -> None:
     whole = log_path.read_bytes()
     path = tmp_path / "damaged.mcap"

@@ -203,6 +203,23 @@ def test_a_pause_needs_no_link() -> None:
     assert rig.executive.mode is Mode.PAUSED
 
 
+@pytest.mark.parametrize("on_link_loss", ["finish", "hold", "return_home"])
+def test_a_link_that_comes_back_does_not_move_a_robot_that_stands_for_another_reason(on_link_loss: str) -> None:
+    rig = Rig(then="hold", link_loss_ns=MINUTE, on_link_loss=on_link_loss)
+    rig.command(0.0, A, B, on_failure="hold")
+    assert rig.sense(10.0, "start") is Mode.SAFE
+    cause = rig.executive.cause
+    rig.executive.heard(11 * SECOND)
+    assert (rig.executive.mode, rig.executive.cause) == (Mode.SAFE, cause)
+    if on_link_loss != "return_home":
+        rig.sense(100.0, "start")
+        assert EventKind.LINK_LOST in rig.kinds
+        assert not rig.executive.waits_for_ground
+        rig.executive.heard(101 * SECOND)
+        assert EventKind.LINK_RESTORED in rig.kinds
+        assert (rig.executive.mode, rig.executive.cause) == (Mode.SAFE, cause)
+
+
 def test_a_robot_that_is_steered_stands_when_no_action_comes() -> None:
     rig = Rig(link_loss_ns=SECOND, on_link_loss="hold")
     rig.executive.steer(0)

@@ -116,3 +116,11 @@ def test_five_days_of_delay_cost_no_more_work_than_none() -> None:
         return count
 
     assert calls(5 * 86_400 * 10**9) <= 1.01 * calls(0), "blocks of draws are not shared out alike"
+
+
+def test_the_latest_arrival_is_not_before_that_of_what_was_sent_earlier_where_order_is_kept() -> None:
+    falling = table_delay([(0, 1000), (100, 0)])
+    for ordered, latest_ns in ((True, 1000), (False, 100)):
+        link = Direction[int](delay=falling, keeps_order=ordered)
+        link.send(0, 1, lambda when: when)
+        assert link.latest_arrival_ns(100, 1) == latest_ns

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NoReturn
 
 from hypothesis import given, settings
@@ -118,6 +119,16 @@ def test_a_robot_at_rest_whose_verdict_was_lost_is_asked_again() -> None:
     dispatcher.hear(5200, ack(Stage.COMPLETED))
     assert dispatcher.wake(10_000) == []
     assert dispatcher.wake_ns is None
+
+
+def test_an_acknowledgement_that_arrives_out_of_order_does_not_set_a_command_back() -> None:
+    dispatcher, _ = ground(Channel())
+    dispatcher.issue(0, HOLD)
+    dispatcher.hear(1000, replace(ack(Stage.STARTED), issued_ns=900))
+    dispatcher.hear(1010, replace(ack(Stage.ACCEPTED), issued_ns=899))
+    assert dispatcher.state()["open"] == [[1, 1, "started", None]]
+    dispatcher.hear(1020, replace(ack(Stage.ACCEPTED, 1), issued_ns=900))
+    assert dispatcher.state()["open"] == [[1, 1, "accepted", None]], "of two of one moment the later to arrive"
 
 
 def test_of_several_that_are_late_the_oldest_is_sent_first_and_each_once() -> None:
