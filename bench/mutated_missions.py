@@ -79,7 +79,7 @@ def validated(path: Path) -> tuple[int, list[str]]:
     """Run `validate`; return its exit code and the faults of its answer."""
     code, said, fault = run("validate", str(path))
     faults = [fault] if fault else []
-    if code not in (0, 2):
+    if code not in (0, 1, 2):
         faults.append(f"validate: exit code {code}")
     if code == 2 and not _PLACE.search(said):
         faults.append(f"validate: no place: {said[:300]!r}")
@@ -120,7 +120,7 @@ def tried(index: int, seed: int, bases: list[Path], policy: LoadedPolicy, folder
     Path("/proc/self/clear_refs").write_text("5")  # the peak of memory begins anew
     began_s = time.process_time()
     code, faults = validated(path)
-    if code == 0:
+    if code != 2:
         before = load_mission(path).mission
         _, _, fault = run("fmt", str(path))
         faults += [fault] if fault else []
@@ -132,7 +132,14 @@ def tried(index: int, seed: int, bases: list[Path], policy: LoadedPolicy, folder
         faults.append(f"{cpu_s:.1f} s")
     if peak_bytes > MOST_BYTES:
         faults.append(f"{peak_bytes / 2**20:.0f} MiB")
-    return Case(index, base.name, {0: "valid", 2: "refused"}.get(code, "fault"), tuple(faults), cpu_s, peak_bytes)
+    return Case(
+        index,
+        base.name,
+        {0: "valid", 1: "cannot succeed", 2: "refused"}.get(code, "fault"),
+        tuple(faults),
+        cpu_s,
+        peak_bytes,
+    )
 
 
 def _peak_bytes() -> int:

@@ -28,7 +28,7 @@ def test_a_line_goes_to_stdout_or_to_a_file_beside_which_the_policy_is_named(lin
     code, said, _ = program("import", "line.geojson", "--out", "missions/line.yaml", "--policy", "mine")
     assert (code, said) == (
         0,
-        "missions/line.yaml: 1 waypoint; `waypointctl validate missions/line.yaml` says what to expect\n",
+        "missions/line.yaml: 1 waypoint; `waypointctl validate missions/line.yaml` checks it\n",
     )
     assert load_mission(line.parent / "missions" / "line.yaml").policy_path.resolve() == line.parent / "mine"
     assert program("fmt", "--check", "missions/line.yaml")[0] == 0

@@ -16,6 +16,13 @@ SHIPPED = sorted(str(path) for path in (ROOT / "missions").glob("*.yaml"))
 BAD = "name: n\npolicy: p\nsead: 3\nwaypoints:\n  - {position: [1 m, 2 m], timeout: 20}\n"
 
 
+def written(folder: Path, rest: str) -> Path:
+    (folder / "p").mkdir()
+    path = folder / "m.yaml"
+    path.write_text(f"name: dog\npolicy: p\n{rest}")
+    return path
+
+
 @pytest.fixture
 def bad(tmp_path: Path) -> Path:
     path = tmp_path / "bad.yaml"
@@ -23,27 +30,17 @@ def bad(tmp_path: Path) -> Path:
     return path
 
 
-def test_says_ok_of_every_shipped_mission() -> None:
+def test_every_shipped_mission_is_ok() -> None:
     result = CliRunner().invoke(app, ["validate", *SHIPPED])
     assert result.exit_code == 0
-    lines = result.stdout.splitlines()
-    assert [line.split(":")[0] for line in lines[::2]] == [f"OK {path}" for path in SHIPPED]
-    assert all(
-        line.startswith("   expected duration ") and "ant-waypoint in the suite region" in line for line in lines[1::2]
-    )
+    assert [line.split(":")[0] for line in result.stdout.splitlines()] == [f"OK {path}" for path in SHIPPED]
 
 
 def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
-    (tmp_path / "p").mkdir()
-    path = tmp_path / "m.yaml"
-    path.write_text("name: dog\npolicy: p\nwaypoints: [[3, 4], [3, 10]]\nlink: {up: {delay: 2 s, jitter: 10 ms}}\n")
+    path = written(tmp_path, "waypoints: [[3, 4], [3, 10]]\nlink: {up: {delay: 2 s, jitter: 10 ms}}\n")
     result = CliRunner().invoke(app, ["validate", str(path)])
-    assert result.stdout == (
-        f"OK {path}: dog, 2 waypoints, 11.0 m, link 2 s +- 0.01 s up, 0 s down, autonomy mission\n"
-        "   expected duration 7.5 s at 2.00 m/s (assumed: no evaluation of p states its speed); other autonomies: "
-        "waypoint 9.5 s, heading 40.4 s, joint falls\n"
-    )
-    assert result.stderr == ""
+    ok = f"OK {path}: dog, 2 waypoints, 11.0 m, link 2 s +- 0.01 s up, 0 s down, autonomy mission\n"
+    assert (result.stdout, result.stderr) == (ok, "")
 
 
 @pytest.mark.parametrize(
@@ -98,16 +95,15 @@ def test_a_mistake_in_a_file_that_a_mission_refers_to_is_told_with_its_place(tmp
     assert json.loads(result.stdout)["missions"][0]["problems"] == [problem]
 
 
-def test_a_policy_that_is_not_there_is_a_warning(tmp_path: Path) -> None:
+def test_a_policy_that_is_not_there_is_a_problem(tmp_path: Path) -> None:
     path = tmp_path / "m.yaml"
     path.write_text("name: dog\npolicy: nowhere\nwaypoints: [[3, 4]]\n")
-    result = CliRunner().invoke(app, ["validate", str(path)])
-    assert result.exit_code == 0
-    ok, _ = result.stdout.splitlines()
-    assert ok == f"OK {path}: dog, 1 waypoint, 5.0 m, link without delay, autonomy mission"
-    assert result.stderr.startswith(
-        f"warning: {path}:2:9: policy: there is no folder {tmp_path / 'nowhere'}. A policy is"
-    )
+    result = CliRunner().invoke(app, ["validate", "--json", str(path)])
+    assert result.exit_code == 2
+    (problem,) = json.loads(result.stdout)["missions"][0]["problems"]
+    assert [problem[key] for key in ("line", "column", "path")] == [2, 9, "policy"]
+    assert CliRunner().invoke(app, ["validate", str(path)]).stdout.startswith(f"{path}:2:9: policy: ")
+    assert CliRunner().invoke(app, ["validate", str(path), "--policy", "ant-waypoint"]).exit_code == 0
 
 
 def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:
@@ -120,35 +116,37 @@ def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:
         f"{bad}:5:37: waypoints[0].timeout: 20 has no unit; write 'timeout: 20 s' or 'timeout_s: 20'",
     ]
     assert lines[2].startswith(f"OK {SHIPPED[0]}: ")
-    assert lines[4:] == [f"{missing}: there is no such file"]
+    assert lines[3:] == [f"{missing}: there is no such file"]
 
 
 def test_what_may_go_wrong_is_a_warning_with_its_place(tmp_path: Path) -> None:
-    (tmp_path / "p").mkdir()
-    path = tmp_path / "m.yaml"
-    path.write_text(
-        "name: dog\npolicy: p\nexpect: {max_time: 2 s}\nwaypoints:\n  - [3, 4]\n"
-        "  - {position: [3 m, 40 m], timeout: 9 s}\nlink:\n  rate: 1 kbit/s\n"
+    path = written(
+        tmp_path,
+        "expect: {max_time: 2 s}\nwaypoints:\n  - [3, 4]\n  - {position: [3 m, 40 m], timeout: 9 s}\n"
+        "link:\n  rate: 1 kbit/s\n",
     )
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.exit_code == 0
-    assert result.stderr.splitlines() == [
-        f"warning: {path}:3:10: expect.max_time: 2 s is shorter than the expected duration, about 13.4 s",
-        f"warning: {path}:6:29: waypoints[1].timeout: the leg to WP2 takes about 18.0 s; its timeout is 9 s: "
-        "will not be completed",
-        f"warning: {path}:8:3: link.rate: telemetry comes to 3560 bit/s, and the link down carries 1000: what is "
-        "too much waits, and acknowledgements behind it; once the queue is full they are lost",
-    ]
+    places = [line.split(": ")[1:3] for line in result.stderr.splitlines()]
+    expected = [("3:10", "expect.max_time"), ("6:29", "waypoints[1].timeout"), ("8:3", "link.rate")]
+    assert places == [[f"{path}:{place}", key] for place, key in expected]
     assert CliRunner().invoke(app, ["validate", "--strict", str(path)]).exit_code == 1
     (record,) = json.loads(CliRunner().invoke(app, ["validate", "--json", str(path)]).stdout)["missions"]
     assert [warning["kind"] for warning in record["warnings"]] == ["max_time", "timeout", "rate"]
     assert record["warnings"][0]["place"] == f"{path}:3:10"
 
 
-def test_strict_minds_only_warnings(tmp_path: Path) -> None:
-    (tmp_path / "p").mkdir()
-    path = tmp_path / "m.yaml"
-    path.write_text("name: dog\npolicy: p\nwaypoints: [[3, 4]]\n")
+def test_a_mission_that_cannot_succeed_fails(tmp_path: Path) -> None:
+    path = written(tmp_path, "waypoints: [[3, 4]]\nlink: {loss: 1}\n")
+    result = CliRunner().invoke(app, ["validate", str(path), SHIPPED[0]])
+    assert result.exit_code == 1
+    assert [line.split()[0] for line in result.stdout.splitlines()] == ["FAILS", "OK"]
+    report = json.loads(CliRunner().invoke(app, ["validate", "--json", str(path)]).stdout)
+    assert (report["ok"], report["missions"][0]["fails"]) == (False, True)
+
+
+def test_strict_exits_with_0_without_warnings(tmp_path: Path) -> None:
+    path = written(tmp_path, "waypoints: [[3, 4]]\n")
     assert CliRunner().invoke(app, ["validate", "--strict", str(path)]).exit_code == 0
 
 
@@ -177,16 +175,11 @@ def test_json_is_one_object_and_nothing_else(bad: Path) -> None:
 
 
 def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None:
-    (tmp_path / "p").mkdir()
-    path = tmp_path / "m.yaml"
-    path.write_text("name: dog\npolicy: p\nwaypoints: [[3, 4]]\nlink: {delay: 2 s}\n")
+    path = written(tmp_path, "waypoints: [[3, 4]]\nlink: {delay: 2 s}\n")
     result = CliRunner().invoke(app, ["validate", "--json", str(path)])
     assert result.exit_code == 0
     way = Way(delay_s=2.0).model_dump(mode="json")
     assert {"delay_s": 2.0, "jitter_s": 0.0, "loss": 0.0, "rate_bps": None}.items() <= way.items()
-    way_s = (5 - 0.5 / 0.8) / 2  # to where the waypoint's box begins
-    once_s = 0.35 + way_s + 4
-    times = {"mission": (once_s, 1), "waypoint": (once_s, 1), "heading": (way_s + 7 * 4.35, 7), "joint": (None, 1)}
     assert json.loads(result.stdout) == {
         "ok": True,
         "missions": [
@@ -200,25 +193,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "link": {"preset": None, "up": way, "down": way},
                 "autonomy": "mission",
                 "policy": str(tmp_path / "p"),
-                "policy_found": True,
-                "speed": {"mps": 2.0, "source": "assumed: no evaluation of p states its speed"},
-                "expected_time_s": pytest.approx(once_s),
-                "expected_time_is_lower_bound": False,
-                "expected_success": True,
-                "expected_failure": "",
-                "probability": 1.0,
-                "expected": [
-                    {
-                        "autonomy": autonomy,
-                        "time_s": pytest.approx(time_s),
-                        "exchanges": exchanges,
-                        "blocked": None,
-                        "falls": autonomy == "joint",  # 4 s of round trip
-                        "fails": "",
-                    }
-                    for autonomy, (time_s, exchanges) in times.items()
-                ],
-                "not_counted": [],
+                "fails": False,
                 "warnings": [],
             }
         ],
@@ -246,18 +221,6 @@ def test_validating_loads_no_simulator(tmp_path: Path) -> None:
     assert done.stdout.endswith("\n[]\n")
 
 
-def test_another_policy_may_be_expected_to_fly(tmp_path: Path) -> None:
-    path = tmp_path / "m.yaml"
-    path.write_text("name: dog\npolicy: gone\nwaypoints: [[3, 4]]\n")
-    policy = ROOT / "policies" / "ant-waypoint"
-    result = CliRunner().invoke(app, ["validate", "--strict", str(path), "--policy", str(policy)])
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert "mean speed of ant-waypoint in the suite region" in result.stdout
-    result = CliRunner().invoke(app, ["validate", "--json", str(path), "--policy", str(policy)])
-    (record,) = json.loads(result.stdout)["missions"]
-    assert (record["policy"], record["policy_found"]) == (str(policy), True)
-
-
 def test_one_that_is_not_there_is_refused(tmp_path: Path) -> None:
     argv = ["validate", SHIPPED[0], "--policy", str(tmp_path / "gone")]
     run = subprocess.run([sys.executable, "-m", "waypointctl", *argv], capture_output=True, text=True, check=False)
@@ -277,19 +240,6 @@ def test_one_wrong_reference_is_one_problem(tmp_path: Path) -> None:
     path.write_text(f'{head}, reference: "2026-11-22"}}}}\n')
     (line,) = CliRunner().invoke(app, ["validate", str(path)]).stdout.splitlines()
     assert "link.contact_plan.reference: '2026-11-22' is not a moment" in line
-
-
-def test_a_duration_without_losses_is_a_lower_bound(tmp_path: Path) -> None:
-    (tmp_path / "p").mkdir()
-    path = tmp_path / "m.yaml"
-    head = "name: dog\npolicy: p\nwaypoints: [[3, 4]]\nlink: {delay: 1 s, loss: 1 %}\n"
-    path.write_text(head)
-    assert "   expected duration at least " in CliRunner().invoke(app, ["validate", str(path)]).stdout
-    (record,) = json.loads(CliRunner().invoke(app, ["validate", "--json", str(path)]).stdout)["missions"]
-    assert record["expected_time_is_lower_bound"]
-    path.write_text(head + "expect: {max_time: 2 s}\n")
-    told = CliRunner().invoke(app, ["validate", str(path)]).stdout
-    assert "   expected to fail: the mission takes 4.5 s, expect.max_time is 2 s; computed at 2.00 m/s (" in told
 
 
 def test_a_file_that_is_wrong_as_a_whole_is_one_problem_at_the_key_that_names_it(tmp_path: Path) -> None:

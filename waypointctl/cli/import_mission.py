@@ -66,7 +66,7 @@ def import_mission(
     write_whole(out, text.encode(), "the mission")
     count = len(placed.stops)
     waypoints = f"{count} waypoint{'s' if count > 1 else ''}"
-    check = f"`waypointctl validate {shell_word(out)}` says what to expect"
+    check = f"`waypointctl validate {shell_word(out)}` checks it"
     typer.echo(f"{printable(out)}: {waypoints}; {check}")
 
 

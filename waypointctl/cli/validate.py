@@ -1,4 +1,4 @@
-"""`waypointctl validate`: are these mission files fit to be flown, if not, why not, and what to expect of them."""
+"""`waypointctl validate`: are these mission files right, and what may go wrong when they are flown."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from waypointctl.display_text import printable
 from waypointctl.paths import folder_fault
 
 if TYPE_CHECKING:
-    from waypointctl.flight.forecast.forecast import Forecast
+    from waypointctl.flight.checks.finding import Finding
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
 
 
 @dataclass(frozen=True, slots=True)
-class Warned:
-    """Something to think about, and where the file says so: "file:line:column", or the file alone."""
+class _Warning:
+    """A finding, and where the file says what it is about: "file:line:column", or the file alone."""
 
     kind: str
     place: str
@@ -32,14 +32,18 @@ class Warned:
 
 @dataclass(frozen=True, slots=True)
 class _Checked:
-    """What checking a file came to: a mission with what to expect of it, or problems."""
+    """What checking a file has found: problems, or a mission with warnings."""
 
     path: Path
     file: MissionFile | None
     problems: tuple[Problem, ...]
-    forecast: Forecast | None = None
-    warnings: tuple[Warned, ...] = ()
-    policy: Path | None = None  # who is expected to fly it
+    policy: Path | None = None  # that flies it
+    warnings: tuple[_Warning, ...] = ()
+    fails: bool = False  # whether the mission cannot succeed
+
+    @property
+    def is_good(self) -> bool:
+        return not self.problems and not self.fails
 
 
 def validate(
@@ -49,29 +53,29 @@ def validate(
         typer.Option(
             parser=policy_named,
             metavar="POLICY",
-            help="Expect this policy, a folder or a name, to fly, not the mission's.",
+            help="Check for this policy, a folder or a name, not the mission's.",
             show_default=False,
         ),
     ] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 if there is a warning.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Check mission files, list every problem, and say what to expect without flying: how it ends, how long it takes.
+    """Check mission files without flying them: list every problem, and warn of what may go wrong.
 
-    A file without problems is OK, or FAILS where the mission can be flown and is expected to fail. Exits with 2 if
-    there is a problem; what may go wrong are warnings.
+    A mission is OK, or FAILS if it cannot succeed. Exit with 0 if all are OK, 1 if one fails, 2 if a file has problems
+    or its policy is not there.
     """
     _refuse_missing(policy)
     checked = [_check(path, policy) for path in missions]
-    good = all(result.file is not None for result in checked)
     if as_json:
+        good = all(result.is_good for result in checked)
         typer.echo(json.dumps({"ok": good, "missions": [_record(result) for result in checked]}))
     else:
         for result in checked:
             _show(result)
-    if not good:
+    if any(result.problems for result in checked):
         raise typer.Exit(2)
-    if strict and any(result.warnings for result in checked):
+    if any(result.fails or (strict and result.warnings) for result in checked):
         raise typer.Exit(1)
 
 
@@ -83,8 +87,10 @@ def _refuse_missing(policy: Path | None) -> None:
         raise PolicyError(fault, where=str(policy), hint=policies_there_are(policy.name))
 
 
-def _check(path: Path, policy: Path | None = None) -> _Checked:
+def _check(path: Path, policy: Path | None) -> _Checked:
     from waypointctl.errors import MissionError
+    from waypointctl.evaluation.walking_speed import walking_speed
+    from waypointctl.flight.checks.check import cannot_succeed, check_mission
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
     from waypointctl.mission.references import beside, examine_mission
@@ -98,56 +104,46 @@ def _check(path: Path, policy: Path | None = None) -> _Checked:
     if reading.model is None:
         return _Checked(path, None, reading.problems)
     file = MissionFile(reading.model, source, path)
-    who = policy or file.policy_path
-    found = _forecast(file, who)
-    missing = () if policy is not None else _policy_warnings(file)
-    return _Checked(path, file, (), found, (*missing, *_warnings(file, found)), who)
+    flown_by = policy or file.policy_path
+    findings = check_mission(file.mission, walking_speed(flown_by).mps)
+    fails = cannot_succeed(file.mission, findings)
+    return _Checked(path, file, _policy_problems(file, flown_by), flown_by, tuple(_warnings(file, findings)), fails)
 
 
-def _forecast(file: MissionFile, policy: Path) -> Forecast:
-    from waypointctl.evaluation.walking_speed import walking_speed
-    from waypointctl.flight.forecast.forecast import forecast
-
-    return forecast(file.mission, walking_speed(policy))
-
-
-def _policy_warnings(file: MissionFile) -> tuple[Warned, ...]:
+def _policy_problems(file: MissionFile, policy: Path) -> tuple[Problem, ...]:
     from waypointctl.mission.policy_name import policies_there_are
+    from waypointctl.mission.problems import Problem
+    from waypointctl.mission.yaml_tree import read_tree
 
-    if not folder_fault(file.policy_path):
+    if not folder_fault(policy):
         return ()
-    text = f"there is no folder {file.policy_path}. {policies_there_are(file.mission.policy)}"
-    return (Warned("policy", file.policy_place, "policy", text),)
+    mark = read_tree(file.source).values[("policy",)]
+    text = f"there is no folder {policy}. {policies_there_are(file.mission.policy)}"
+    return (Problem(str(file.path), mark.line, mark.column, "policy", text),)
 
 
-def _warnings(file: MissionFile, found: Forecast) -> Iterator[Warned]:
-    """Yield what may go wrong, in the order of the file's lines."""
+def _warnings(file: MissionFile, findings: tuple[Finding, ...]) -> Iterator[_Warning]:
+    """Yield the findings with their places, in the order of the file's lines."""
     from waypointctl.mission.written import written_at
     from waypointctl.mission.yaml_tree import read_tree
 
     tree = read_tree(file.source)
-    placed = [(written_at(tree, finding.path), finding) for finding in found.findings]
+    placed = [(written_at(tree, finding.path), finding) for finding in findings]
     for (path, mark), finding in sorted(placed, key=lambda each: (each[0][1].line, each[0][1].column)):
-        yield Warned(finding.kind, f"{file.path}:{mark.line}:{mark.column}", path, finding.text)
+        yield _Warning(finding.kind, f"{file.path}:{mark.line}:{mark.column}", path, finding.text)
 
 
 def _show(result: _Checked) -> None:
-    from waypointctl.cli.tui.expectation import expectation
     from waypointctl.cli.tui.link import link_text
 
     for problem in result.problems:
         typer.echo(str(problem))
-    if result.file is None:
-        return
-    mission = result.file.mission
-    count = mission.num_legs
-    word = "OK" if result.forecast is None or result.forecast.own.succeeds else "FAILS"
-    typer.echo(
-        f"{word} {printable(result.path)}: {mission.name}, {count} waypoint{'s' if count > 1 else ''}, "
-        f"{mission.path_length_m():.1f} m, {printable(link_text(mission.link))}, autonomy {mission.autonomy}"
-    )
-    if result.forecast is not None:
-        typer.echo(f"   {expectation(result.forecast)}")
+    if result.file is not None and not result.problems:
+        mission = result.file.mission
+        count = f"{mission.num_legs} waypoint{'s' if mission.num_legs > 1 else ''}"
+        what = f"{mission.name}, {count}, {mission.path_length_m():.1f} m, {printable(link_text(mission.link))}"
+        word = "FAILS" if result.fails else "OK"
+        typer.echo(f"{word} {printable(result.path)}: {what}, autonomy {mission.autonomy}")
     for warning in result.warnings:
         typer.echo(f"warning: {printable(f'{warning.place}: {warning.path}: {warning.text}')}", err=True)
 
@@ -156,7 +152,7 @@ def _record(result: _Checked) -> dict[str, Any]:
     """Return a result as --json has it; the mission's entries are there only where it is one."""
     record: dict[str, Any] = {
         "file": str(result.path),
-        "ok": result.file is not None,
+        "ok": result.is_good,
         "problems": [
             {
                 "file": problem.where,
@@ -170,24 +166,14 @@ def _record(result: _Checked) -> dict[str, Any]:
     }
     if result.file is None:
         return record
-    mission, found, policy = result.file.mission, result.forecast, result.policy
-    assert found is not None
-    assert policy is not None
+    mission = result.file.mission
     return record | {
         "name": mission.name,
         "waypoints": mission.num_legs,
         "path_length_m": mission.path_length_m(),
         "link": mission.link.model_dump(),
         "autonomy": mission.autonomy,
-        "policy": str(policy),
-        "policy_found": folder_fault(policy) is None,
-        "speed": asdict(found.speed),
-        "expected_time_s": found.own.time_s,
-        "expected_time_is_lower_bound": found.is_lower_bound,
-        "expected_success": found.own.succeeds,
-        "expected_failure": found.own.fails,
-        "probability": found.chance,
-        "expected": [asdict(each) for each in found.expected],
-        "not_counted": list(found.not_counted),
+        "policy": str(result.policy),
+        "fails": result.fails,
         "warnings": [asdict(warning) for warning in result.warnings],
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -9,11 +10,18 @@ from pydantic import BaseModel, Field
 
 from waypointctl.display_text import printable
 from waypointctl.errors import InputError
-from waypointctl.flight.forecast.forecast import WalkingSpeed
 from waypointctl.input_file import RECORD_FILE, read_input
 
 _FILES: Final = ("evaluation-region.json", "evaluation.json")  # the first that tells goes first
 _USUAL_MPS: Final = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class WalkingSpeed:
+    """A policy's mean speed, and where the figure is from."""
+
+    mps: float
+    source: str
 
 
 class _Case(BaseModel):

@@ -8,8 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from waypointctl.flight.forecast.link import longest_gap_ns
-from waypointctl.flight.forecast.traffic import traffic_of
+from waypointctl.flight.link.build import contacts_of
 from waypointctl.mission.mission import DAY_S, Mission
 from waypointctl.studies.autonomy import AUTONOMIES
 from waypointctl.studies.varied_link import with_round_trip
@@ -88,10 +87,10 @@ def _exchange_s(route: Mission, rtt_s: float) -> float:
     """Return how long a command and its answer may take over a route's link with another round trip [s]."""
     link, commands = route.link, route.commands
     sends = min(1 + commands.retries, _MOST_SENDS) if link.up.loss or link.down.loss else 1
-    traffic = traffic_of(route)
     waits_s = 0.0
-    for way, contacts in ((link.up, traffic.up.contacts), (link.down, traffic.down.contacts)):
-        waits_s += seconds(longest_gap_ns(contacts) + (contacts.next_open_ns(0) or 0))
+    for way in (link.up, link.down):
+        contacts = contacts_of(way, route.files)
+        waits_s += seconds(contacts.longest_gap_ns + (contacts.next_open_ns(0) or 0))
         if way.rate_bps is not None:
             waits_s += way.queue_bytes * 8 / way.rate_bps
     return sends * rtt_s + (sends - 1) * commands.margin_s + waits_s

@@ -6,6 +6,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Final
 
 NS_PER_S: Final = 1_000_000_000
@@ -85,6 +86,28 @@ class Contacts:
         """Return from when on [ns] the link can be used, `now_ns` if it can now; None for never again."""
         placed = self.place(now_ns, 0)
         return None if placed is None else placed[0]
+
+    @property
+    def longest_gap_ns(self) -> int:
+        """The longest time between two contacts [ns]; what follows the last of them is none."""
+        gaps = [after.begin_ns - before.end_ns for before, after in pairwise(self.windows)]
+        if self.windows and self.period_ns and self.windows[-1].end_ns < FOREVER_NS:
+            gaps.append(self.period_ns - self.windows[-1].end_ns + self.windows[0].begin_ns)
+        return max(gaps, default=0)
+
+    @property
+    def mean_rate_bps(self) -> float | None:
+        """What can be sent in the long run [bit/s], None for any amount.
+
+        Contacts that come again count with their share of the time; of others the fastest counts, while it lasts.
+        """
+        rates = [window.rate_bps for window in self.windows if window.rate_bps is not None]
+        if not rates or len(rates) < len(self.windows):
+            return None
+        if not self.period_ns:
+            return max(rates)
+        sent = (rate * (each.end_ns - each.begin_ns) for rate, each in zip(rates, self.windows, strict=True))
+        return sum(sent) / self.period_ns
 
     def _search(self, earliest_ns: int, size_bytes: int) -> tuple[int, int] | None:
         period = self.period_ns

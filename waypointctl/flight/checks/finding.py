@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
-
-NOT_COMPLETED: Final = "will not be completed"  # a leg
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,11 +13,10 @@ class Finding:
         kind: a word for programs, such as "fence".
         path: of what it is about, in the mission, by the fields' names.
         text: one line.
-        consequence: None where the mission can succeed all the same. Else the mission may fail by it, and this is added
-            to the text where it is expected to; empty if the text says so itself.
+        prevents: whether a waypoint can never be reached, or never be known to be reached, because of it.
     """
 
     kind: str
     path: tuple[str | int, ...]
     text: str
-    consequence: str | None = None
+    prevents: bool = False

@@ -1,36 +1,36 @@
-"""What a mission says that does nothing, for who decides what does not look at it."""
+"""Findings on what a mission says without effect: keys that its autonomy, or another key, leaves unused."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Final
 
-from waypointctl.flight.forecast.finding import Finding
+from waypointctl.flight.checks.finding import Finding
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.mission import Mission
 
-_ON_BOARD: Final = ("mission", "waypoint", "heading")  # the robot walks by itself to what it is told
+_ON_BOARD: Final = ("mission", "waypoint", "heading")  # the robot computes its own actions
 
-# What only some autonomies look at.
-_LOOKED_AT_BY: Final[dict[tuple[str, str], tuple[str, ...]]] = {
+# Keys that only some autonomies use.
+_USED_BY: Final[dict[tuple[str, str], tuple[str, ...]]] = {
     ("operator", "think_s"): ("waypoint", "heading"),
     ("operator", "released"): ("mission",),
     ("operator", "steering"): ("heading",),
     ("operator", "lookahead_m"): ("heading",),
     ("operator", "update_rate_hz"): ("heading",),
 }
-_OF_A_WALK: Final = (("onboard", "slip_m"), ("onboard", "stuck"))
+_RULES: Final = (("onboard", "slip_m"), ("onboard", "stuck"))
 
 
 def unused_findings(mission: Mission) -> Iterator[Finding]:
     """Yield what is written, is not the default, and does nothing."""
-    for path, autonomies in _LOOKED_AT_BY.items():
+    for path, autonomies in _USED_BY.items():
         if mission.autonomy not in autonomies and _is_given(mission, path):
             yield _unused(path, mission, autonomies)
     yield from _steering(mission)
     yield from _sending(mission)
     if mission.autonomy == "joint":
-        yield from _rules_of_a_walk(mission)
+        yield from _rules_on_board(mission)
 
 
 def _steering(mission: Mission) -> Iterator[Finding]:
@@ -41,18 +41,18 @@ def _steering(mission: Mission) -> Iterator[Finding]:
 
 
 def _sending(mission: Mission) -> Iterator[Finding]:
-    """Yield heartbeats that nobody listens for, and how to send again what is never sent again."""
+    """Yield heartbeats that no rule uses, and how to send again what is never sent again."""
     if mission.operator.heartbeat_s is not None and mission.onboard.link_loss is None:
-        text = "does nothing without 'onboard.link_loss', the rule that listens for heartbeats"
+        text = "does nothing without 'onboard.link_loss', the rule that uses heartbeats"
         yield Finding("unused", ("operator", "heartbeat_s"), text)
     for path in (("commands", "retries"), ("commands", "margin_s")):
         if not mission.commands.acknowledged and _is_given(mission, path):
             yield Finding("unused", path, "does nothing while acknowledged is false: nothing is sent again")
 
 
-def _rules_of_a_walk(mission: Mission) -> Iterator[Finding]:
-    """Yield the rules for a robot that walks by itself, where the ground moves it."""
-    for path in _OF_A_WALK:
+def _rules_on_board(mission: Mission) -> Iterator[Finding]:
+    """Yield the rules for a robot that computes its own actions, where they are computed on the ground."""
+    for path in _RULES:
         if _is_given(mission, path) and not _walks_by_itself(mission):
             yield _unused(path, mission, _ON_BOARD)
     place = ("on_failure",) if mission.on_failure is not None else ("onboard", "on_failure")
@@ -60,12 +60,12 @@ def _rules_of_a_walk(mission: Mission) -> Iterator[Finding]:
     if rule.retry:
         yield _unused((*place, "retry"), mission, _ON_BOARD)
     if rule.then == "return_home":
-        text = "does nothing under autonomy joint: when a leg's time is out, the pilot tells the robot to hold"
+        text = "does nothing under autonomy joint: the robot holds when a leg's time is out"
         yield Finding("unused", (*place, "then"), text)
 
 
 def _walks_by_itself(mission: Mission) -> bool:
-    """Tell whether a robot that a pilot moves may have a way to walk alone."""
+    """Tell whether the robot may compute its own actions for a while, under autonomy joint."""
     onboard = mission.onboard
     rules = (onboard.geofence.do, "" if onboard.link_loss is None else onboard.link_loss.do)
     return "return_home" in rules or any(command.do in ("go_to", "return_home") for command in mission.schedule)

@@ -1,0 +1,85 @@
+"""All static checks of a mission."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from waypointctl.flight.checks.finding import Finding
+from waypointctl.flight.checks.link import link_findings
+from waypointctl.flight.checks.route import route_findings, walking_time_s
+from waypointctl.flight.checks.rules import rule_findings
+from waypointctl.flight.checks.schedule import ends_plan, schedule_findings
+from waypointctl.flight.checks.traffic import Traffic
+from waypointctl.flight.checks.unused import unused_findings
+from waypointctl.mission.mission import Mission
+from waypointctl.units import seconds
+
+
+def check_mission(mission: Mission, speed_mps: float) -> tuple[Finding, ...]:
+    """Return what may go wrong in a mission.
+
+    Args:
+        mission: with the files that it refers to.
+        speed_mps: mean speed of the policy.
+
+    Raises:
+        MissionError: something is wrong with a file that the mission refers to.
+    """
+    traffic = Traffic(mission)
+    least_s = _least_time_s(mission, speed_mps, traffic)
+    findings = (
+        *route_findings(mission, speed_mps),
+        *rule_findings(mission, speed_mps),
+        *schedule_findings(mission, traffic),
+        *link_findings(mission, traffic, least_s),
+        *_steering(mission, speed_mps, traffic),
+        *unused_findings(mission),
+        *_time_limit(mission, least_s),
+    )
+    return tuple(_once(findings))
+
+
+def cannot_succeed(mission: Mission, findings: Iterable[Finding]) -> bool:
+    """Tell whether a finding prevents what the mission expects: that every waypoint is reached."""
+    expects_all = mission.expect.reached in ("all", mission.num_legs)
+    return expects_all and any(finding.prevents for finding in findings)
+
+
+def _least_time_s(mission: Mission, speed_mps: float, traffic: Traffic) -> float:
+    """Return what a mission takes at least: T = L / v + N (RTT + think), with the round trip at mission start [s]."""
+    exchanges = mission.num_legs if mission.autonomy in ("waypoint", "heading") else 1
+    continuous = mission.autonomy == "heading" and mission.operator.steering == "continuous"
+    exchanges = 1 if continuous else exchanges
+    trip_s = seconds(traffic.round_trip_ns or 0)
+    return walking_time_s(mission, speed_mps) + exchanges * trip_s + (exchanges - 1) * mission.operator.think_s
+
+
+def _time_limit(mission: Mission, least_s: float) -> Iterator[Finding]:
+    limit_s = mission.expect.max_time_s
+    if limit_s is not None and least_s > limit_s and not ends_plan(mission):
+        text = f"{limit_s:g} s is too short: the mission takes at least {least_s:.1f} s at the policy's mean speed"
+        yield Finding("max_time", ("expect", "max_time_s"), text)
+
+
+def _steering(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
+    """Yield short-range goals that the robot reaches before the next one arrives, steered continuously."""
+    script = mission.operator
+    if mission.autonomy != "heading" or script.steering != "continuous" or traffic.round_trip_ns is None:
+        return
+    age_s = seconds(traffic.round_trip_ns) + script.think_s + 1 / script.update_rate_hz
+    if speed_mps * age_s > script.lookahead_m:
+        text = (
+            f"a goal lies {script.lookahead_m:g} m ahead of a pose that is {age_s:.2f} s old, and the robot walks "
+            f"{speed_mps * age_s:.1f} m in that time: it stands and waits between goals"
+        )
+        yield Finding("steering", ("operator", "lookahead_m"), text)
+
+
+def _once(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Yield of each kind of finding at a place of the file the first alone: rounds repeat them."""
+    seen = set()
+    for finding in findings:
+        key = (finding.kind, finding.path)
+        if key not in seen:
+            seen.add(key)
+            yield finding

@@ -1,0 +1,113 @@
+"""Findings on what is sent when: scheduled commands that have no effect, and a plan that is never released."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from waypointctl.flight.checks.finding import Finding
+from waypointctl.flight.checks.link import loses_all
+from waypointctl.flight.checks.traffic import Traffic
+from waypointctl.flight.executive.rules import rules_of
+from waypointctl.mission.mission import Mission
+from waypointctl.mission.schedule import ScheduledCommand
+from waypointctl.units import ns, seconds
+
+_ONE_AT_A_TIME: Final = "the robot has one waypoint at a time, and may walk to it"
+_NO_PLAN: Final = "the robot has no plan of its own"
+
+# Which commands have no effect under an autonomy, and why.
+_WITHOUT_EFFECT: Final[dict[tuple[str, str], str]] = {
+    ("waypoint", "release"): _ONE_AT_A_TIME,
+    ("heading", "release"): _ONE_AT_A_TIME,
+    ("joint", "release"): _NO_PLAN,
+    ("joint", "skip"): _NO_PLAN,
+    ("joint", "set_tolerance"): _NO_PLAN,
+    ("joint", "set_timeout"): _NO_PLAN,
+    ("joint", "abort"): "the next action takes the motors again; hold stops it",
+}
+_LASTING: Final = ("go_to", "return_home")  # the others are over as soon as they are obeyed
+_ENDING: Final = ("go_to", "return_home", "abort", "cancel", "skip")  # these end the plan, or a part of it
+
+
+def schedule_findings(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
+    """Yield scheduled commands that the robot does not obey, and a plan that is never released to its end."""
+    fence = rules_of(mission).fence
+    for place, command in enumerate(mission.schedule):
+        path = ("schedule", place)
+        if command.position_m is not None and (breach := fence.breach(*command.position_m)):
+            x_m, y_m = command.position_m
+            yield Finding("fence", (*path, "position_m"), f"({x_m:g}, {y_m:g}) {breach}: the robot will reject it")
+        elif found := _too_late(mission, traffic, command) or _without_effect(mission, command):
+            field, text = found
+            yield Finding("schedule", (*path, field), text)
+    yield from _over_already(mission)
+    yield from _last_hold(mission)
+    yield from _release(mission)
+
+
+def ends_plan(mission: Mission) -> bool:
+    """Tell whether a scheduled command may end the plan, or a part of it, before all waypoints are reached."""
+    return any(command.do in _ENDING for command in mission.schedule)
+
+
+def _too_late(mission: Mission, traffic: Traffic, command: ScheduledCommand) -> tuple[str, str] | None:
+    """Return the field and the text for a command that is sent, or arrives, when it has no effect any more."""
+    limit_s = mission.expect.max_time_s
+    if limit_s is not None and command.at_s > limit_s:
+        return "at_s", f"{command.do} is never sent: the flight ends at {limit_s:g} s, its expect.max_time"
+    arrives_ns = traffic.arrival_ns(command, ns(command.at_s))
+    if arrives_ns is None:
+        return "at_s", f"{command.do} is never sent: no contact up has room for it from {command.at_s:g} s on"
+    arrives_s = seconds(arrives_ns)
+    if loses_all(mission.link.up.loss):
+        return None  # that is said of the link
+    if command.expires_s is not None and command.expires_s < arrives_s:
+        text = f"{command.do} expires at {command.expires_s:g} s and arrives at about {arrives_s:.2f} s"
+        return "expires_s", f"{text}: it is not obeyed"
+    obeyed_s = max(arrives_s, command.not_before_s or 0.0)
+    if limit_s is not None and obeyed_s > limit_s:
+        field, when = ("not_before_s", "is kept until") if obeyed_s > arrives_s else ("at_s", "arrives at about")
+        return field, f"{command.do} {when} {obeyed_s:.2f} s, and the flight ends at {limit_s:g} s, its expect.max_time"
+    return None
+
+
+def _without_effect(mission: Mission, command: ScheduledCommand) -> tuple[str, str] | None:
+    why = _WITHOUT_EFFECT.get((mission.autonomy, command.do))
+    return None if why is None else ("do", f"{command.do} does nothing under autonomy {mission.autonomy}: {why}")
+
+
+def _over_already(mission: Mission) -> Iterator[Finding]:
+    """Yield what cancels a command that is over as soon as it is obeyed, where all numbers are known."""
+    if mission.autonomy != "mission":
+        return
+    in_turn = sorted(mission.schedule, key=lambda command: command.at_s)
+    for place, command in enumerate(mission.schedule):
+        if command.command is None or command.command < 2:  # the first is the plan
+            continue
+        meant = in_turn[command.command - 2]
+        if meant.do not in _LASTING and (meant.not_before_s or 0.0) <= command.at_s:
+            text = f"command {command.command} is the {meant.do} of {meant.at_s:g} s, which is over once it is obeyed"
+            yield Finding("schedule", ("schedule", place, "command"), text)
+
+
+def _last_hold(mission: Mission) -> Iterator[Finding]:
+    """Yield a hold that no later command ends."""
+    last_s, place = max(((command.at_s, place) for place, command in enumerate(mission.schedule)), default=(0.0, -1))
+    if place >= 0 and mission.schedule[place].do == "hold" and mission.expect.max_time_s is None:
+        text = f"no command follows this hold of {last_s:g} s: if the robot is under way then, the mission never ends"
+        yield Finding("schedule", ("schedule", place, "do"), text)
+
+
+def _release(mission: Mission) -> Iterator[Finding]:
+    """Yield a plan of which a part is never released: the robot waits for it, and the operator for the end."""
+    if mission.autonomy != "mission" or ends_plan(mission):
+        return
+    given = (mission.operator.released, *(command.released for command in mission.schedule))
+    most = max(mission.num_legs if released < 0 else released for released in given if released is not None)
+    if most < mission.num_legs:
+        text = (
+            f"{most} of {mission.num_legs} waypoints are released, and nothing in the schedule releases more: the "
+            "robot waits for the rest, and the mission never ends"
+        )
+        yield Finding("release", ("operator", "released"), text, prevents=True)
