@@ -28,7 +28,7 @@ UNDER_FOOT = {"position_m": [0.0, 0.0], "tolerance_m": 50.0}  # reached as soon 
 OUT_OF_REACH = {"position_m": [500.0, 0.0], "timeout_s": 1.0}
 
 
-class Scripted:
+class Scripted(Policy):
     """A policy that does the same whatever it sees."""
 
     robot = "ant"

@@ -94,7 +94,7 @@ def test_a_waypoint_around_the_start_is_reached_in_the_same_step() -> None:
     assert steps > 20
 
 
-class NoisePolicy:
+class NoisePolicy(Policy):
     """Acts on everything it sees, the noise too."""
 
     robot = "ant"

@@ -77,13 +77,14 @@ def walk(
 
     Args:
         env: as many robots as paths.
-        policy: what walks them; its actions are taken as they are.
+        policy: drives the robots; its actions are taken as they are.
         paths: each the waypoints (m, 2) [m], without the start.
         ended: called with the number of trials that have ended so far, whenever it grows.
         hold: what is asked at the last waypoint; None: nothing.
     """
     for robot, path in enumerate(paths):
         env.begin([robot], path)
+    policy.reset(np.ones(env.num_robots, bool))
     trials = _Trials(env, paths, hold)
     observation = env.observe()
     while trials.going.any():
@@ -127,7 +128,9 @@ class _Trials:
         env, walking, holding = self._env, self._walking, self._holding
         actions: FloatArray = np.zeros((env.num_robots, env.robot.num_joints))
         if walking.any():
-            actions[walking] = policy.act(observation[walking])
+            # A state has a row for each robot, so its policy acts for all of them.
+            acted = policy.act(observation)[walking] if policy.state() else policy.act(observation[walking])
+            actions[walking] = acted
         if holding.any():
             actions[holding] = stance_action(env.robot, env.batch.qpos[holding], env.batch.qvel[holding])
         return actions

@@ -31,7 +31,7 @@ from waypointctl.log.messages import (
     Stage,
     State,
 )
-from waypointctl.policy.protocol import Policy
+from waypointctl.policy.protocol import Policy, state_text
 from waypointctl.sim.robots import Robot
 from waypointctl.sim.single import SingleRobot
 from waypointctl.sim.stance import stance_action
@@ -89,6 +89,7 @@ class Vehicle:
     def place(self, qpos: FloatArray, qvel: FloatArray, noise: FloatArray) -> None:
         """Put the robot where the mission begins: qpos (nq,), qvel (nv,); noise (4,) is for layouts that have some."""
         self._noise = noise[np.newaxis]
+        self._policy.reset(np.ones(1, bool))
         self.plant.place(qpos[np.newaxis], qvel[np.newaxis])
         self._look()
 
@@ -178,8 +179,9 @@ class Vehicle:
 
     def log_checkpoint(self, now_ns: int, link: Mapping[str, object]) -> None:
         """Log all that a replay needs to begin here; `link` is the state of the link."""
-        executive = json.dumps(self.executive.state())
-        self._sink(Checkpoint(now_ns, self.step, self.plant.integration_state(), executive, json.dumps(link)))
+        integration, executive = self.plant.integration_state(), json.dumps(self.executive.state())
+        policy = state_text(self._policy.state())
+        self._sink(Checkpoint(now_ns, self.step, integration, executive, json.dumps(link), policy))
 
     def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
         if self.executive.on_foot:

@@ -178,4 +178,4 @@ def picture(data: bytes) -> Picture:
 def checkpoint(data: bytes) -> Checkpoint:
     """Decode a Checkpoint."""
     it = pb.Checkpoint.FromString(data)
-    return Checkpoint(it.time_ns, it.step, _array(it.integration), it.executive, it.link)
+    return Checkpoint(it.time_ns, it.step, _array(it.integration), it.executive, it.link, it.policy_state)

@@ -162,4 +162,5 @@ def checkpoint(message: Checkpoint) -> bytes:
         integration=message.integration.tolist(),
         executive=message.executive,
         link=message.link,
+        policy_state=message.policy_state,
     ).SerializeToString()

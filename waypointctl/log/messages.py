@@ -341,6 +341,7 @@ class Checkpoint:
     integration: FloatArray  # mjSTATE_INTEGRATION
     executive: str  # JSON: the executive's state
     link: str  # JSON: what is under way in the link, and its random streams
+    policy_state: str = ""  # JSON: the arrays of a policy that has a state; empty for the others
 
 
 Message: TypeAlias = (

@@ -24,6 +24,7 @@ from waypointctl.paths import folder_fault
 from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
 from waypointctl.policy.nearby import policies_near
 from waypointctl.policy.network import Network
+from waypointctl.policy.protocol import Policy
 
 FILES: Final = (MANIFEST, NETWORK, WEIGHTS)
 LARGEST_MANIFEST: Final = 2**20  # [bytes]
@@ -32,13 +33,18 @@ _COPY_AGAIN: Final = "copy the whole folder again, or train the policy again"
 
 
 @dataclass(frozen=True, slots=True)
-class LoadedPolicy:
-    """A policy that is ready to act (a `waypointctl.policy.protocol.Policy`)."""
+class LoadedPolicy(Policy):
+    """A network from a bundle, ready to act; it has no state."""
 
     manifest: Manifest
     files: Mapping[str, bytes]  # the whole bundle, by file name
     sha256: str  # of manifest.json, which has those of the other files
     network: Network
+
+    @property
+    def name(self) -> str:
+        """What its manifest calls it."""
+        return self.manifest.name
 
     @property
     def robot(self) -> str:
@@ -52,7 +58,7 @@ class LoadedPolicy:
 
     @property
     def reward_weights(self) -> Mapping[str, float]:
-        """What it was paid in training, by term."""
+        """The weight of each reward term in its training."""
         return self.manifest.reward
 
     def act(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:

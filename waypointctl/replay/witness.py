@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from waypointctl.log.messages import Action, GroundControl, Message, Observation, State, Telemetry
 from waypointctl.log.reader import SealedMessage
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.policy.protocol import PolicyState
 from waypointctl.replay.difference import difference, different_bits
 from waypointctl.replay.verdict import Divergence
 
@@ -130,6 +131,23 @@ class AuditedPolicy:
         self.observation_layout = policy.observation_layout
         self.reward_weights = policy.reward_weights
         self.rounded = 0
+
+    @property
+    def name(self) -> str:
+        """What the policy is called."""
+        return self._policy.name
+
+    def reset(self, mask: NDArray[np.bool_]) -> None:
+        """Begin a new episode."""
+        self._policy.reset(mask)
+
+    def state(self) -> PolicyState:
+        """Return the state of the policy, from which each action is computed again."""
+        return self._policy.state()
+
+    def restore(self, state: PolicyState) -> None:
+        """Go on from a state."""
+        self._policy.restore(state)
 
     def act(self, observation: FloatArray) -> FloatArray:
         """Return the logged action (1, nu) for the observation (1, k) of the step under way."""

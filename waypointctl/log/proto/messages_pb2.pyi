@@ -663,12 +663,15 @@ class Checkpoint(_message.Message):
     INTEGRATION_FIELD_NUMBER: _builtins.int
     EXECUTIVE_FIELD_NUMBER: _builtins.int
     LINK_FIELD_NUMBER: _builtins.int
+    POLICY_STATE_FIELD_NUMBER: _builtins.int
     time_ns: _builtins.int
     step: _builtins.int
     executive: _builtins.str
     """JSON: the executive's state"""
     link: _builtins.str
     """JSON: what is under way in the link, and its random streams"""
+    policy_state: _builtins.str
+    """JSON: the arrays of a policy that has a state; empty for the others"""
     @_builtins.property
     def integration(self) -> _containers.RepeatedScalarFieldContainer[_builtins.float]:
         """mjSTATE_INTEGRATION"""
@@ -681,10 +684,11 @@ class Checkpoint(_message.Message):
         integration: _abc.Iterable[_builtins.float] | None = ...,
         executive: _builtins.str = ...,
         link: _builtins.str = ...,
+        policy_state: _builtins.str = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["executive", b"executive", "integration", b"integration", "link", b"link", "step", b"step", "time_ns", b"time_ns"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["executive", b"executive", "integration", b"integration", "link", b"link", "policy_state", b"policy_state", "step", b"step", "time_ns", b"time_ns"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
