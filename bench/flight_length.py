@@ -25,8 +25,8 @@ from waypointctl.log.messages import Message  # noqa: E402
 from waypointctl.log.reader import open_log  # noqa: E402
 from waypointctl.mission.files import MissionFile, load_mission  # noqa: E402
 from waypointctl.policy.bundle import LoadedPolicy, load_policy  # noqa: E402
-from waypointctl.replay.chronicle import tell  # noqa: E402
 from waypointctl.replay.resume import go_on, unfinished  # noqa: E402
+from waypointctl.replay.summary_builder import summarize  # noqa: E402
 from waypointctl.replay.verdict import Verdict  # noqa: E402
 from waypointctl.replay.verify import verify_log  # noqa: E402
 
@@ -37,7 +37,7 @@ KINDS: Final = {
     "mission": "autonomy: mission",
     "waypoint": "autonomy: waypoint",
     "lossy": "autonomy: waypoint\nlink: {loss: 20 %}\ncommands: {retries: 50}",
-    "steered": "autonomy: short_range_goal\noperator: {steering: continuous, update_rate: 10 Hz, lookahead: 2 m}",
+    "steered": "autonomy: heading\noperator: {steering: continuous, update_rate: 10 Hz, lookahead: 2 m}",
     "joint": "autonomy: joint\nlink: {delay: 0 s}",
 }
 STAGES: Final = ("record", "read", "summary", "replay", "resume")
@@ -77,7 +77,7 @@ def measure(text: str, policy: LoadedPolicy, folder: Path, stages: Sequence[str]
         cut.write_bytes(path.read_bytes()[: size * 9 // 10])
     works: dict[str, Callable[[], None]] = {
         "read": lambda: _forget(deque(log.messages(), maxlen=0)),
-        "summary": lambda: _forget(tell(log.messages())),
+        "summary": lambda: _forget(summarize(log.messages())),
         "replay": lambda: _replay(path),
         "resume": lambda: _resume(cut),
     }

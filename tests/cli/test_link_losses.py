@@ -9,23 +9,23 @@ from tests.cli.flying import EASY, Program
 from waypointctl.cli.tui.link_losses import link_lines
 from waypointctl.log.messages import DeliveryOutcome, LinkRecord
 from waypointctl.log.reader import open_log
-from waypointctl.replay.link_story import LinkStory, WayStory
+from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary
 
 
 def test_a_line_for_each_way_on_which_there_is_something_to_tell() -> None:
-    up = WayStory(lost=3, not_arrived=(("command", 1), ("heartbeat", 2)), doubled=1)
+    up = LinkDirectionSummary(lost=3, not_arrived=(("command", 1), ("heartbeat", 2)), doubled=1)
     kinds = (("ack", 1), ("bodyframe", 2), ("telemetry", 63), ("tele\x1bgram", 1))
-    down = WayStory(61, 4, 2, kinds, waited=12, longest_wait_ns=3_200_000_000)
-    assert link_lines(LinkStory(up, down)) == [
+    down = LinkDirectionSummary(61, 4, 2, kinds, waited=12, longest_wait_ns=3_200_000_000)
+    assert link_lines(LinkSummary(up, down)) == [
         "link up    3 lost (1 command, 2 heartbeats), 1 doubled",
         "link down  61 lost; 4 dropped, the queue was full; 2 dropped, no contact was left "
         "(1 acknowledgement, 2 states, 63 telemetry frames, 1 tele\\u001bgram), 12 waited, "
         "at most 3.20 s",
     ]
-    assert link_lines(LinkStory(WayStory(), WayStory(waited=1, longest_wait_ns=10_000_000))) == [
-        "link down  1 waited, at most 10 ms"
-    ]
-    assert link_lines(LinkStory()) == []
+    assert link_lines(
+        LinkSummary(LinkDirectionSummary(), LinkDirectionSummary(waited=1, longest_wait_ns=10_000_000))
+    ) == ["link down  1 waited, at most 10 ms"]
+    assert link_lines(LinkSummary()) == []
 
 
 def test_run_and_replay_tell_the_same_and_json_has_the_counts(yard: Path, program: Program) -> None:
@@ -38,7 +38,7 @@ def test_run_and_replay_tell_the_same_and_json_has_the_counts(yard: Path, progra
     assert len(told) == 1
     assert told[0].startswith(f"link down  {len(lost)} lost (")
     assert told[0] in program("replay", "lossy.mcap")[1].splitlines()
-    link = json.loads(program("replay", "lossy.mcap", "--json")[1])["story"]["link"]
+    link = json.loads(program("replay", "lossy.mcap", "--json")[1])["summary"]["link"]
     assert link["down"]["lost"] == sum(link["down"]["not_arrived"].values()) == len(lost) > 0
     assert link["up"]["lost"] == sum(m.way == "up" for m in records)
 
@@ -48,4 +48,4 @@ def test_of_a_link_that_only_delays_nothing_is_told(yard: Path, program: Program
     assert code == 0
     assert "link up" not in flown
     assert "link down" not in flown
-    assert json.loads(program("replay", "easy.mcap", "--json")[1])["story"]["link"]["up"]["lost"] == 0
+    assert json.loads(program("replay", "easy.mcap", "--json")[1])["summary"]["link"]["up"]["lost"] == 0

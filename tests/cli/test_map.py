@@ -18,7 +18,7 @@ from waypointctl.cli.tui.map_scene import Scene
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.zones import Zone
 from waypointctl.replay.return_home import ReturnHome
-from waypointctl.replay.story import Fate, WaypointStory
+from waypointctl.replay.summary import WaypointStatus, WaypointSummary
 from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S
 
@@ -87,21 +87,21 @@ def test_messages_that_were_not_delivered_are_marked_where_the_robot_was() -> No
 
 
 def test_thousands_of_lost_messages_leave_the_names_readable() -> None:
-    waypoint = WaypointStory(NEAR, Fate.OPEN, None, None, None, None)
+    waypoint = WaypointSummary(NEAR, WaypointStatus.OPEN, None, None, None, None)
     lost = np.linspace(0, 10 * NS_PER_S, 5000).astype(np.int64)
     assert "near" in text(drawn(Scene(WALK, (waypoint,), missing_ns=lost)))
 
 
 @pytest.mark.parametrize("name", ["近いところ" * 10, "a" * 64, "e\N{COMBINING ACUTE ACCENT}" * 40])
 def test_a_name_of_any_letters_keeps_the_map_as_wide_as_it_is(name: str) -> None:
-    waypoint = WaypointStory(replace(NEAR, name=name), Fate.OPEN, None, None, None, None)
+    waypoint = WaypointSummary(replace(NEAR, name=name), WaypointStatus.OPEN, None, None, None, None)
     rows = drawn(Scene(WALK, (waypoint,), setting=MissionSetting(zones=(replace(SITE, name=name),))))
     assert {row.cell_len for row in rows[:-1]} == {60}
     assert "..." in text(rows)
 
 
 def test_a_name_stands_where_it_covers_nothing_if_there_is_such_a_place() -> None:
-    waypoint = WaypointStory(replace(NEAR, x_m=5.0, y_m=0.0), Fate.OPEN, None, None, None, None)
+    waypoint = WaypointSummary(replace(NEAR, x_m=5.0, y_m=0.0), WaypointStatus.OPEN, None, None, None, None)
     rows = drawn(Scene(WALK, (waypoint,)))
     (row,) = [row.plain for row in rows if "near" in row.plain]
     assert "+" not in row, "beside the waypoint it would stand on the way"

@@ -18,7 +18,7 @@ from tests.cli.flying import Program, start
 from waypointctl.flight.header import platform_facts
 from waypointctl.log.messages import Action, Message
 from waypointctl.log.writer import LogWriter
-from waypointctl.replay import carried
+from waypointctl.replay import contents
 
 
 @pytest.fixture
@@ -62,14 +62,14 @@ def test_verify_as_json(alone: Path, program: Program) -> None:
     assert code == 0
     assert (found["verdict"], found["steps"], found["first_divergence"]) == ("exact", 102, None)
     assert found["reason"].startswith("102 control steps")
-    assert "story" not in found
+    assert "summary" not in found
     assert err.startswith("EXACT: ")
 
 
 def test_strict_accepts_only_the_first_verdict(alone: Path, program: Program, monkeypatch: pytest.MonkeyPatch) -> None:
     assert program("replay", "log.mcap", "--verify", "--strict")[0] == 0
     elsewhere = dict(platform_facts()) | {"source": "another"}
-    monkeypatch.setattr(carried, "platform_facts", lambda: elsewhere)
+    monkeypatch.setattr(contents, "platform_facts", lambda: elsewhere)
     code, out, _ = program("replay", "log.mcap", "--verify", "--json")
     found = json.loads(out)
     assert (code, found["verdict"]) == (0, "equivalent")
@@ -82,17 +82,17 @@ def test_strict_accepts_only_the_first_verdict(alone: Path, program: Program, mo
 
 def test_the_story_as_json(alone: Path, program: Program) -> None:
     found = json.loads(program("replay", "log.mcap", "--json")[1])
-    story = found["story"]
+    summary = found["summary"]
     assert found["verdict"] == "exact"
-    assert (story["mission"], story["outcome"], story["control_steps"]) == ("easy", "success", 102)
-    assert [(one["name"], one["reached_s"], one["known_s"]) for one in story["waypoints"]] == [
+    assert (summary["mission"], summary["outcome"], summary["control_steps"]) == ("easy", "success", 102)
+    assert [(one["name"], one["reached_s"], one["known_s"]) for one in summary["waypoints"]] == [
         ("here", 0.52, 1.02),
         ("there [/bold]", 1.54, 2.04),
     ]
-    (command,) = story["commands"]
+    (command,) = summary["commands"]
     assert (command["uplink_s"], command["downlink_s"], command["round_trip_s"]) == (0.5, 0.5, 1.0)
-    assert sum(story["reward"].values()) == pytest.approx(story["reward_total"])
-    assert story["walking_s"] + story["standing_s"] == pytest.approx(2.04)
+    assert sum(summary["reward"].values()) == pytest.approx(summary["reward_total"])
+    assert summary["walking_s"] + summary["standing_s"] == pytest.approx(2.04)
 
 
 def test_a_log_that_is_not_what_happened_exits_with_1(yard: Path, program: Program) -> None:
@@ -111,7 +111,7 @@ def test_a_log_that_is_not_what_happened_exits_with_1(yard: Path, program: Progr
     assert found["verdict"] == "diverged"
     assert found["first_divergence"]["step"] == 40
     assert "/action" in found["first_divergence"]["topic"]
-    assert found["story"]["outcome"] == "success"
+    assert found["summary"]["outcome"] == "success"
     assert err.startswith("DIVERGED: ")
     assert re.search(r"\n  logged +\S.*\n  replayed +\S", err)
 

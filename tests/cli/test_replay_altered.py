@@ -1,4 +1,4 @@
-"""What replay says of logs that were altered to hold what no flight could: never a traceback, always the story."""
+"""What replay says of logs that were altered to hold what no flight could: never a traceback, always the summary."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def refuse_constant(word: str) -> None:
     raise AssertionError(f"{word} is no JSON")
 
 
-# What is altered, and what the story then says that it leaves out of sums and drawings.
+# What is altered, and what the summary then says that it leaves out of sums and drawings.
 ALTERED = {
     "qpos nan": (State, with_entry("qpos", 0, math.nan), "1 state"),
     "qpos inf": (State, with_entry("qpos", 1, -math.inf), "1 state"),
@@ -104,17 +104,17 @@ def test_the_story_of_an_altered_log_is_json(
     code, out, _ = program("replay", str(log), "--json")
     found = json.loads(out, parse_constant=refuse_constant)
     assert (code, found["verdict"]) == (1, "diverged")
-    story = found["story"]
-    assert (story["states_off_map"], story["frames_off_map"]) == (
+    summary = found["summary"]
+    assert (summary["states_off_map"], summary["frames_off_map"]) == (
         left_out == "1 state",
         left_out == "1 telemetry frame",
     )
-    assert story["distance_m"] < 100.0  # of a flight of seconds, in which one state was left out at most
+    assert summary["distance_m"] < 100.0  # of a flight of seconds, in which one state was left out at most
 
 
 def test_the_sum_of_a_reward_that_is_no_number_is_null(flown: Flown, tmp_path: Path, program: Program) -> None:
     log = flown.rewritten(tmp_path / "altered.mcap", altered(flown.messages, Reward, ALTERED["reward nan"][1]))
-    assert json.loads(program("replay", str(log), "--json")[1])["story"]["reward_total"] is None
+    assert json.loads(program("replay", str(log), "--json")[1])["summary"]["reward_total"] is None
 
 
 @pytest.mark.parametrize("changed", [{"x_m": math.nan}, {"y_m": 1e300}, {"tolerance_m": math.inf}])

@@ -47,7 +47,7 @@ def test_json_is_one_object_on_stdout(yard: Path, program: Program) -> None:
     code, out, err = program("run", "easy.yaml", "--json", "--out", "here.mcap")
     found = json.loads(out)
     assert code == 0
-    assert found.pop("story")["outcome"] == "success"
+    assert found.pop("summary")["outcome"] == "success"
     assert found == {
         "mission": "easy",
         "outcome": "success",

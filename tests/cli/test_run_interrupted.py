@@ -12,7 +12,7 @@ import pytest
 from tests.cli.flying import start
 from waypointctl.log.messages import Event, EventKind
 from waypointctl.log.reader import open_log
-from waypointctl.replay.logged import story_of
+from waypointctl.replay.flight_log import summary_of
 
 LIMIT_S = 60.0
 
@@ -39,7 +39,7 @@ def test_the_first_signal_closes_the_log(yard: Path, number: signal.Signals, mor
     *_, last = log.messages()
     assert isinstance(last, Event)
     assert (last.kind, last.text.partition(":")[0]) == (EventKind.MISSION_ENDED, "interrupted")
-    assert story_of(log).outcome == "interrupted"
+    assert summary_of(log).outcome == "interrupted"
     assert b"interrupted: 1 of 1 waypoints known to be reached" in out
     assert not (yard / "log.mcap.part").exists()
 
@@ -73,8 +73,8 @@ def test_a_flight_that_is_killed_leaves_what_it_had(yard: Path) -> None:
     flight.communicate(timeout=LIMIT_S)
     assert not (yard / "log.mcap").exists()
     log = open_log(yard / "log.mcap.part", allow_truncated=True)
-    assert story_of(log).outcome == "unfinished"
-    assert story_of(log).steps > 0
+    assert summary_of(log).outcome == "unfinished"
+    assert summary_of(log).steps > 0
 
 
 def test_interrupted_on_a_terminal_it_gives_the_cursor_back(yard: Path) -> None:

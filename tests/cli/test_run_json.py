@@ -10,18 +10,18 @@ from pathlib import Path
 from typing import Any
 
 from tests.cli.flying import Program, start
-from waypointctl.cli.tui.story_json import json_text, story_json
 from waypointctl.log.reader import open_log
-from waypointctl.replay.logged import mission_name, story_of
+from waypointctl.replay.flight_log import mission_name, summary_of
+from waypointctl.replay.summary_json import json_text, summary_json
 
 ROOT = Path(__file__).parents[2]
 WALKING = "name: walking\npolicy: still\nwaypoints: [{name: away, position: [50 m, 50 m], timeout: 1 h}]\n"
 
 
 def told(path: Path) -> Any:
-    """Return a log's story, as `replay --json` has it."""
+    """Return a log's summary, as `replay --json` has it."""
     log = open_log(path)
-    return json.loads(json_text(story_json(story_of(log), mission_name(log))))
+    return json.loads(json_text(summary_json(summary_of(log), mission_name(log))))
 
 
 def test_of_every_shipped_mission(yard: Path, program: Program) -> None:
@@ -30,18 +30,18 @@ def test_of_every_shipped_mission(yard: Path, program: Program) -> None:
     flights = json.loads(out)["missions"]
     assert (code, [flight["file"] for flight in flights]) == (0, missions)
     for flight in flights:
-        assert flight["story"] == told(yard / flight["log"])
-        assert flight["story"]["distance_m"] > 1
+        assert flight["summary"] == told(yard / flight["log"])
+        assert flight["summary"]["distance_m"] > 1
 
 
 def test_of_one_flight_that_succeeds_or_fails(yard: Path, program: Program) -> None:
     for mission, outcome in (("easy", "success"), ("far", "failure")):
         found = json.loads(program("run", f"{mission}.yaml", "--json")[1])
         replayed = json.loads(program("replay", found["log"], "--json")[1])
-        assert found["outcome"] == found["story"]["outcome"] == outcome
-        assert found["story"] == replayed["story"]
+        assert found["outcome"] == found["summary"]["outcome"] == outcome
+        assert found["summary"] == replayed["summary"]
     again = json.loads(program("run", "--resume", "logs/easy.mcap", "--json")[1])  # it is complete
-    assert again["story"] == told(yard / "logs" / "easy.mcap")
+    assert again["summary"] == told(yard / "logs" / "easy.mcap")
 
 
 def test_of_an_interrupted_flight_and_of_one_that_was_not_flown(yard: Path) -> None:
@@ -55,7 +55,7 @@ def test_of_an_interrupted_flight_and_of_one_that_was_not_flown(yard: Path) -> N
         os.kill(flying.pid, signal.SIGINT)
         assert flying.wait(60) == 130
     walking, *others = json.loads((yard / "out.json").read_bytes())["missions"]
-    assert walking["story"]["outcome"] == "interrupted"
-    assert walking["story"] == told(yard / walking["log"])
+    assert walking["summary"]["outcome"] == "interrupted"
+    assert walking["summary"] == told(yard / walking["log"])
     assert [other["outcome"] for other in others] == ["skipped", "skipped"]
-    assert not any("story" in other for other in others)
+    assert not any("summary" in other for other in others)

@@ -19,8 +19,8 @@ from waypointctl.cli.tui.map_scene import Scene
 from waypointctl.cli.tui.pace import Pace
 from waypointctl.cli.tui.tables import command_table, waypoint_table
 from waypointctl.log.messages import Clock, CommandStage, FloatArray, Message, Severity, Stage, State
-from waypointctl.replay.chronicle import tell
-from waypointctl.replay.story import Fate, WaypointStory
+from waypointctl.replay.summary import WaypointStatus, WaypointSummary
+from waypointctl.replay.summary_builder import summarize
 from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S
 
@@ -50,8 +50,8 @@ def test_a_line_has_no_gap() -> None:
     assert plain(canvas.rows())[0] == "\N{BRAILLE PATTERN DOTS-14}" * 10
 
 
-def scene(fate: Fate = Fate.OPEN) -> Scene:
-    waypoint = WaypointStory(NEAR, fate, None, None, None, None)
+def scene(fate: WaypointStatus = WaypointStatus.OPEN) -> Scene:
+    waypoint = WaypointSummary(NEAR, fate, None, None, None, None)
     return Scene(track([0.0, 1.0], [0.0, 0.0]), (waypoint,), belief=(0.0, 0.0))
 
 
@@ -89,10 +89,10 @@ def test_the_map_in_ascii() -> None:
     assert all(row.isascii() for row in plain(draw_map(scene(), 40, 10, ascii_only=True)))
 
 
-@pytest.mark.parametrize("fate", list(Fate))
-def test_a_waypoint_shows_its_fate(fate: Fate) -> None:
+@pytest.mark.parametrize("fate", list(WaypointStatus))
+def test_a_waypoint_shows_its_fate(fate: WaypointStatus) -> None:
     styles = {span.style for row in draw_map(scene(fate), 40, 10) for span in row.spans}
-    expected = {Fate.REACHED: "green", Fate.OPEN: "yellow"}.get(fate, "red")
+    expected = {WaypointStatus.REACHED: "green", WaypointStatus.OPEN: "yellow"}.get(fate, "red")
     assert expected in styles
 
 
@@ -103,14 +103,14 @@ def test_an_empty_map() -> None:
 @pytest.mark.parametrize("place", [(np.nan, 0.0), (0.0, -np.inf), (1e300, 1e300)])
 def test_what_is_nowhere_is_left_out_of_the_map(place: tuple[float, float]) -> None:
     nowhere = replace(NEAR, name="lost", x_m=place[0], y_m=place[1])
-    lost = WaypointStory(nowhere, Fate.OPEN, None, None, None, None)
+    lost = WaypointSummary(nowhere, WaypointStatus.OPEN, None, None, None, None)
     known = scene()
     shown = replace(known, waypoints=(*known.waypoints, lost), belief=place)
     assert plain(draw_map(shown, 40, 10)) == plain(draw_map(replace(known, belief=None), 40, 10))
 
 
 def test_a_name_does_not_steer_the_terminal() -> None:
-    waypoint = WaypointStory(replace(NEAR, name="\x1b[2J"), Fate.OPEN, None, None, None, None)
+    waypoint = WaypointSummary(replace(NEAR, name="\x1b[2J"), WaypointStatus.OPEN, None, None, None, None)
     drawing = "".join(plain(draw_map(replace(scene(), waypoints=(waypoint,)), 40, 10)))
     assert r"\u001b[2J" in drawing
     assert "\x1b" not in drawing
@@ -122,11 +122,11 @@ def test_the_view_goes_on_when_the_robot_is_nowhere(qpos: FloatArray) -> None:
     view = LiveView(people, "hand", (NEAR, FAR))
     for message in flight():
         if isinstance(message, State) and message.step in (0, 5):
-            view.chronicle(replace(message, qpos=qpos))
+            view.flight(replace(message, qpos=qpos))
         else:
-            view.chronicle(message)
+            view.flight(message)
         people.print(view.picture())
-    assert view.chronicle.story().states_off_map == 2
+    assert view.flight.summary().states_off_map == 2
 
 
 @pytest.mark.parametrize("width", [1, 20, 40, 67, 68, 80, 200])
@@ -137,7 +137,7 @@ def test_the_view_fits_every_terminal(width: int, height: int, encoding: str) ->
     people = Console(file=file, force_terminal=True, width=width, height=height, markup=False)
     view = LiveView(people, "hand", (NEAR, FAR))
     for message in flight():
-        view.chronicle(message)
+        view.flight(message)
     lines = people.render_lines(view.picture(), pad=False)
     assert height < 10 or len(lines) < height
     assert max(sum(len(segment.text) for segment in line) for line in lines) <= width
@@ -229,10 +229,10 @@ def test_sizes(count: int, text: str) -> None:
 
 @pytest.mark.parametrize("width", [40, 80, 99, 100, 120])
 def test_tables_keep_to_the_width(width: int) -> None:
-    story = tell(flight(), (replace(NEAR, name="a rather long name of a waypoint" * 2), FAR))
+    summary = summarize(flight(), (replace(NEAR, name="a rather long name of a waypoint" * 2), FAR))
     out = Console(file=io.StringIO(), width=width, markup=False, color_system=None)
-    out.print(waypoint_table(story))
-    out.print(command_table(story))
+    out.print(waypoint_table(summary))
+    out.print(command_table(summary))
     text = out.file.getvalue()  # type: ignore[attr-defined]
     assert max(map(len, text.splitlines())) <= width
     left_out = " ".join(text.rpartition("#")[2].split()).partition("left out: ")[2]
@@ -269,7 +269,7 @@ def test_how_often_a_command_was_sent_has_a_column_where_one_was_sent_again() ->
     def table(*more: CommandStage) -> str:
         out = Console(file=io.StringIO(), width=120, markup=False)
         with out.capture() as capture:
-            out.print(command_table(tell([*flight(), *more])))
+            out.print(command_table(summarize([*flight(), *more])))
         return capture.get()
 
     assert "sent" not in table().splitlines()[0].split()

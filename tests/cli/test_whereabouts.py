@@ -11,11 +11,11 @@ from rich.console import Console
 
 from tests.replay.hand_made import FAR, NEAR, event, flight, frame
 from waypointctl.cli.tui.live import LiveView
-from waypointctl.cli.tui.story_json import story_json
 from waypointctl.cli.tui.whereabouts import whereabouts_lines
 from waypointctl.log.messages import DeliveryOutcome, EventKind, LinkRecord, Message, Mode
 from waypointctl.log.setting import ContactWindows, MissionSetting
-from waypointctl.replay.chronicle import tell
+from waypointctl.replay.summary_builder import summarize
+from waypointctl.replay.summary_json import summary_json
 from waypointctl.units import NS_PER_S
 
 SETTING = MissionSetting(home=replace(NEAR, x_m=0.0, y_m=0.0))
@@ -40,7 +40,7 @@ STANDING = replace(frame(3, 4.9, 6.2, (0,)), mode=Mode.SAFE)
     ],
 )
 def test_a_way_home_is_told_as_it_was_and_as_it_was_known(messages: list[Message], said: str) -> None:
-    way, _ = whereabouts_lines(tell([*flight(), *messages], (NEAR, FAR), SETTING))
+    way, _ = whereabouts_lines(summarize([*flight(), *messages], (NEAR, FAR), SETTING))
     assert way == f"way home   {said}"
 
 
@@ -48,22 +48,22 @@ def test_where_the_robot_ended_and_where_the_operator_last_heard_of_it() -> None
     # The newest frame of the flight was sampled at 2 s where x was 2 m; at 5 s the robot is at (6.3, 0.4).
     place = "at (6.30, 0.40) m"
     heard = "the operator's last frame, sampled at 2.00 s, has (2.00, 0.00) m"
-    assert whereabouts_lines(tell(flight())) == [f"ended      {place}; {heard}"]
-    *_, line = whereabouts_lines(tell([*flight(), BEGUN], (), SETTING))
+    assert whereabouts_lines(summarize(flight())) == [f"ended      {place}; {heard}"]
+    *_, line = whereabouts_lines(summarize([*flight(), BEGUN], (), SETTING))
     assert line == f"ended      {place}, 6.31 m from home; {heard}"
-    assert whereabouts_lines(tell([])) == []
+    assert whereabouts_lines(summarize([])) == []
 
 
 def test_a_frame_that_was_overtaken_is_not_the_last_one() -> None:
     late = replace(frame(0, 1.0, 0.5, ()), received_ns=5 * NS_PER_S)
-    *_, line = whereabouts_lines(tell([*flight(), late]))
+    *_, line = whereabouts_lines(summarize([*flight(), late]))
     assert "sampled at 2.00 s, has (2.00, 0.00) m" in line
 
 
 def test_as_json() -> None:
-    story = story_json(tell([*flight(), BEGUN, RETURNING, REACHED, STANDING], (NEAR, FAR), SETTING), "hand")
-    assert story["home"] == {"x_m": 0.0, "y_m": 0.0}
-    assert story["returns_home"] == [
+    summary = summary_json(summarize([*flight(), BEGUN, RETURNING, REACHED, STANDING], (NEAR, FAR), SETTING), "hand")
+    assert summary["home"] == {"x_m": 0.0, "y_m": 0.0}
+    assert summary["returns_home"] == [
         {
             "cause": "timeout",
             "command": None,
@@ -75,10 +75,10 @@ def test_as_json() -> None:
             "ended_known_s": 5.9,
         }
     ]
-    assert story["ended_at"] == {"x_m": 6.3, "y_m": 0.4, "at_s": 5.0}
-    assert story["believed_at"] == {"x_m": 6.2, "y_m": 0.0, "at_s": 4.9}
-    assert story["home_distance_m"] == pytest.approx(6.3127, abs=1e-4)
-    without = story_json(tell([]), "hand")
+    assert summary["ended_at"] == {"x_m": 6.3, "y_m": 0.4, "at_s": 5.0}
+    assert summary["believed_at"] == {"x_m": 6.2, "y_m": 0.0, "at_s": 4.9}
+    assert summary["home_distance_m"] == pytest.approx(6.3127, abs=1e-4)
+    without = summary_json(summarize([]), "hand")
     assert (without["home"], without["returns_home"], without["ended_at"]) == (None, [], None)
 
 
@@ -90,7 +90,7 @@ def panels(messages: list[Message], setting: MissionSetting) -> str:
     people = Console(file=io.StringIO(), force_terminal=True, width=80, height=24, color_system=None)
     view = LiveView(people, "hand", (NEAR, FAR), setting)
     for message in messages:
-        view.chronicle(message)
+        view.flight(message)
     with people.capture() as capture:
         people.print(view.picture())
     return capture.get()
@@ -105,7 +105,7 @@ def test_the_live_view_tells_how_the_link_is() -> None:
     assert "link up    closed until 10.00 s" in panels(list(flight()), MissionSetting(up=pass_))
     over = ContactWindows(np.array([0]), np.array([3 * NS_PER_S]))
     assert "link       closed from now on" in panels(list(flight()), MissionSetting(up=over, down=over))
-    unheard = event(5, EventKind.LINK_LOST, "nothing heard for 4 s: hold")
-    picture = panels([*flight(), lost("up"), lost("down"), lost("down"), unheard], MissionSetting())
+    lost_spans = event(5, EventKind.LINK_LOST, "nothing heard for 4 s: hold")
+    picture = panels([*flight(), lost("up"), lost("down"), lost("down"), lost_spans], MissionSetting())
     assert "losses     1 up, 2 down" in picture
     assert "link lost  on board, at 5.00 s" in picture

@@ -32,7 +32,7 @@ def steered(seed: int, loss: float) -> tuple[FlightResult, list[Message]]:
     return flown(
         mission_of(
             FAR,
-            autonomy="short_range_goal",
+            autonomy="heading",
             operator={"steering": "continuous", "update_rate_hz": 5.0},
             link={"up": way, "down": way},
             seed=seed,

@@ -17,7 +17,7 @@ from tests.log.attacks import ATTACKS, PRIVATE
 from tests.log.forging import Chunk, Forgery, with_payload
 from waypointctl.log.chunk import encoded
 from waypointctl.log.records import Record
-from waypointctl.replay.carried import PROGRAM
+from waypointctl.replay.contents import PROGRAM
 
 Random = np.random.Generator
 FileMutation = Callable[[bytes, Random], bytes]

@@ -58,12 +58,12 @@ class Flown:
     ) -> Path:
         """Write the log again with other messages, metadata or attachments (None: left out)."""
         header = flight_header(self.mission_file, self.policy, load_robot("ant"))
-        carried = {each.name: each.data for each in header.attachments} | dict(attachments or {})
+        contents = {each.name: each.data for each in header.attachments} | dict(attachments or {})
         header = replace(
             header,
             metadata=dict(header.metadata) | dict(metadata or {}),
             attachments=tuple(
-                replace(each, data=data) for each in header.attachments if (data := carried[each.name]) is not None
+                replace(each, data=data) for each in header.attachments if (data := contents[each.name]) is not None
             ),
         )
         with LogWriter(out, header) as sink:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from waypointctl.mission.zones import Zone
-from waypointctl.replay.map_extent import Extent, extent
+from waypointctl.replay.track import Extent, extent
 
 
 def square(half_m: float) -> Zone:

@@ -11,9 +11,9 @@ from matplotlib.image import imread
 
 from tests.replay.hand_made import FAR, NEAR, event, flight
 from waypointctl.log.messages import Clock, EventKind, Message
-from waypointctl.replay.chronicle import tell
 from waypointctl.replay.picture.page import HEIGHT, WIDTH, draw
 from waypointctl.replay.picture.speed import _moving_mean
+from waypointctl.replay.summary_builder import summarize
 from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S
 
@@ -23,7 +23,7 @@ FOREIGN = replace(NEAR, name="近い")
 
 
 def picture_of(messages: Iterable[Message]) -> bytes:
-    return draw(tell(messages, (NEAR, FAR)), "hand", "replay exact, 10 control steps", is_exact=True)
+    return draw(summarize(messages, (NEAR, FAR)), "hand", "replay exact, 10 control steps", is_exact=True)
 
 
 def test_the_picture_is_a_png_of_its_size() -> None:
@@ -47,13 +47,13 @@ def test_an_unfinished_story_can_be_drawn(messages: list[Message]) -> None:
 
 @pytest.mark.parametrize("waypoint", [CURIOUS, FOREIGN])
 def test_names_are_drawn_as_they_are(waypoint: object) -> None:
-    story = tell(flight(), (replace(NEAR, name=waypoint.name), FAR))  # type: ignore[attr-defined]
-    assert draw(story, "a $ and a {", "", is_exact=True).startswith(b"\x89PNG")
+    summary = summarize(flight(), (replace(NEAR, name=waypoint.name), FAR))  # type: ignore[attr-defined]
+    assert draw(summary, "a $ and a {", "", is_exact=True).startswith(b"\x89PNG")
 
 
 def test_many_waypoints() -> None:
     many = [replace(NEAR, index=n, name=f"WP{n}", x_m=float(n)) for n in range(60)]
-    assert draw(tell(flight(), many), "many", "", is_exact=True).startswith(b"\x89PNG")
+    assert draw(summarize(flight(), many), "many", "", is_exact=True).startswith(b"\x89PNG")
 
 
 def red_pixels_at_the_top(png: bytes) -> int:
@@ -64,10 +64,10 @@ def red_pixels_at_the_top(png: bytes) -> int:
 
 @pytest.mark.parametrize("verdict", ["diverged", "unverifiable"])
 def test_a_flight_that_did_not_happen_again_says_so_at_the_top_in_red(verdict: str) -> None:
-    story = tell(flight(), (NEAR, FAR))
+    summary = summarize(flight(), (NEAR, FAR))
     proof = f"replay {verdict}, 10 control steps"
-    assert red_pixels_at_the_top(draw(story, "hand", proof, is_exact=False)) > 1000
-    assert red_pixels_at_the_top(draw(story, "hand", proof, is_exact=True)) == 0
+    assert red_pixels_at_the_top(draw(summary, "hand", proof, is_exact=False)) > 1000
+    assert red_pixels_at_the_top(draw(summary, "hand", proof, is_exact=True)) == 0
 
 
 def test_moving_mean_by_hand() -> None:

@@ -32,11 +32,11 @@ from waypointctl.log.messages import (
 )
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.zones import Zone
-from waypointctl.replay.chronicle import tell
 from waypointctl.replay.picture.page import HEIGHT, WIDTH, _draw_parts, _wrapped
 from waypointctl.replay.picture.speed import _drawn
 from waypointctl.replay.picture.time_axis import _along, _knots, _ticks, time_text, waits_in
-from waypointctl.replay.story import Story
+from waypointctl.replay.summary import FlightSummary
+from waypointctl.replay.summary_builder import summarize
 from waypointctl.units import NS_PER_S, ns
 
 SETTING = MissionSetting(
@@ -50,10 +50,10 @@ SETTING = MissionSetting(
 )
 
 
-def parts(story: Story) -> Figure:
+def parts(summary: FlightSummary) -> Figure:
     figure = Figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
     FigureCanvasAgg(figure)
-    _draw_parts(figure, story)
+    _draw_parts(figure, summary)
     figure.draw_without_rendering()
     return figure
 
@@ -109,12 +109,12 @@ def test_no_label_covers_another_however_many_waypoints_there_are(count: int, ap
     reached = [event(1 + n / 20, EventKind.WAYPOINT_REACHED, "", waypoint=n) for n in range(count)]
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from")
-        assert_no_label_covers_another(parts(tell([*flight(), *reached], waypoints, SETTING)))
+        assert_no_label_covers_another(parts(summarize([*flight(), *reached], waypoints, SETTING)))
 
 
 @pytest.mark.parametrize(("count", "apart_s"), [(2, 0.2), (20, 0.02), (20, 0.2), (40, 0.0), (200, 0.02)])
 def test_no_label_covers_another_however_many_commands_there_are(count: int, apart_s: float) -> None:
-    figure = parts(tell([*commands(count, apart_s), *flight()], (NEAR, FAR), SETTING))
+    figure = parts(summarize([*commands(count, apart_s), *flight()], (NEAR, FAR), SETTING))
     assert_no_label_covers_another(figure)
     if count <= 2 and apart_s:
         assert {"101: hold", "101 completed"} <= set(names(figure, 2))
@@ -122,7 +122,7 @@ def test_no_label_covers_another_however_many_commands_there_are(count: int, apa
 
 def test_what_went_wrong_is_labelled_first_and_alone_where_there_are_hundreds() -> None:
     failed: list[Message] = [stage(1, Stage.FAILED, command_id=150), Ack(150, Stage.FAILED, "", ns(1.0), ns(1.5))]
-    figure = parts(tell([*commands(200, 0.02), *failed, *flight()], (NEAR, FAR)))
+    figure = parts(summarize([*commands(200, 0.02), *failed, *flight()], (NEAR, FAR)))
     assert {name.partition(":")[0].partition(" ")[0] for name in names(figure, 2)} <= {"150", "1"}
     assert any("150 failed" in name for name in names(figure, 2))
     assert "201 commands" in figure.axes[2].get_title(loc="left") + figure.axes[2].get_title()
@@ -133,8 +133,8 @@ def test_the_speed_line_is_at_zero_while_physics_sleeps_and_broken_where_states_
     after_rest = [replace(one, time_ns=one.time_ns + 1000 * NS_PER_S) for one in walking]
     rest = (event(10, EventKind.REST_STARTED, ""), event(1000, EventKind.REST_ENDED, ""))
     for events, between in ((rest, 0.0), ((), np.nan)):
-        story = tell([*walking, *events, *after_rest])
-        track, mean_mps = _drawn(story.truth, story.resting)
+        summary = summarize([*walking, *events, *after_rest])
+        track, mean_mps = _drawn(summary.truth, summary.resting)
         inside = (track.time_ns == 19 * STEP_NS) | (track.time_ns == 1000 * NS_PER_S)
         np.testing.assert_array_equal(track.time_ns[inside], np.repeat([19 * STEP_NS, 1000 * NS_PER_S], 2))
         np.testing.assert_array_equal(track.speed_mps[inside], [2.0, between, between, 2.0])
@@ -143,22 +143,22 @@ def test_the_speed_line_is_at_zero_while_physics_sleeps_and_broken_where_states_
 
 
 def test_a_track_without_gaps_is_drawn_as_it_is() -> None:
-    story = tell(flight())
-    track, mean_mps = _drawn(story.truth, ())
-    np.testing.assert_array_equal(track.speed_mps, story.truth.speed_mps)
+    summary = summarize(flight())
+    track, mean_mps = _drawn(summary.truth, ())
+    np.testing.assert_array_equal(track.speed_mps, summary.truth.speed_mps)
     assert len(mean_mps) == len(track) == 11
 
 
 DAY_S = 86_400
 
 
-def slow() -> Story:
+def slow() -> FlightSummary:
     """Return a flight whose robot rests for five days, twice."""
     walking = [state(n, 0.0, 0.0, 1.0) for n in range(20)]
     later = [replace(one, time_ns=one.time_ns + 5 * DAY_S * NS_PER_S) for one in walking]
     end = event(10 * DAY_S, EventKind.MISSION_ENDED, "success: 0 of 0", Clock.OPERATOR)
     beacons = [frame(n, n * 3600.0, 0.0, ()) for n in range(230)]
-    return tell([*walking, *later, *beacons, end])
+    return summarize([*walking, *later, *beacons, end])
 
 
 def test_long_waits_are_drawn_shorter() -> None:
@@ -169,8 +169,8 @@ def test_long_waits_are_drawn_shorter() -> None:
     begin, end = (figure.axes[1].transData.transform((at, 0.0))[0] for at in (5 * DAY_S, 5 * DAY_S + 9.5))
     assert end - begin > 100, "the ten seconds in which the robot walks can be seen"
     assert "waits" in figure.axes[2].get_xlabel()
-    assert waits_in(tell(flight())) == ()
-    assert parts(tell(flight())).axes[2].get_xlabel() == "simulation time [s]"
+    assert waits_in(summarize(flight())) == ()
+    assert parts(summarize(flight())).axes[2].get_xlabel() == "simulation time [s]"
 
 
 @given(st.floats(-1e3, 1e7))
@@ -200,14 +200,16 @@ def lost(way: str, time_s: float) -> LinkRecord:
 
 def test_what_there_is_of_home_zones_and_link_is_drawn_and_named() -> None:
     home = (event(4, EventKind.RETURN_STARTED, "walking home: timeout"), event(4.8, EventKind.HOME_REACHED, "home"))
-    unheard = event(3, EventKind.LINK_LOST, "nothing heard")
-    story = tell([*flight(), *home, unheard, lost("up", 1), lost("down", 2), lost("down", 3)], (NEAR, FAR), SETTING)
-    figure = parts(story)
+    lost_spans = event(3, EventKind.LINK_LOST, "nothing heard")
+    summary = summarize(
+        [*flight(), *home, lost_spans, lost("up", 1), lost("down", 2), lost("down", 3)], (NEAR, FAR), SETTING
+    )
+    figure = parts(summary)
     assert {"home", "way home", "3 not delivered", "hollow: no contact down", "no contact"} <= set(legends(figure))
     assert "link lost, on board" in legends(figure)
     assert {"home", "keep-in site"} <= set(names(figure, 0))
     assert {"way home", "home reached"} <= set(names(figure, 1))
-    plain = legends(parts(tell(flight(), (NEAR, FAR))))
+    plain = legends(parts(summarize(flight(), (NEAR, FAR))))
     assert not {"home", "way home", "no contact", "link lost, on board"} & set(plain)
     assert not any("not delivered" in text for text in plain)
 
@@ -215,9 +217,9 @@ def test_what_there_is_of_home_zones_and_link_is_drawn_and_named() -> None:
 def test_a_command_that_was_lost_is_told_from_one_under_way() -> None:
     sent = event(1, EventKind.COMMAND_SENT, "command 2 sent: hold", Clock.OPERATOR, command_id=2)
     queued = stage(1, Stage.QUEUED, Clock.OPERATOR, command_id=2)
-    under_way = parts(tell([*flight(), sent, queued]))
+    under_way = parts(summarize([*flight(), sent, queued]))
     assert "2: hold (under way)" in names(under_way, 2)
-    is_lost = parts(tell([*flight(), sent, queued, stage(1, Stage.LOST, Clock.LINK, command_id=2), lost("up", 1)]))
+    is_lost = parts(summarize([*flight(), sent, queued, stage(1, Stage.LOST, Clock.LINK, command_id=2), lost("up", 1)]))
     assert "2: hold (not delivered)" in names(is_lost, 2)
 
 
@@ -228,13 +230,15 @@ def test_an_arrow_begins_with_the_sending_that_arrived() -> None:
         Command(1, CommandKind.GO_TO, (NEAR,), "abort", ns(3.0), ns(4.0), attempt=2),
         ack(Stage.RECEIVED, 4.0),
     ]
-    arrows = [text for text in parts(tell(again)).axes[2].texts if isinstance(text, Annotation) and text.arrow_patch]
+    arrows = [
+        text for text in parts(summarize(again)).axes[2].texts if isinstance(text, Annotation) and text.arrow_patch
+    ]
     assert (arrows[0].xyann[0], arrows[0].xy[0]) == (3.0, 4.0)
 
 
 @pytest.mark.parametrize("far_m", [0.0, 1e4])
 def test_a_metre_is_as_long_along_both_axes(far_m: float) -> None:
-    axes = parts(tell(flight(), (NEAR, replace(FAR, x_m=far_m)), SETTING)).axes[0]
+    axes = parts(summarize(flight(), (NEAR, replace(FAR, x_m=far_m)), SETTING)).axes[0]
     (x0, y0), (x1, y1) = axes.transData.transform([(0.0, 0.0), (1.0, 1.0)])
     assert x1 - x0 == pytest.approx(y1 - y0)
 
@@ -242,19 +246,19 @@ def test_a_metre_is_as_long_along_both_axes(far_m: float) -> None:
 def test_a_commanded_place_that_is_no_waypoint_is_marked_and_named() -> None:
     place = PlannedWaypoint(-1, "(3, 4)", 3.0, 4.0, "radius", 0.5, NS_PER_S, 0)
     console = [*flight(), Command(2, CommandKind.GO_TO, (place,), "", 0, ns(1.0))]
-    axes = parts(tell(console, (NEAR, FAR))).axes[0]
+    axes = parts(summarize(console, (NEAR, FAR))).axes[0]
     (marks,) = (line for line in axes.lines if line.get_label() == "commanded place")
     assert (list(marks.get_xdata()), list(marks.get_ydata())) == ([3.0], [4.0])  # type: ignore[arg-type]
     assert "(3, 4)" in {text.get_text() for text in axes.texts}
-    assert "commanded place" not in legends(parts(tell(flight(), (NEAR, FAR))))
+    assert "commanded place" not in legends(parts(summarize(flight(), (NEAR, FAR))))
 
 
 def test_legends_name_only_what_is_drawn() -> None:
-    path, _, messages = parts(tell([], (NEAR, FAR))).axes
+    path, _, messages = parts(summarize([], (NEAR, FAR))).axes
     assert path.get_legend() is None
     assert legend(messages) == []
-    unheard = [message for message in flight() if not isinstance(message, (Ack, Telemetry))]
-    assert legend(parts(tell(unheard, (NEAR, FAR))).axes[2]) == ["command", "walking", "reached"]
+    lost_spans = [message for message in flight() if not isinstance(message, (Ack, Telemetry))]
+    assert legend(parts(summarize(lost_spans, (NEAR, FAR))).axes[2]) == ["command", "walking", "reached"]
 
 
 @pytest.mark.parametrize("count", [1, 30, 200])

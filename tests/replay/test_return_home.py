@@ -15,9 +15,9 @@ from waypointctl.log.messages import Ack, Command, CommandKind, EventKind, Messa
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.chronicle import tell
-from waypointctl.replay.logged import story_of
+from waypointctl.replay.flight_log import summary_of
 from waypointctl.replay.return_home import ReturnEnding, ReturnHome
+from waypointctl.replay.summary_builder import summarize
 from waypointctl.units import ns
 
 BY_RULE = event(4, EventKind.RETURN_STARTED, "walking home: timeout", command_id=-1)
@@ -26,7 +26,7 @@ REACHED = event(9, EventKind.HOME_REACHED, "home reached")
 
 
 def returns(*messages: Message) -> tuple[ReturnHome, ...]:
-    return tell(messages).returns
+    return summarize(messages).returns
 
 
 def command(command_id: int, kind: CommandKind) -> Command:
@@ -79,12 +79,12 @@ def test_the_operator_knows_what_telemetry_has_told() -> None:
     walking = replace(frame(1, 3.9, 2.0, ()), mode=Mode.RETURNING)  # sampled before, of another way home
     returning = replace(frame(2, 4.2, 2.0, ()), mode=Mode.RETURNING)
     standing = replace(frame(3, 9.2, 0.0, ()), mode=Mode.SAFE)
-    unheard: list[Message] = [BY_RULE, walking]
+    lost_spans: list[Message] = [BY_RULE, walking]
     begun: list[Message] = [returning, REACHED]
-    assert (returns(*unheard)[0].began_known_ns, returns(*unheard)[0].ended_known_ns) == (None, None)
-    (way,) = returns(*unheard, *begun)
+    assert (returns(*lost_spans)[0].began_known_ns, returns(*lost_spans)[0].ended_known_ns) == (None, None)
+    (way,) = returns(*lost_spans, *begun)
     assert (way.began_known_ns, way.ended_known_ns) == (ns(5.2), None)
-    (way,) = returns(*unheard, *begun, standing)
+    (way,) = returns(*lost_spans, *begun, standing)
     assert (way.began_known_ns, way.ended_known_ns) == (ns(5.2), ns(10.2))
 
 
@@ -115,13 +115,13 @@ def test_of_a_flight(
     source = FLIGHT.replace("TOLERANCE", tolerance).encode()
     file = MissionFile(parse_mission(source, "m.yaml"), source, tmp_path / "m.yaml")
     path = record(file, make_policy(tmp_path / "policy", gain=0.0), tmp_path / "f.mcap").path
-    story = story_of(open_log(path))
-    (way,) = story.returns
+    summary = summary_of(open_log(path))
+    (way,) = summary.returns
     assert (way.cause, way.command_id) == ("timeout", None)
     assert way.began_ns > ns(1.0)
     assert way.ending is not ReturnEnding.REACHED if ending is None else way.ending is ending
-    assert story.home is not None
-    assert (story.home.x_m, story.home.y_m) == (0.3, 0.2)
-    assert story.home_distance_m == pytest.approx(
-        float(((story.truth.x_m[-1] - 0.3) ** 2 + (story.truth.y_m[-1] - 0.2) ** 2) ** 0.5)
+    assert summary.home is not None
+    assert (summary.home.x_m, summary.home.y_m) == (0.3, 0.2)
+    assert summary.home_distance_m == pytest.approx(
+        float(((summary.truth.x_m[-1] - 0.3) ** 2 + (summary.truth.y_m[-1] - 0.2) ** 2) ** 0.5)
     )

@@ -23,7 +23,7 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
-from waypointctl.replay import carried
+from waypointctl.replay import contents
 from waypointctl.replay.verdict import Divergence, Verdict
 from waypointctl.replay.verify import verify
 
@@ -208,7 +208,7 @@ class TestOnAnotherProcessor:
     @pytest.fixture(autouse=True)
     def _elsewhere(self, monkeypatch: pytest.MonkeyPatch) -> None:
         here = dict(header.platform_facts()) | {"processor": "another one"}
-        monkeypatch.setattr(carried, "platform_facts", lambda: here)
+        monkeypatch.setattr(contents, "platform_facts", lambda: here)
 
     def test_physics_and_messages_are_still_the_same_and_the_file_but_for_what_names_the_processor(
         self, flown: Flown

@@ -15,7 +15,7 @@ from tests.replay.rewriting import Flown, altered
 from waypointctl.flight.header import platform_facts
 from waypointctl.log.foxglove.view import FoxgloveView, Frame
 from waypointctl.log.messages import Action, Message, Observation, Telemetry
-from waypointctl.replay.carried import PROGRAM
+from waypointctl.replay.contents import PROGRAM
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
 

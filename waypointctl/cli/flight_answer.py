@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from waypointctl.cli.tui.story_json import Plain, json_text, story_json
+from waypointctl.replay.summary_json import Plain, json_text, summary_json
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
     from waypointctl.flight.record import Recording
-    from waypointctl.replay.story import Story
+    from waypointctl.replay.summary import FlightSummary
 
 EXIT_CODES: Final = {"success": 0, "failure": 1, "interrupted": 130}
 
 
-def answer(mission: str, recording: Recording, story: Story) -> str:
+def answer(mission: str, recording: Recording, summary: FlightSummary) -> str:
     """Return the JSON object that stands for the flight of a mission, by its name."""
-    return f"{json_text(facts(mission, recording, story))}\n"
+    return f"{json_text(facts(mission, recording, summary))}\n"
 
 
-def facts(mission: str, recording: Recording, story: Story) -> Plain:
+def facts(mission: str, recording: Recording, summary: FlightSummary) -> Plain:
     """Return what there is to say of the flight of a mission, by its name; fields are only ever added.
 
-    `waypoints_reached` counts what the operator has heard of; `story` is what `replay --json` has of the log.
+    `waypoints_reached` counts what the operator has heard of; `summary` is what `replay --json` has of the log.
     """
     result = recording.result
     return {
@@ -36,5 +36,5 @@ def facts(mission: str, recording: Recording, story: Story) -> Plain:
         "log": str(recording.path),
         "log_sha256": recording.sha256,
         "pictures": recording.pictures,
-        "story": story_json(story, mission),
+        "summary": summary_json(summary, mission),
     }

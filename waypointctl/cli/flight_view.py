@@ -67,7 +67,7 @@ def flight_view(
         if rate is not None:
             view.say(f"at {rate:g} times real time")
         sink = view if rate is None else _from_first_state(view, rate, interrupted)
-        yield FlightView(view, sink, lambda message: view.chronicle(message), None)
+        yield FlightView(view, sink, lambda message: view.flight(message), None)
 
 
 def _from_first_state(view: Sink, rate: float, interrupted: Callable[[], bool]) -> Sink:

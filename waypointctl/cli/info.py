@@ -14,7 +14,7 @@ from waypointctl.display_text import printable
 if TYPE_CHECKING:
     from waypointctl.cli.tui.grid_view import GridView
     from waypointctl.evaluation.grid import Column
-    from waypointctl.log.contents import TopicSummary
+    from waypointctl.log.index import TopicSummary
     from waypointctl.log.reader import Log
 
 

@@ -1,4 +1,4 @@
-"""`waypointctl replay`: prove a log, tell its story, draw it, show it again."""
+"""`waypointctl replay`: prove a log, tell its summary, draw it, show it again."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from waypointctl.display_text import printable
 if TYPE_CHECKING:
     from waypointctl.cli.tui.playback import Playback
     from waypointctl.log.reader import Log
-    from waypointctl.replay.story import Story
+    from waypointctl.replay.summary import FlightSummary
     from waypointctl.replay.verdict import Verification
 
 _PNG: Final = b"\x89PNG"
@@ -46,7 +46,7 @@ def replay(
     loop: Annotated[bool, typer.Option("--loop", help="Show it over and over.")] = False,
     start_paused: Annotated[bool, typer.Option("--start-paused", help="Show it when space is pressed.")] = False,
 ) -> None:
-    """Simulate a logged flight again, compare every bit, and tell its story.
+    """Simulate a logged flight again, compare every bit, and tell its summary.
 
     Everything comes from the log. The verdict is EXACT if the replay writes the same file, byte for byte; EQUIVALENT
     if physics and messages are the same; APPROXIMATE if the physics is, and the rest within rounding: exit with 0.
@@ -55,11 +55,11 @@ def replay(
     """
     from waypointctl.cli.pictures import picture_files, write_pictures
     from waypointctl.cli.tui import playback
-    from waypointctl.cli.tui.story_json import json_text, story_json, verification_json
-    from waypointctl.cli.tui.summary import print_story
+    from waypointctl.cli.tui.summary import print_summary
     from waypointctl.log.reader import open_log
     from waypointctl.paths import refuse_other_content, refuse_unwritable_file
-    from waypointctl.replay.logged import mission_name, story_of
+    from waypointctl.replay.flight_log import mission_name, summary_of
+    from waypointctl.replay.summary_json import json_text, summary_json, verification_json
 
     if rate is not None or start_offset is not None or loop or start_paused:
         if verify or strict or json or png is not None or pictures is not None:
@@ -75,12 +75,12 @@ def replay(
     verification = _prove(opened, stderr=json)
     found = verification_json(verification)
     if not verify or png is not None:
-        story = story_of(opened)
+        summary = summary_of(opened)
         if not verify:
-            print_story(story, mission_name(opened), stderr=json)
-            found["story"] = story_json(story, mission_name(opened))
+            print_summary(summary, mission_name(opened), stderr=json)
+            found["summary"] = summary_json(summary, mission_name(opened))
         if png is not None:
-            _draw(story, opened, verification, png)
+            _draw(summary, opened, verification, png)
     if pictures is not None and files is not None:
         write_pictures(files, pictures)
     if json:
@@ -114,12 +114,12 @@ def _prove(log: Log, *, stderr: bool) -> Verification:
     return verification
 
 
-def _draw(story: Story, log: Log, verification: Verification, png: Path) -> None:
+def _draw(summary: FlightSummary, log: Log, verification: Verification, png: Path) -> None:
     from waypointctl.paths import write_whole
-    from waypointctl.replay.logged import mission_name
+    from waypointctl.replay.flight_log import mission_name
     from waypointctl.replay.picture.page import draw
 
     proof = f"replay {verification.verdict}, {verification.steps} control steps"
-    picture = draw(story, mission_name(log), proof, is_exact=verification.verdict == "exact")
+    picture = draw(summary, mission_name(log), proof, is_exact=verification.verdict == "exact")
     write_whole(png, picture, "the picture")
     typer.echo(f"drawn into {printable(png)}", err=True)

@@ -62,13 +62,13 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.pictures import say_missing
     from waypointctl.cli.tui.summary import print_flight
-    from waypointctl.replay.carried import made_elsewhere
+    from waypointctl.replay.contents import platform_differences
     from waypointctl.replay.resume import Interrupted, go_on
 
-    mission, log = flight.carried.mission, printable(flight.log.path)
-    if asked.console and not flight.milestones.had_console:
+    mission, log = flight.contents.mission, printable(flight.log.path)
+    if asked.console and not flight.events.had_console:
         raise typer.BadParameter("--console: the flight had none, and with one it would be another flight.")
-    if others := made_elsewhere(flight.log):
+    if others := platform_differences(flight.log):
         note = "it is gone on with only if it is the same flight here, and the finished log will name this program"
         typer.echo(f"note: {log} was made elsewhere ({printable(', '.join(others))}): {note}", err=True)
     typer.echo(
@@ -85,10 +85,10 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
         typer.echo(f"interrupted before it was where {log} ends; that log is as it was", err=True)
         return _INTERRUPTED
     say_missing(recording)
-    story = view.watch.chronicle.story()
-    print_flight(story, recording, time.monotonic() - began_s, stderr=asked.json)
+    summary = view.watch.flight.summary()
+    print_flight(summary, recording, time.monotonic() - began_s, stderr=asked.json)
     if asked.json:
-        sys.stdout.write(answer(mission.name, recording, story))
+        sys.stdout.write(answer(mission.name, recording, summary))
     return EXIT_CODES[recording.result.outcome]
 
 
@@ -99,17 +99,17 @@ def _say_complete(asked: Resumption) -> int:
     from waypointctl.flight.record import recording_of
     from waypointctl.log.opening import PART
     from waypointctl.log.reader import open_log
-    from waypointctl.replay.logged import mission_name, story_of
+    from waypointctl.replay.flight_log import mission_name, summary_of
 
     path = asked.log.with_name(asked.log.name.removesuffix(PART))
     log = open_log(path)
-    story = story_of(log)
-    typer.echo(printable(f"{path} is complete: {story.headline}"), err=True)
+    summary = summary_of(log)
+    typer.echo(printable(f"{path} is complete: {summary.headline}"), err=True)
     if asked.json:
-        reached, total, ended_ns = story.learned, len(story.waypoints), story.ended_ns
-        result = FlightResult(story.outcome, story.reason, reached, total, ended_ns, ended_ns)
+        reached, total, ended_ns = summary.known, len(summary.waypoints), summary.ended_ns
+        result = FlightResult(summary.outcome, summary.reason, reached, total, ended_ns, ended_ns)
         recording = recording_of(result, path, int(log.metadata["seed"]), log.count("/camera"))
-        sys.stdout.write(answer(mission_name(log), recording, story))
+        sys.stdout.write(answer(mission_name(log), recording, summary))
     return 0
 
 

@@ -109,10 +109,10 @@ def run(
             )
         wall_s = time.monotonic() - began_s
     say_missing(recording)
-    story = view.watch.chronicle.story()
-    print_flight(story, recording, wall_s, stderr=json)
+    summary = view.watch.flight.summary()
+    print_flight(summary, recording, wall_s, stderr=json)
     if json:
-        sys.stdout.write(answer(mission_file.mission.name, recording, story))
+        sys.stdout.write(answer(mission_file.mission.name, recording, summary))
     raise typer.Exit(EXIT_CODES[recording.result.outcome])
 
 

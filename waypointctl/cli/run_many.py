@@ -14,10 +14,10 @@ from waypointctl.units import seconds
 
 if TYPE_CHECKING:
     from waypointctl.cli.junit import Case
-    from waypointctl.cli.tui.story_json import Plain
     from waypointctl.flight.record import Recording
     from waypointctl.mission.files import MissionFile
     from waypointctl.policy.bundle import LoadedPolicy
+    from waypointctl.replay.summary_json import Plain
 
 _NOT_FLOWN: Final = "not flown: interrupted before"
 _WORDS: Final = {"success": "succeeded", "failure": "failed", "interrupted": "interrupted"}
@@ -77,8 +77,8 @@ def run_many(many: Many, load: LoadMission) -> int:
     """
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.junit import junit_xml
-    from waypointctl.cli.tui.story_json import json_text
     from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
+    from waypointctl.replay.summary_json import json_text
 
     if many.junit is not None:
         refuse_unwritable_file(many.junit, "the report")
@@ -121,17 +121,17 @@ def _fly(
     from waypointctl.flight.record import record
     from waypointctl.flight.setting import setting_of
     from waypointctl.policy.bundle import load_policy
-    from waypointctl.replay.chronicle import Chronicle
+    from waypointctl.replay.summary_builder import FlightSummaryBuilder
 
     file = load(path)
-    name, chronicle = file.mission.name, Chronicle(planned_waypoints(file.mission), setting_of(file.mission))
+    name, flight = file.mission.name, FlightSummaryBuilder(planned_waypoints(file.mission), setting_of(file.mission))
     folder = many.policy or file.policy_path.resolve()
     if folder not in policies:
         policies[folder] = load_policy(many.policy or file.policy_path)
     with claimed(name, many.out, force=many.force) as log:
-        recording = record(file, policies[folder], log, watch=chronicle, interrupted=interrupted, pictures=True)
+        recording = record(file, policies[folder], log, watch=flight, interrupted=interrupted, pictures=True)
     say_missing(recording)
-    return Outcome(path, name, recording, facts(name, recording, chronicle.story()))
+    return Outcome(path, name, recording, facts(name, recording, flight.summary()))
 
 
 def _reason(outcome: Outcome) -> str:

@@ -11,8 +11,8 @@ from mcap.opcode import Opcode
 
 from waypointctl.errors import LogError
 from waypointctl.log.bounds import OverLimit
-from waypointctl.log.contents import ChunkPlace, Contents, TopicSummary
 from waypointctl.log.decompress import chunk_bytes
+from waypointctl.log.index import ChunkPlace, Contents, TopicSummary
 from waypointctl.log.messages import Message
 from waypointctl.log.opening import DAMAGE, damaged, open_file
 from waypointctl.log.records import CutShort, RawMessage, Record, inner_records, raw_message, records
@@ -35,7 +35,7 @@ def open_log(path: Path, *, allow_truncated: bool = False) -> Log:
     return Log(path, scan(path, allow_truncated=allow_truncated))
 
 
-class SealedMessage(NamedTuple):
+class EncodedMessage(NamedTuple):
     """A message of a flight as it stands in the file; a tuple, because it is made for every message of a log."""
 
     topic: Topic
@@ -145,7 +145,7 @@ class Log:
                     raw = raw_message(body)
                     yield topics[raw.channel].name, raw
 
-    def sealed_messages(self) -> Iterator[SealedMessage]:
+    def encoded_messages(self) -> Iterator[EncodedMessage]:
         """Return all of the flight's own messages in the order they were written, not yet decoded.
 
         Raises:
@@ -156,7 +156,7 @@ class Log:
     def _messages(self, decoders: Mapping[int, Topic], start_ns: int, end_ns: int) -> Iterator[Message]:
         return (sealed.message() for sealed in self._sealed(decoders, start_ns, end_ns))
 
-    def _sealed(self, decoders: Mapping[int, Topic], start_ns: int, end_ns: int) -> Iterator[SealedMessage]:
+    def _sealed(self, decoders: Mapping[int, Topic], start_ns: int, end_ns: int) -> Iterator[EncodedMessage]:
         path = str(self.path)
         for chunk in self._chunks(start_ns, end_ns):
             try:
@@ -166,7 +166,7 @@ class Log:
                     raw = raw_message(body)
                     topic = decoders.get(raw.channel)
                     if topic is not None and start_ns <= raw.log_time_ns < end_ns:
-                        yield SealedMessage(topic, raw, path, chunk.offset)
+                        yield EncodedMessage(topic, raw, path, chunk.offset)
             except DAMAGE as error:
                 raise damaged(path, chunk.offset, str(error)) from error
 

@@ -19,9 +19,9 @@ from mcap.records import Attachment, Channel, Chunk, DataEnd, Footer, Header, Me
 
 from waypointctl.errors import LogError
 from waypointctl.log.bounds import Bounds, OverLimit
-from waypointctl.log.contents import ChunkPlace, Contents, TopicSummary
 from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION
+from waypointctl.log.index import ChunkPlace, Contents, TopicSummary
 from waypointctl.log.opening import DAMAGE, PART, check_magic, damaged, nothing_flown, open_file
 from waypointctl.log.records import MAGIC, CutShort, Record, body_stream, inner_spans, message_head, records
 

@@ -1,1 +1,1 @@
-"""What a log proves and tells: re-simulation and its verdict, the story, pictures."""
+"""What a log proves and tells: re-simulation and its verdict, the summary, pictures."""

@@ -9,12 +9,12 @@ from typing import Final, Self
 from waypointctl.flight.header import POLICY_FOLDER
 from waypointctl.policy.manifest import NETWORK, WEIGHTS
 from waypointctl.policy.weights import weights_fault
-from waypointctl.replay.audited_camera import AuditedCamera
-from waypointctl.replay.carried import Carried
+from waypointctl.replay.comparator import ACTION_TOLERANCE, LogComparator, RecordedPolicy
+from waypointctl.replay.contents import LogContents
 from waypointctl.replay.difference import ROUNDING
+from waypointctl.replay.recorded_camera import RecordedCamera
 from waypointctl.replay.verdict import Verdict, Verification
 from waypointctl.replay.whole_file import WholeFile
-from waypointctl.replay.witness import ACTION_TOLERANCE, AuditedPolicy, Witness
 
 _SAME: Final = {
     Verdict.EXACT: "every bit the same",
@@ -44,14 +44,19 @@ class Compared:
 
     @classmethod
     def of(
-        cls, carried: Carried, witness: Witness, policy: AuditedPolicy, pictures: AuditedCamera, whole: WholeFile
+        cls,
+        contents: LogContents,
+        comparator: LogComparator,
+        policy: RecordedPolicy,
+        pictures: RecordedCamera,
+        whole: WholeFile,
     ) -> Self:
         """Ask all who compared."""
-        fault = weights_fault(carried.policy.files[WEIGHTS], carried.policy.files[NETWORK])
+        fault = weights_fault(contents.policy.files[WEIGHTS], contents.policy.files[NETWORK])
         weights = (f"{POLICY_FOLDER}{WEIGHTS}: {fault}",) if fault else ()
         return cls(
-            checks=(*_checks(witness.compared), *pictures.checks, *whole.checks),
-            rounded=tuple(_rounded(witness, policy)),
+            checks=(*_checks(comparator.compared), *pictures.checks, *whole.checks),
+            rounded=tuple(_rounded(comparator, policy)),
             not_compared=(*weights, *pictures.not_compared, *whole.not_compared),
         )
 
@@ -80,10 +85,10 @@ def _checks(counts: Counter[str]) -> tuple[str, ...]:
     )
 
 
-def _rounded(witness: Witness, policy: AuditedPolicy) -> list[str]:
+def _rounded(comparator: LogComparator, policy: RecordedPolicy) -> list[str]:
     lines = [
         f"{_several(count, _NOUNS[topic])}: equal within {ROUNDING:.0e}, not bit for bit"
-        for topic, count in witness.rounded.items()
+        for topic, count in comparator.rounded.items()
     ]
     if policy.rounded:
         actions = _several(policy.rounded, "action")

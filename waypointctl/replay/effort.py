@@ -43,7 +43,7 @@ class Effort:
 
 
 @dataclass(slots=True)
-class EffortTally:
+class EffortBuilder:
     """Adds up the way from state to state, by what had the motors.
 
     Attributes:
@@ -67,7 +67,7 @@ class EffortTally:
         if self.source in _BY_POLICY:
             self._move(before.time_ns, after.time_ns)
 
-    def note(self, event: Event) -> None:
+    def on_event(self, event: Event) -> None:
         """Take an event: a rest begins or ends."""
         if event.kind is EventKind.REST_STARTED:
             self._rests_since_ns = event.time_ns

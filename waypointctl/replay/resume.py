@@ -27,12 +27,13 @@ from waypointctl.log.opening import PART, open_file
 from waypointctl.log.reader import Log, open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.paths import lock
-from waypointctl.replay.audited_camera import AuditedCamera
-from waypointctl.replay.carried import Carried, altered, carried_by, made_elsewhere, unverifiable
-from waypointctl.replay.logged_lines import LoggedLines
-from waypointctl.replay.milestones import Milestones, milestones_of
+from waypointctl.replay.comparator import Diverged, LogComparator, RecordedPolicy
+from waypointctl.replay.contents import LogContents, altered, contents_of, platform_differences, unverifiable
+from waypointctl.replay.flight_log import summary_of_events
+from waypointctl.replay.recorded_camera import RecordedCamera
+from waypointctl.replay.recorded_console import RecordedConsole
+from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.verdict import Divergence
-from waypointctl.replay.witness import AuditedPolicy, Diverged, Witness
 
 _KEPT: Final = "The log stays as it is: `waypointctl info` shows what there is. To fly the mission anew, run it."
 
@@ -44,14 +45,14 @@ class Unfinished:
     Attributes:
         log: what is left of it.
         path: of the finished log.
-        carried: what flies it.
-        milestones: what is known of it.
+        contents: what flies it.
+        events: the summary of its events.
     """
 
     log: Log
     path: Path
-    carried: Carried
-    milestones: Milestones
+    contents: LogContents
+    events: FlightSummary
 
 
 class Interrupted(Exception):
@@ -75,13 +76,13 @@ def unfinished(path: Path) -> Iterator[Unfinished | None]:
         if not lock(stream):
             raise LogError("is being written: its flight is not over", where=str(found), hint="Wait for its end.")
         log = open_log(found, allow_truncated=True)
-        milestones = milestones_of(log)
-        if log.is_complete and milestones.ending:
+        events = summary_of_events(log)
+        if log.is_complete and events.has_end:
             if found == part:
                 part.replace(final)  # it was killed when all was written, just before this
             yield None
             return
-        yield Unfinished(log, final, _carried(log), milestones)
+        yield Unfinished(log, final, _contents(log), events)
 
 
 def go_on(
@@ -106,26 +107,26 @@ def go_on(
         LogError: the flight is not the same again, or the log is damaged.
         OutputError: the log cannot be written.
     """
-    carried = flight.carried
+    contents = flight.contents
     beside = flight.path.with_name(f"{flight.path.name}.resumed{PART}")
-    witness = Witness(flight.log.sealed_messages(), bitwise=True)
-    by_hand = LoggedLines(witness, carried.mission, flight.milestones)
-    lines = _Lines(by_hand, witness, console)
+    comparator = LogComparator(flight.log.encoded_messages(), bitwise=True)
+    by_hand = RecordedConsole(comparator, contents.mission, flight.events)
+    lines = _Lines(by_hand, comparator, console)
 
     def asked() -> bool:
         if by_hand.interrupted():
             return True  # it was killed while its interrupted log was being closed
-        if interrupted() and not witness.has_ended:
+        if interrupted() and not comparator.has_ended:
             raise Interrupted
         return interrupted()
 
     try:
-        with carried.camera as camera, LogWriter(flight.path, carried.header(), part=beside) as writer:
-            audited = AuditedCamera(camera, witness)
-            sink = with_pictures(_passage(witness, writer, again, watch), _camera(witness, audited, camera))
-            policy = AuditedPolicy(carried.policy, witness, bitwise=True)
-            result = fly(carried.mission, policy, sink, robot=carried.robot, interrupted=asked, console=lines)
-            _require_all_seen(witness, result)
+        with contents.camera as camera, LogWriter(flight.path, contents.header(), part=beside) as writer:
+            audited = RecordedCamera(camera, comparator)
+            sink = with_pictures(_passage(comparator, writer, again, watch), _camera(comparator, audited, camera))
+            policy = RecordedPolicy(contents.policy, comparator, bitwise=True)
+            result = fly(contents.mission, policy, sink, robot=contents.robot, interrupted=asked, console=lines)
+            _require_all_seen(comparator, result)
     except Diverged as error:
         raise _not_the_same(flight.log, error.where) from None
     except OutputError as error:
@@ -136,25 +137,25 @@ def go_on(
     finally:
         beside.unlink(missing_ok=True)  # after an error in the first part; later it has its place
     taken = audited.handed_on + camera.taken
-    return recording_of(result, flight.path, carried.mission.seed, taken, camera.trouble)
+    return recording_of(result, flight.path, contents.mission.seed, taken, camera.trouble)
 
 
-def _camera(witness: Witness, again: Camera, anew: Camera) -> Camera:
+def _camera(comparator: LogComparator, again: Camera, anew: Camera) -> Camera:
     """Return a camera that takes the old log's pictures as long as that lasts, and then its own."""
 
     def take(event: Event, state: State) -> Picture | None:
-        return (anew if witness.has_ended else again)(event, state)
+        return (anew if comparator.has_ended else again)(event, state)
 
     return take
 
 
-def _passage(witness: Witness, writer: LogWriter, again: Sink, watch: Sink) -> Sink:
+def _passage(comparator: LogComparator, writer: LogWriter, again: Sink, watch: Sink) -> Sink:
     """Return a sink that leads from the old log to the new one."""
 
     def take(message: Message) -> None:
-        is_new = witness.has_ended
+        is_new = comparator.has_ended
         if not is_new:
-            witness(message)
+            comparator(message)
         (watch if is_new else again)(message)
         flushes = writer.flushes
         writer(message)
@@ -167,15 +168,15 @@ def _passage(witness: Witness, writer: LogWriter, again: Sink, watch: Sink) -> S
 class _Lines:
     """The console: what the log has of it, then a person, or the end of it."""
 
-    def __init__(self, logged: LoggedLines, witness: Witness, person: LineSource | None) -> None:
+    def __init__(self, logged: RecordedConsole, comparator: LogComparator, person: LineSource | None) -> None:
         self.is_open = logged.is_open
         self._logged = logged
-        self._witness = witness
+        self._comparator = comparator
         self._person = person
 
     def lines(self, now_ns: int) -> Iterator[str]:
         yield from self._logged.lines(now_ns)
-        if not self._witness.has_ended or not self._is_listening:
+        if not self._comparator.has_ended or not self._is_listening:
             return
         if self._person is not None:
             yield from self._person.lines(now_ns)
@@ -185,7 +186,7 @@ class _Lines:
 
     def asleep(self, now_ns: int, until_ns: int) -> int:
         woken_ns = self._logged.asleep(now_ns, until_ns)
-        if not self._witness.has_ended or self._person is None or not self._is_listening:
+        if not self._comparator.has_ended or self._person is None or not self._is_listening:
             return woken_ns
         return self._person.asleep(now_ns, woken_ns)
 
@@ -194,22 +195,24 @@ class _Lines:
         return self.is_open and not self._logged.has_closed
 
 
-def _carried(log: Log) -> Carried:
+def _contents(log: Log) -> LogContents:
     where = str(log.path)
     if reason := unverifiable(log):
         raise LogError(f"cannot be gone on with: {reason}", where=where, hint=_KEPT)
     if wrong := altered(log):
         raise LogError(f"cannot be gone on with: {wrong.component} is not what was recorded", where=where, hint=_KEPT)
     try:
-        return carried_by(log)
+        return contents_of(log)
     except InputError as error:
         problem = f"cannot be gone on with: what it carries cannot be used: {error.problem}"
         raise LogError(problem, where=where, hint=_KEPT, details=error.details) from error
 
 
-def _require_all_seen(witness: Witness, result: FlightResult) -> None:
-    if witness.upcoming is not None:
-        raise witness.diverged("/event", "end", type(witness.upcoming).__name__, f"the flight is over: {result.reason}")
+def _require_all_seen(comparator: LogComparator, result: FlightResult) -> None:
+    if comparator.upcoming is not None:
+        raise comparator.diverged(
+            "/event", "end", type(comparator.upcoming).__name__, f"the flight is over: {result.reason}"
+        )
 
 
 def _not_the_same(log: Log, where: Divergence) -> LogError:
@@ -218,7 +221,7 @@ def _not_the_same(log: Log, where: Divergence) -> LogError:
         f"cannot be gone on with: flown again, the flight parts from it at step {where.step} on {where.topic}, "
         f"{where.component}: logged {where.logged}, now {where.replayed}"
     )
-    others = made_elsewhere(log)
+    others = platform_differences(log)
     why = (
         f"It was made elsewhere ({', '.join(others)}), where it can be gone on with. "
         if others

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
@@ -42,7 +42,6 @@ _ENDINGS: Final = {
     EventKind.TELEOPERATION_STARTED: ReturnEnding.CALLED_OFF,
     EventKind.RETURN_STARTED: ReturnEnding.CALLED_OFF,
 }
-_BY_RULE: Final = -1  # in place of a command's id
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,81 +72,64 @@ class ReturnHome:
         return f"began at {seconds(self.began_ns):.2f} s ({self.cause}), {self.ending}{ended}"
 
 
-@dataclass(slots=True)
-class GrowingReturn:
-    """A way home so far; what the attributes mean is ReturnHome's to say."""
-
-    began_ns: int
-    cause: str
-    command_id: int
-    ended_ns: int | None = None
-    ending: ReturnEnding = ReturnEnding.OPEN
-    began_known_ns: int | None = None
-    ended_known_ns: int | None = None
-
-    def story(self) -> ReturnHome:
-        """Return what is known of it."""
-        command_id = None if self.command_id == _BY_RULE else self.command_id
-        times = (self.ended_ns, self.ending, self.began_known_ns, self.ended_known_ns)
-        return ReturnHome(self.began_ns, self.cause, command_id, *times)
-
-    def hear(self, message: Telemetry | Ack) -> None:
-        """Take what has arrived at the operator: what had happened when it was issued is known from then on."""
-        if isinstance(message, Ack):
-            is_its_own = message.command_id == self.command_id
-            tells_begin = is_its_own and message.stage is Stage.STARTED
-            tells_end = is_its_own and message.stage in FINAL_STAGES
-        else:
-            tells_begin = message.mode is Mode.RETURNING
-            tells_end = not tells_begin
-        if tells_begin and self.began_known_ns is None and message.issued_ns >= self.began_ns:
-            self.began_known_ns = message.received_ns
-        if tells_end and self.ended_known_ns is None and self.ended_ns is not None:
-            self.ended_known_ns = message.received_ns if message.issued_ns >= self.ended_ns else None
-
-
-class ReturnsFold:
-    """Gathers the ways home from a flight's messages."""
+class ReturnsBuilder:
+    """Makes the returns home out of a flight's messages."""
 
     def __init__(self) -> None:
-        """Know of none."""
-        self._returns: list[GrowingReturn] = []
+        """Begin without any."""
+        self._returns: list[ReturnHome] = []
 
     @property
     def returns(self) -> tuple[ReturnHome, ...]:
         """Those so far, in order."""
-        return tuple(each.story() for each in self._returns)
+        return tuple(self._returns)
 
-    def note(self, event: Event) -> None:
+    def on_event(self, event: Event) -> None:
         """Take an event."""
         ending = _ENDINGS.get(event.kind)
         if ending is not None:
             self._end(event.time_ns, ending)
         if event.kind is EventKind.RETURN_STARTED:
             cause = event.text.partition(": ")[2]
-            command_id = _BY_RULE if cause else event.command_id
-            self._returns.append(GrowingReturn(event.time_ns, cause or f"command {command_id}", command_id))
+            command_id = None if cause else event.command_id
+            self._returns.append(ReturnHome(event.time_ns, cause or f"command {command_id}", command_id))
 
-    def advance(self, it: CommandStage, kind: CommandKind | None) -> None:
+    def on_stage(self, it: CommandStage, kind: CommandKind | None) -> None:
         """Take a stage of a command of some kind."""
         current = self._current
         if current is None or it.clock is not Clock.ROBOT or it.stage not in FINAL_STAGES or it.reason == FLIGHT_ENDED:
             return
         is_taken_back = it.command_id == current.command_id and it.stage is not Stage.COMPLETED
-        is_aborted = current.command_id == _BY_RULE and kind is CommandKind.ABORT and it.stage is Stage.COMPLETED
+        is_aborted = current.command_id is None and kind is CommandKind.ABORT and it.stage is Stage.COMPLETED
         if is_taken_back or is_aborted:
             self._end(it.time_ns, ReturnEnding.CALLED_OFF)
 
-    def hear(self, message: Telemetry | Ack) -> None:
-        """Take what has arrived at the operator."""
-        for each in self._returns[-2:]:  # of the one before, its end may still be news
-            each.hear(message)
+    def on_report(self, message: Telemetry | Ack) -> None:
+        """Take what has arrived at the operator: what had happened when it was issued is known from then on."""
+        # The end of the return before the newest may still be news.
+        self._returns[-2:] = [_reported(each, message) for each in self._returns[-2:]]
 
     @property
-    def _current(self) -> GrowingReturn | None:
+    def _current(self) -> ReturnHome | None:
         return self._returns[-1] if self._returns and self._returns[-1].ended_ns is None else None
 
     def _end(self, time_ns: int, ending: ReturnEnding) -> None:
-        current = self._current
-        if current is not None:
-            current.ended_ns, current.ending = time_ns, ending
+        if self._current is not None:
+            self._returns[-1] = replace(self._returns[-1], ended_ns=time_ns, ending=ending)
+
+
+def _reported(each: ReturnHome, message: Telemetry | Ack) -> ReturnHome:
+    """Return a return home with what a message reports of it."""
+    if isinstance(message, Ack):
+        is_its_own = message.command_id == each.command_id
+        reports_begin = is_its_own and message.stage is Stage.STARTED
+        reports_end = is_its_own and message.stage in FINAL_STAGES
+    else:
+        reports_begin = message.mode is Mode.RETURNING
+        reports_end = not reports_begin
+    if reports_begin and each.began_known_ns is None and message.issued_ns >= each.began_ns:
+        each = replace(each, began_known_ns=message.received_ns)
+    is_news = reports_end and each.ended_known_ns is None and each.ended_ns is not None
+    if is_news and each.ended_ns is not None and message.issued_ns >= each.ended_ns:
+        each = replace(each, ended_known_ns=message.received_ns)
+    return each

@@ -11,14 +11,14 @@ from waypointctl.flight.header import platform_facts
 from waypointctl.flight.shutter import with_pictures
 from waypointctl.log.messages import Message
 from waypointctl.log.reader import Log, open_log
-from waypointctl.replay.audited_camera import AuditedCamera
-from waypointctl.replay.carried import KERNELS, Carried, altered, carried_by, made_elsewhere, unverifiable
+from waypointctl.replay.comparator import Diverged, LogComparator, LogEnded, RecordedPolicy
 from waypointctl.replay.compared import Compared
-from waypointctl.replay.logged_lines import LoggedLines
-from waypointctl.replay.milestones import milestones_of
+from waypointctl.replay.contents import KERNELS, LogContents, altered, contents_of, platform_differences, unverifiable
+from waypointctl.replay.flight_log import summary_of_events
+from waypointctl.replay.recorded_camera import RecordedCamera
+from waypointctl.replay.recorded_console import RecordedConsole
 from waypointctl.replay.verdict import Divergence, Verdict, Verification
 from waypointctl.replay.whole_file import whole_file
-from waypointctl.replay.witness import AuditedPolicy, Diverged, LogEnded, Witness
 
 
 def verify(path: Path) -> Verification:
@@ -45,55 +45,55 @@ def verify_log(log: Log) -> Verification:
         if wrong := altered(log):
             reason = f"diverged before the flight: {wrong.component} is not what was recorded"
             return Verification(Verdict.DIVERGED, 0, wrong, reason, ())
-        carried = carried_by(log)
+        contents = contents_of(log)
     except InputError as error:
         return Verification(Verdict.UNVERIFIABLE, 0, None, f"what the log carries cannot be used: {error}", ())
-    return _fly_again(log, carried)
+    return _fly_again(log, contents)
 
 
-def _fly_again(log: Log, carried: Carried) -> Verification:
-    other_kernels = made_elsewhere(log, KERNELS)
-    witness = Witness(log.sealed_messages(), bitwise=not other_kernels)
-    policy = AuditedPolicy(carried.policy, witness, bitwise=not other_kernels)
+def _fly_again(log: Log, contents: LogContents) -> Verification:
+    other_kernels = platform_differences(log, KERNELS)
+    comparator = LogComparator(log.encoded_messages(), bitwise=not other_kernels)
+    policy = RecordedPolicy(contents.policy, comparator, bitwise=not other_kernels)
     try:
-        with carried.camera as camera, whole_file(log, carried) as whole:
-            pictures = AuditedCamera(camera, witness)
+        with contents.camera as camera, whole_file(log, contents) as whole:
+            pictures = RecordedCamera(camera, comparator)
 
             def take(message: Message) -> None:
-                whole(witness(message))
+                whole(comparator(message))
 
-            by_hand = LoggedLines(witness, carried.mission, milestones_of(log))
+            by_hand = RecordedConsole(comparator, contents.mission, summary_of_events(log))
             fly(
-                carried.mission,
+                contents.mission,
                 policy,
                 with_pictures(take, pictures),
-                robot=carried.robot,
+                robot=contents.robot,
                 interrupted=by_hand.interrupted,
                 console=by_hand,
             )
-            if witness.upcoming is not None:
-                raise witness.diverged("/event", "end", type(witness.upcoming).__name__, "the flight is over")
+            if comparator.upcoming is not None:
+                raise comparator.diverged("/event", "end", type(comparator.upcoming).__name__, "the flight is over")
             whole.finish()
-            compared = Compared.of(carried, witness, policy, pictures, whole)
+            compared = Compared.of(contents, comparator, policy, pictures, whole)
     except Diverged as error:
         if error.rounding and other_kernels:
             reason = f"rounded otherwise at step {error.where.step} on {error.where.topic}: {', '.join(other_kernels)}"
-            return Verification(Verdict.UNVERIFIABLE, witness.compared["/reward"], error.where, reason, ())
-        return _diverged(error.where, witness, log)
+            return Verification(Verdict.UNVERIFIABLE, comparator.compared["/reward"], error.where, reason, ())
+        return _diverged(error.where, comparator, log)
     except LogEnded:
-        ended = witness.diverged("/event", "end", "the log ends", "the flight goes on")
-        return _diverged(ended.where, witness, log)
-    return compared.verification(witness.compared["/action"])
+        ended = comparator.diverged("/event", "end", "the log ends", "the flight goes on")
+        return _diverged(ended.where, comparator, log)
+    return compared.verification(comparator.compared["/action"])
 
 
-def _diverged(where: Divergence, witness: Witness, log: Log) -> Verification:
+def _diverged(where: Divergence, comparator: LogComparator, log: Log) -> Verification:
     reason = f"diverged {where.place}"
     wrote, here = _software(log.metadata), _software(platform_facts())
     if wrote != here:
         reason += (
             f" (waypointctl {wrote} wrote the log, this is {here}: another program, not an altered log, may be why)"
         )
-    return Verification(Verdict.DIVERGED, witness.compared["/reward"], where, reason, ())
+    return Verification(Verdict.DIVERGED, comparator.compared["/reward"], where, reason, ())
 
 
 def _software(facts: Mapping[str, str]) -> str:

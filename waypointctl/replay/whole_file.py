@@ -16,20 +16,20 @@ from waypointctl.log.opening import open_file
 from waypointctl.log.reader import Log
 from waypointctl.log.same_readers import compare_readers
 from waypointctl.log.same_records import compare_records
-from waypointctl.replay.carried import Carried, made_elsewhere
+from waypointctl.replay.comparator import Diverged
+from waypointctl.replay.contents import LogContents, platform_differences
 from waypointctl.replay.verdict import Divergence
-from waypointctl.replay.witness import Diverged
 
 
 @contextmanager
-def whole_file(log: Log, carried: Carried) -> Iterator[WholeFile]:
+def whole_file(log: Log, contents: LogContents) -> Iterator[WholeFile]:
     """Open the file of a log for the time of its comparison.
 
     Raises:
         Diverged: what stands before the first message differs.
     """
     with open_file(log.path) as stream:
-        yield WholeFile(log, carried, stream)
+        yield WholeFile(log, contents, stream)
 
 
 class WholeFile:
@@ -43,16 +43,16 @@ class WholeFile:
         not_compared: what was not, and why, a line each.
     """
 
-    def __init__(self, log: Log, carried: Carried, stream: IO[bytes]) -> None:
+    def __init__(self, log: Log, contents: LogContents, stream: IO[bytes]) -> None:
         """Compare `log`, whose file is open at its start, with what is written of a flight of what it carries."""
         self.checks: tuple[str, ...] = ()
-        others = ", ".join(made_elsewhere(log))
+        others = ", ".join(platform_differences(log))
         self.not_compared: tuple[str, ...] = (
             (f"what the log says of its program and processor: {others}",) if others else ()
         )
         self._comparison = FileComparison(stream, os.fstat(stream.fileno()).st_size)
         self._log = log
-        self._header = carried.header_as_in(log)
+        self._header = contents.header_as_in(log)
         self._writer = ChannelWriter(self._comparison, self._header.library)
         self._encoder = LogEncoder(self._writer, self._header)
         self._require_equal()

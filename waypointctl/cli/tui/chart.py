@@ -12,9 +12,8 @@ import numpy as np
 from waypointctl.cli.tui.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
 from waypointctl.cli.tui.map_scene import Scene
 from waypointctl.display_text import printable
-from waypointctl.replay.map_extent import extent
-from waypointctl.replay.story import Fate, WaypointStory
-from waypointctl.replay.track import FloatArray, is_on_map
+from waypointctl.replay.summary import WaypointStatus, WaypointSummary
+from waypointctl.replay.track import FloatArray, extent, is_on_map
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -30,11 +29,11 @@ HOME: Final = "bold yellow"
 LOST: Final = "red"
 KEEP_IN: Final = "dim green"
 KEEP_OUT: Final = "red"
-_FATE_STYLES: Final = {
-    Fate.REACHED: "green",
-    Fate.TIMED_OUT: "red",
-    Fate.SKIPPED: "red",
-    Fate.OPEN: "yellow",
+_STATUS_STYLES: Final = {
+    WaypointStatus.REACHED: "green",
+    WaypointStatus.TIMED_OUT: "red",
+    WaypointStatus.SKIPPED: "red",
+    WaypointStatus.OPEN: "yellow",
 }
 _MARGIN: Final = 0.04  # of the larger side, around everything
 _MOST_NAME: Final = 24  # of a name's letters
@@ -71,7 +70,7 @@ def draw_map(scene: Scene, columns: int, lines: int, *, ascii_only: bool = False
         corners = np.array([*zone.outline_m, zone.outline_m[0]])
         canvas.polyline(*frame.dots(corners[:, 0], corners[:, 1]), KEEP_IN if zone.keep_in else KEEP_OUT)
     for waypoint in scene.waypoints:
-        canvas.polyline(*frame.dots(*_region(waypoint)), _FATE_STYLES[waypoint.fate])
+        canvas.polyline(*frame.dots(*_region(waypoint)), _STATUS_STYLES[waypoint.status])
     _draw_way(canvas, frame, scene)
     signs = tuple(_signs(scene, ascii_only))
     lost, *others = signs
@@ -92,8 +91,8 @@ def _draw_way(canvas: Canvas, frame: _Frame, scene: Scene) -> None:
     truth, down = scene.truth, scene.setting.down
     canvas.polyline(*frame.dots(truth.x_m, truth.y_m), WAY)
     if down is not None:
-        unheard = truth.at(np.flatnonzero(~down.is_open(truth.time_ns)))
-        canvas.dots(*frame.dots(unheard.x_m, unheard.y_m), UNHEARD)
+        lost_spans = truth.at(np.flatnonzero(~down.is_open(truth.time_ns)))
+        canvas.dots(*frame.dots(lost_spans.x_m, lost_spans.y_m), UNHEARD)
     for each in scene.returns:
         end_ns = int(truth.time_ns[-1]) if each.ended_ns is None and len(truth) else each.ended_ns or 0
         way = truth.between(each.began_ns, end_ns)
@@ -127,7 +126,7 @@ def _signs(scene: Scene, ascii_only: bool) -> Iterator[_Sign]:
     yield _Sign("@" if ascii_only else "●", ROBOT, "robot", robot)
 
 
-def _region(waypoint: WaypointStory) -> tuple[FloatArray, FloatArray]:
+def _region(waypoint: WaypointSummary) -> tuple[FloatArray, FloatArray]:
     """Return the outline of the acceptance, x (n,) and y (n,) [m]."""
     plan = waypoint.planned
     if plan.acceptance == "box":
@@ -151,7 +150,7 @@ def _frame(scene: Scene, canvas: Canvas) -> _Frame:
     return _Frame(center_x - canvas.width / scale / 2, center_y + canvas.height / scale / 2, scale)
 
 
-def _name_waypoint(canvas: Canvas, frame: _Frame, waypoint: WaypointStory) -> None:
+def _name_waypoint(canvas: Canvas, frame: _Frame, waypoint: WaypointSummary) -> None:
     """Write the waypoint's name beside its region, on whichever side there is room."""
     plan, name = waypoint.planned, shortened(waypoint.planned.name)
     x, y = frame.dot(plan.x_m, plan.y_m)
@@ -160,7 +159,7 @@ def _name_waypoint(canvas: Canvas, frame: _Frame, waypoint: WaypointStory) -> No
     right, left = x + reach + CELL_WIDTH, x - reach - CELL_WIDTH * (length + 1)
     middle = x - CELL_WIDTH * (length // 2)
     places = ((right, y), (left, y), (middle, y - reach - CELL_HEIGHT), (middle, y + reach + CELL_HEIGHT))
-    _write(canvas, name, places, _FATE_STYLES[waypoint.fate])
+    _write(canvas, name, places, _STATUS_STYLES[waypoint.status])
 
 
 def _name_zone(canvas: Canvas, frame: _Frame, zone: Zone) -> None:

@@ -12,12 +12,12 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Final, Self
 
 from waypointctl.cli.tui.chart import draw_map
-from waypointctl.cli.tui.heard import Heard
 from waypointctl.cli.tui.map_scene import scene_so_far
+from waypointctl.cli.tui.operator_status import command_rows
 from waypointctl.cli.tui.panels import clocks, heading
 from waypointctl.log.messages import Message, PlannedWaypoint
 from waypointctl.log.setting import MissionSetting
-from waypointctl.replay.known import KnownFlight
+from waypointctl.replay.operator_view import OperatorView
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -89,19 +89,17 @@ class ConsoleScreen:
     ) -> None:
         """Leave the last picture standing, without a prompt."""
         self.prompt = ""
-        self.draw(self.known.now_ns)
+        self.draw(self.view.now_ns)
         self._live.stop()
 
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
-        self.known = KnownFlight(self._waypoints, self._setting)
-        self.heard = Heard()
+        self.view = OperatorView(self._waypoints, self._setting)
         self._next_s = 0.0
 
     def __call__(self, message: Message) -> None:
         """Take one message."""
-        self.known(message)
-        self.heard(message)
+        self.view(message)
 
     def say(self, text: str) -> None:
         """Print lines above the picture, broken between words where they are too long."""
@@ -116,7 +114,7 @@ class ConsoleScreen:
 
     def draw(self, now_ns: int) -> None:
         """Draw what is known at a time on the operator's clock [ns]."""
-        self.known.pass_time(now_ns)
+        self.view.pass_time(now_ns)
         self._live.update(self.picture(), refresh=True)
         self._next_s = time.monotonic() + PERIOD_S
 
@@ -126,8 +124,8 @@ class ConsoleScreen:
 
         width, height = self._console.size
         plan = layout(width, height)
-        chronicle = self.known.chronicle
-        parts: list[RenderableType] = [heading(self._title, "", chronicle, ascii_only=self._ascii_only)]
+        flight = self.view.flight
+        parts: list[RenderableType] = [heading(self._title, "", flight, ascii_only=self._ascii_only)]
         if plan.map_lines:
             parts.append(self._upper(plan))
         if plan.commands:
@@ -141,15 +139,15 @@ class ConsoleScreen:
         from rich.console import Group
         from rich.table import Table
 
-        scene = scene_so_far(self.known.chronicle, _WAY_POINTS)
-        seen = replace(scene, truth=self.known.chronicle.belief(_WAY_POINTS), belief=None)
+        scene = scene_so_far(self.view.flight, _WAY_POINTS)
+        seen = replace(scene, truth=self.view.flight.belief(_WAY_POINTS), belief=None)
         drawing = Group(*draw_map(seen, plan.map_columns, plan.map_lines, ascii_only=self._ascii_only))
         if not plan.facts:
             return drawing
         table = Table.grid(padding=(0, 2, 0, 0))
         table.add_column(width=plan.map_columns, no_wrap=True)
         table.add_column(width=_FACTS_COLUMNS)
-        table.add_row(drawing, clocks(self.known.chronicle, is_known_only=True))
+        table.add_row(drawing, clocks(self.view.flight, is_known_only=True))
         return table
 
     def _commands(self, most: int) -> Table:
@@ -160,7 +158,7 @@ class ConsoleScreen:
         table.add_column("command", no_wrap=True, overflow="ellipsis", ratio=1)
         table.add_column("known", no_wrap=True, overflow="ellipsis", style="magenta")
         table.add_column("ago", justify="right", no_wrap=True)
-        for row in self.heard.rows(self.known.now_ns, most):
+        for row in command_rows(self.view, self.view.now_ns, most):
             table.add_row(*row)
         return table
 

@@ -10,7 +10,7 @@ from waypointctl.display_text import printable
 from waypointctl.units import NS_PER_S, seconds
 
 if TYPE_CHECKING:
-    from waypointctl.replay.link_story import LinkStory, WayStory
+    from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary
 
 # What the log calls a message, in words.
 _KINDS: Final = {
@@ -21,13 +21,13 @@ _KINDS: Final = {
 }
 
 
-def link_lines(link: LinkStory) -> list[str]:
+def link_lines(link: LinkSummary) -> list[str]:
     """Return a line for each way on which anything was lost, doubled, dropped or had to wait."""
     ways = (("link up    ", link.up), ("link down  ", link.down))
     return [f"{label}{', '.join(_told(way))}" for label, way in ways if way]
 
 
-def _told(way: WayStory) -> Iterator[str]:
+def _told(way: LinkDirectionSummary) -> Iterator[str]:
     missing = [f"{way.lost} lost"] if way.lost else []
     missing += [f"{way.queue_full} dropped, the queue was full"] if way.queue_full else []
     missing += [f"{way.no_contact} dropped, no contact was left"] if way.no_contact else []

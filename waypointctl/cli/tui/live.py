@@ -14,7 +14,7 @@ from waypointctl.cli.tui.formatting import Happening, happening
 from waypointctl.cli.tui.map_scene import scene_so_far
 from waypointctl.cli.tui.panels import clocks, commands, happenings, heading
 from waypointctl.log.setting import MissionSetting
-from waypointctl.replay.chronicle import Chronicle
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
 
 if TYPE_CHECKING:
     from rich.console import Console, Group, RenderableType
@@ -66,7 +66,7 @@ class LiveView:
     """Draws the flight whose messages it is given; use it in a `with` block.
 
     Attributes:
-        chronicle: the flight so far.
+        flight: the flight so far.
     """
 
     def __init__(
@@ -89,7 +89,7 @@ class LiveView:
 
     def __call__(self, message: Message) -> None:
         """Take one message, and draw if it is time to."""
-        self.chronicle(message)
+        self.flight(message)
         told = happening(message)
         if told is not None:
             self._happenings.append(told)
@@ -111,7 +111,7 @@ class LiveView:
 
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
-        self.chronicle = Chronicle(self._waypoints, self._setting)
+        self.flight = FlightSummaryBuilder(self._waypoints, self._setting)
         self._happenings = deque[Happening](maxlen=_MOST_HAPPENINGS)
         self._next_s = 0.0
 
@@ -132,11 +132,11 @@ class LiveView:
 
         width, height = self._console.size
         plan = sizes(width, height)
-        parts: list[RenderableType] = [heading(self._title, self._status, self.chronicle, ascii_only=self._ascii_only)]
+        parts: list[RenderableType] = [heading(self._title, self._status, self.flight, ascii_only=self._ascii_only)]
         parts += self._upper(plan)
         if plan.commands:
             narrow = width < 2 * _CLOCKS_WIDTH
-            parts += [self._rule(), commands(self.chronicle, plan.commands, narrow=narrow)]
+            parts += [self._rule(), commands(self.flight, plan.commands, narrow=narrow)]
         if plan.happenings:
             newest = list(self._happenings)[-plan.happenings :]
             parts += [self._rule(), happenings(newest)]
@@ -151,7 +151,7 @@ class LiveView:
         from rich.console import Group
         from rich.table import Table
 
-        facts = clocks(self.chronicle)
+        facts = clocks(self.flight)
         if not plan.map_lines:
             return [facts]
         drawing = Group(*self._map(plan))
@@ -164,5 +164,5 @@ class LiveView:
         return [table]
 
     def _map(self, plan: Sizes) -> list[RenderableType]:
-        scene = scene_so_far(self.chronicle, _WAY_POINTS)
+        scene = scene_so_far(self.flight, _WAY_POINTS)
         return list(draw_map(scene, plan.map_columns, plan.map_lines, ascii_only=self._ascii_only))

@@ -10,12 +10,12 @@ import numpy as np
 
 from waypointctl.log.setting import MissionSetting
 from waypointctl.replay.return_home import ReturnHome
-from waypointctl.replay.story import WaypointStory
+from waypointctl.replay.summary import WaypointSummary
 from waypointctl.replay.track import IntArray, Track
 
 if TYPE_CHECKING:
-    from waypointctl.replay.chronicle import Chronicle
-    from waypointctl.replay.story import Story
+    from waypointctl.replay.summary import FlightSummary
+    from waypointctl.replay.summary_builder import FlightSummaryBuilder
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Scene:
     """
 
     truth: Track
-    waypoints: Sequence[WaypointStory]
+    waypoints: Sequence[WaypointSummary]
     belief: tuple[float, float] | None = None
     setting: MissionSetting = field(default_factory=MissionSetting)
     returns: Sequence[ReturnHome] = ()
@@ -45,17 +45,17 @@ class Scene:
         return None if home is None else (home.x_m, home.y_m)
 
 
-def scene_so_far(chronicle: Chronicle, most: int) -> Scene:
+def scene_so_far(flight: FlightSummaryBuilder, most: int) -> Scene:
     """Return what a map shows of a flight under way, the way in about `most` points."""
-    frame, link = chronicle.telemetry, chronicle.link.story(chronicle.now_ns)
+    frame, link = flight.telemetry, flight.link.summary(flight.now_ns)
     believed = None if frame is None else (frame.x_m, frame.y_m)
-    truth, returns = chronicle.truth(most), chronicle.returns
-    return Scene(truth, chronicle.waypoints, believed, chronicle.setting, returns, link.missing_ns)
+    truth, returns = flight.truth(most), flight.returns
+    return Scene(truth, flight.waypoints, believed, flight.setting, returns, link.missing_ns)
 
 
-def scene_of(story: Story, most: int) -> Scene:
+def scene_of(summary: FlightSummary, most: int) -> Scene:
     """Return what a map shows of a flight, the way in about `most` points."""
-    last = story.believed_at
+    last = summary.believed_at
     believed = (float(last.x_m[0]), float(last.y_m[0])) if len(last) else None
-    truth, missing_ns = story.truth.thinned(most), story.link.missing_ns
-    return Scene(truth, story.waypoints, believed, story.setting, story.returns, missing_ns)
+    truth, missing_ns = summary.truth.thinned(most), summary.link.missing_ns
+    return Scene(truth, summary.waypoints, believed, summary.setting, summary.returns, missing_ns)

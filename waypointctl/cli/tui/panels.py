@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from waypointctl.cli.tui.formatting import Happening, at
 from waypointctl.display_text import printable
 from waypointctl.log.messages import Clock, Mode, Severity
-from waypointctl.replay.story import Fate
+from waypointctl.replay.summary import WaypointStatus
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
@@ -17,19 +17,19 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from waypointctl.log.messages import Telemetry
-    from waypointctl.replay.chronicle import Chronicle
+    from waypointctl.replay.summary_builder import FlightSummaryBuilder
 
 CLOCK_STYLES: Final = {Clock.ROBOT: "green", Clock.OPERATOR: "magenta"}
 _SEVERITY_STYLES: Final = {Severity.INFO: "", Severity.WARNING: "yellow", Severity.ERROR: "bold red"}
 
 
-def heading(title: str, status: str, chronicle: Chronicle, *, ascii_only: bool) -> Text:
+def heading(title: str, status: str, flight: FlightSummaryBuilder, *, ascii_only: bool) -> Text:
     """Return one line: the mission, how many waypoints are done and known to be, and a word on the view itself."""
     from rich.text import Text
 
-    waypoints = chronicle.waypoints
-    reached = sum(waypoint.fate is Fate.REACHED for waypoint in waypoints)
-    known = sum(waypoint.learned_ns is not None for waypoint in waypoints)
+    waypoints = flight.waypoints
+    reached = sum(waypoint.status is WaypointStatus.REACHED for waypoint in waypoints)
+    known = sum(waypoint.known_ns is not None for waypoint in waypoints)
     line = Text(no_wrap=True, overflow="ellipsis")
     line.append(printable(title), "bold").append("  ")
     if len(waypoints) <= 12:
@@ -40,7 +40,7 @@ def heading(title: str, status: str, chronicle: Chronicle, *, ascii_only: bool) 
     return line.append(f"  {status}", "dim")
 
 
-def clocks(chronicle: Chronicle, *, is_known_only: bool = False) -> Table:
+def clocks(flight: FlightSummaryBuilder, *, is_known_only: bool = False) -> Table:
     """Return what time it is for the robot, how old what the operator knows is, and how the link is.
 
     With `is_known_only` the time is the operator's: what is true of the robot is not shown.
@@ -50,13 +50,13 @@ def clocks(chronicle: Chronicle, *, is_known_only: bool = False) -> Table:
     table = Table.grid(padding=(0, 1))
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True, overflow="ellipsis")
-    times = [("time", "bold", at(chronicle.now_ns))] if is_known_only else _robot(chronicle)
-    for label, style, value in (*times, *_operator(chronicle), *_link(chronicle)):
+    times = [("time", "bold", at(flight.now_ns))] if is_known_only else _robot(flight)
+    for label, style, value in (*times, *_operator(flight), *_link(flight)):
         table.add_row(_text(label, style), _text(value))
     return table
 
 
-def commands(chronicle: Chronicle, most: int, *, narrow: bool) -> Table:
+def commands(flight: FlightSummaryBuilder, most: int, *, narrow: bool) -> Table:
     """Return the newest commands: their stage on board and as it is known to the operator."""
     from rich.table import Table
 
@@ -69,10 +69,17 @@ def commands(chronicle: Chronicle, most: int, *, narrow: bool) -> Table:
     table.add_column("on board", no_wrap=True, style="green")
     table.add_column("known", no_wrap=True, style="magenta")
     table.add_column("round trip", justify="right", no_wrap=True)
-    for command in chronicle.newest_commands(most):
+    for command in flight.newest_commands(most):
         times = () if narrow else (at(command.issued_ns), at(command.received_ns))
         onboard = str(command.onboard) if command.onboard else "-"
-        row = (str(command.id), printable(command.what), *times, onboard, str(command.heard), at(command.round_trip_ns))
+        row = (
+            str(command.id),
+            printable(command.description),
+            *times,
+            onboard,
+            str(command.known_stage),
+            at(command.round_trip_ns),
+        )
         table.add_row(*row)
     return table
 
@@ -92,10 +99,10 @@ def happenings(lines: Sequence[Happening]) -> Text:
 Rows = list[tuple[str, str, str]]
 
 
-def _robot(chronicle: Chronicle) -> Rows:
-    state = chronicle.state
+def _robot(flight: FlightSummaryBuilder) -> Rows:
+    state = flight.state
     if state is None:
-        return [("robot", "bold green", at(chronicle.now_ns))]
+        return [("robot", "bold green", at(flight.now_ns))]
     speed = math.hypot(float(state.qvel[0]), float(state.qvel[1]))
     return [
         ("robot", "bold green", at(state.time_ns)),
@@ -103,24 +110,24 @@ def _robot(chronicle: Chronicle) -> Rows:
     ]
 
 
-def _operator(chronicle: Chronicle) -> Rows:
-    frame = chronicle.telemetry
-    trip_ns = chronicle.round_trip_ns
+def _operator(flight: FlightSummaryBuilder) -> Rows:
+    frame = flight.telemetry
+    trip_ns = flight.round_trip_ns
     trip = ("round trip", "", "not yet measured" if trip_ns is None else f"{at(trip_ns)}, newest measured")
     if frame is None:
         return [("operator", "bold magenta", "has heard nothing yet"), trip]
     return [
         ("operator", "bold magenta", f"telemetry from {at(frame.issued_ns)}"),
-        ("age", "", f"{at(chronicle.now_ns - frame.issued_ns)}{_position_error(chronicle, frame)}"),
+        ("age", "", f"{at(flight.now_ns - frame.issued_ns)}{_position_error(flight, frame)}"),
         ("last known", "", f"position {_place(frame.x_m, frame.y_m)}"),
-        ("mode", "", _mode(chronicle, frame)),
+        ("mode", "", _mode(flight, frame)),
         trip,
     ]
 
 
-def _link(chronicle: Chronicle) -> Rows:
+def _link(flight: FlightSummaryBuilder) -> Rows:
     """Return how the link is, which neither end is told: contact, and what was not delivered."""
-    setting, link, now_ns = chronicle.setting, chronicle.link, chronicle.now_ns
+    setting, link, now_ns = flight.setting, flight.link, flight.now_ns
     contacts = {f"link {way}": windows.state_text(now_ns) for way, windows in setting.ways.items() if windows}
     if len(contacts) == 2 and len(set(contacts.values())) == 1:
         contacts = {"link": contacts["link up"]}
@@ -134,15 +141,15 @@ def _link(chronicle: Chronicle) -> Rows:
     return rows
 
 
-def _position_error(chronicle: Chronicle, frame: Telemetry) -> str:
-    if chronicle.state is None:
+def _position_error(flight: FlightSummaryBuilder, frame: Telemetry) -> str:
+    if flight.state is None:
         return ""
-    x_m, y_m = float(chronicle.state.qpos[0]), float(chronicle.state.qpos[1])
+    x_m, y_m = float(flight.state.qpos[0]), float(flight.state.qpos[1])
     return f", error {math.hypot(frame.x_m - x_m, frame.y_m - y_m):.1f} m"
 
 
-def _mode(chronicle: Chronicle, frame: Telemetry) -> str:
-    names = {waypoint.planned.index: printable(waypoint.planned.name) for waypoint in chronicle.waypoints}
+def _mode(flight: FlightSummaryBuilder, frame: Telemetry) -> str:
+    names = {waypoint.planned.index: printable(waypoint.planned.name) for waypoint in flight.waypoints}
     if frame.mode is Mode.RETURNING:
         return "returning home"
     if frame.target not in names:

@@ -13,7 +13,7 @@ from waypointctl.cli.tui.pace import Pace
 from waypointctl.cli.tui.watch import Watch, watch
 from waypointctl.errors import InputError
 from waypointctl.log.messages import State
-from waypointctl.replay.logged import mission_name, setting_in, waypoints_in
+from waypointctl.replay.flight_log import mission_name, setting_in, waypoints_in
 from waypointctl.units import NS_PER_S, ns
 
 if TYPE_CHECKING:

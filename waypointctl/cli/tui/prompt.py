@@ -13,7 +13,7 @@ from typing import Final, Self
 
 from waypointctl.cli.tui.console_screen import SIGN, ConsoleScreen
 from waypointctl.cli.tui.formatting import happening
-from waypointctl.cli.tui.heard import Heard
+from waypointctl.cli.tui.operator_status import status_lines
 from waypointctl.cli.tui.pace import Pace
 from waypointctl.cli.tui.typed_lines import TypedLines
 from waypointctl.display_text import printable_lines
@@ -22,7 +22,8 @@ from waypointctl.flight.operator.line_source import QUIT
 from waypointctl.flight.setting import setting_of
 from waypointctl.log.messages import Clock, Message, PlannedWaypoint
 from waypointctl.mission.mission import Mission
-from waypointctl.replay.chronicle import Chronicle
+from waypointctl.replay.operator_view import OperatorView
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
 from waypointctl.units import seconds
 
 HELP: Final = f"commands: {USAGE}"
@@ -33,7 +34,7 @@ class Prompt:
     """Watches a flight, and is where its lines come from; use it in a `with` block.
 
     Attributes:
-        chronicle: the flight so far, the truth of it too: it is shown when the flight is over.
+        flight: the flight so far, the truth of it too: it is shown when the flight is over.
         is_open: whether there is somebody: always, at mission start.
     """
 
@@ -89,15 +90,15 @@ class Prompt:
 
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
-        self.chronicle = Chronicle(self._waypoints, setting_of(self._mission))
-        self._heard = Heard()
+        self.flight = FlightSummaryBuilder(self._waypoints, setting_of(self._mission))
+        self._view = OperatorView()
         if self._screen is not None:
             self._screen.restart()
 
     def learn(self, message: Message) -> None:
         """Take one message without a word: it was told before."""
-        self.chronicle(message)
-        self._heard(message)
+        self.flight(message)
+        self._view(message)
         if self._screen is not None:
             self._screen(message)
 
@@ -155,7 +156,7 @@ class Prompt:
     @property
     def _now_ns(self) -> int:
         """The time on the operator's clock: the simulation is a step ahead of it, or has left it behind."""
-        now_ns = self.chronicle.now_ns
+        now_ns = self.flight.now_ns
         return now_ns if self._has_quit or not self._has_begun else max(self._pace.now_ns, now_ns)
 
     def _answer(self, line: str) -> None:
@@ -168,7 +169,7 @@ class Prompt:
             case "time":
                 self.say(f"time {seconds(now_ns):.2f} s, at {self._pace.rate:g} times real time")
             case "status":
-                self.say("\n".join([f"time {seconds(now_ns):.2f} s", *self._heard.status(now_ns)]))
+                self.say("\n".join([f"time {seconds(now_ns):.2f} s", *status_lines(self._view, now_ns)]))
             case _:
                 self._send(line)
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from waypointctl.flight.record import Recording
-    from waypointctl.replay.story import Story
+    from waypointctl.replay.summary import FlightSummary
     from waypointctl.replay.verdict import Verification
 
 _GOOD: Final = "bold green"
@@ -26,13 +26,13 @@ _MAP_LINES: Final = 22
 _MAP_COLUMNS: Final = 78
 
 
-def print_flight(story: Story, recording: Recording, wall_s: float, *, stderr: bool) -> None:
+def print_flight(summary: FlightSummary, recording: Recording, wall_s: float, *, stderr: bool) -> None:
     """Print the summary of a flight that has just been flown in `wall_s` of wall time."""
     out = console(stderr=stderr)
     out.print()
-    _print_outcome(out, story)
-    _print_tables(out, story)
-    for line in (*effort_lines(story), *whereabouts_lines(story), *link_lines(story.link)):
+    _print_outcome(out, summary)
+    _print_tables(out, summary)
+    for line in (*effort_lines(summary), *whereabouts_lines(summary), *link_lines(summary.link)):
         _print_line(out, line)
     flown_s = seconds(recording.result.sim_time_ns)
     _print_line(out, f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
@@ -63,25 +63,25 @@ def print_verdict(verification: Verification, *, stderr: bool) -> None:
     out.print()
 
 
-def print_story(story: Story, title: str, *, stderr: bool) -> None:
-    """Print the story of a logged flight."""
+def print_summary(summary: FlightSummary, title: str, *, stderr: bool) -> None:
+    """Print the summary of a logged flight."""
     from waypointctl.cli.tui.chart import draw_map
     from waypointctl.cli.tui.map_scene import scene_of
 
     out = console(stderr=stderr)
     _print_line(out, printable(title), style="bold")
-    _print_outcome(out, story)
+    _print_outcome(out, summary)
     out.print()
-    scene = scene_of(story, _MAP_COLUMNS * 50)
+    scene = scene_of(summary, _MAP_COLUMNS * 50)
     ascii_only = not out.encoding.lower().startswith("utf")
     *rows, legend = draw_map(scene, min(out.width, _MAP_COLUMNS), _MAP_LINES, ascii_only=ascii_only)
     drawn = [line for line, row in enumerate(rows) if row.plain.strip()]
     for row in (*rows[min(drawn, default=0) : max(drawn, default=-1) + 1], legend):
         out.print(row, crop=True)
-    _print_tables(out, story)
-    out.print(reward_table(story))
+    _print_tables(out, summary)
+    out.print(reward_table(summary))
     out.print()
-    for line in (*effort_lines(story), *whereabouts_lines(story), *link_lines(story.link)):
+    for line in (*effort_lines(summary), *whereabouts_lines(summary), *link_lines(summary.link)):
         _print_line(out, line)
 
 
@@ -90,14 +90,14 @@ def _print_line(out: Console, text: str, style: str = "") -> None:
     out.print(text, style=style, soft_wrap=not out.is_terminal)
 
 
-def _print_outcome(out: Console, story: Story) -> None:
-    style = _GOOD if story.outcome == "success" else _BAD
-    _print_line(out, printable(story.headline), style=style)
+def _print_outcome(out: Console, summary: FlightSummary) -> None:
+    style = _GOOD if summary.outcome == "success" else _BAD
+    _print_line(out, printable(summary.headline), style=style)
 
 
-def _print_tables(out: Console, story: Story) -> None:
+def _print_tables(out: Console, summary: FlightSummary) -> None:
     out.print()
-    out.print(waypoint_table(story))
+    out.print(waypoint_table(summary))
     out.print()
-    out.print(command_table(story))
+    out.print(command_table(summary))
     out.print()

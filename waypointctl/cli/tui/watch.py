@@ -12,13 +12,13 @@ from waypointctl.cli.console import console, is_live
 from waypointctl.cli.tui.formatting import happening
 from waypointctl.log.messages import Message, PlannedWaypoint
 from waypointctl.log.setting import MissionSetting
-from waypointctl.replay.chronicle import Chronicle
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
 
 
 class Watch(AbstractContextManager["Watch"], Protocol):
     """A sink that shows people the flight whose messages it is given."""
 
-    chronicle: Chronicle
+    flight: FlightSummaryBuilder
 
     def __call__(self, message: Message) -> None:
         """Take one message."""
@@ -44,7 +44,7 @@ class PlainLines:
     """Writes one line to stderr for each happening.
 
     Attributes:
-        chronicle: the flight so far.
+        flight: the flight so far.
     """
 
     def __init__(self, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> None:
@@ -54,7 +54,7 @@ class PlainLines:
 
     def __call__(self, message: Message) -> None:
         """Take one message."""
-        self.chronicle(message)
+        self.flight(message)
         told = happening(message)
         if told is not None:
             print(told.line, file=sys.stderr, flush=True)
@@ -70,7 +70,7 @@ class PlainLines:
 
     def restart(self) -> None:
         """Forget the flight, to be told it again."""
-        self.chronicle = Chronicle(self._waypoints, self._setting)
+        self.flight = FlightSummaryBuilder(self._waypoints, self._setting)
 
     def say(self, status: str) -> None:
         """Say nothing: among the lines of a flight it would be out of place."""

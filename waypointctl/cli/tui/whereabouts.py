@@ -9,17 +9,17 @@ from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
     from waypointctl.replay.return_home import ReturnHome
-    from waypointctl.replay.story import Story
+    from waypointctl.replay.summary import FlightSummary
     from waypointctl.replay.track import Track
 
 
-def whereabouts_lines(story: Story) -> list[str]:
+def whereabouts_lines(summary: FlightSummary) -> list[str]:
     """Return a line for each way home, and one for where the robot ended; nothing of a flight without a state."""
-    lines = [f"way home   {printable(str(each))}; {_known(each)}" for each in story.returns]
-    end, believed = story.ended_at, story.believed_at
+    lines = [f"way home   {printable(str(each))}; {_known(each)}" for each in summary.returns]
+    end, believed = summary.ended_at, summary.believed_at
     if not len(end):
         return lines
-    home = "" if story.home_distance_m is None else f", {story.home_distance_m:.2f} m from home"
+    home = "" if summary.home_distance_m is None else f", {summary.home_distance_m:.2f} m from home"
     last = "the operator has heard of no place"
     if len(believed):
         last = f"the operator's last frame, sampled at {at(int(believed.time_ns[0]))}, has {_place(believed)}"

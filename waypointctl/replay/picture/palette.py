@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from waypointctl import figure
-from waypointctl.replay.story import Fate
+from waypointctl.replay.summary import WaypointStatus
 
 ROBOT: Final = figure.BLUE
 OPERATOR: Final = figure.PINK
@@ -19,4 +19,9 @@ OPEN: Final = figure.GREY
 INK: Final = figure.INK
 FAINT: Final = figure.FAINT
 
-FATES: Final = {Fate.REACHED: REACHED, Fate.TIMED_OUT: FAILED, Fate.SKIPPED: FAILED, Fate.OPEN: OPEN}
+FATES: Final = {
+    WaypointStatus.REACHED: REACHED,
+    WaypointStatus.TIMED_OUT: FAILED,
+    WaypointStatus.SKIPPED: FAILED,
+    WaypointStatus.OPEN: OPEN,
+}

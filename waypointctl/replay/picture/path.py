@@ -12,12 +12,11 @@ from matplotlib.ticker import MultipleLocator
 
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.zones import Zone
-from waypointctl.replay.map_extent import extent
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import Labels, Place, around, short
 from waypointctl.replay.picture.time_axis import time_text
-from waypointctl.replay.story import Story, WaypointStory
-from waypointctl.replay.track import Track, is_on_map
+from waypointctl.replay.summary import FlightSummary, WaypointSummary
+from waypointctl.replay.track import Track, extent, is_on_map
 from waypointctl.units import seconds
 
 _POINTS: Final = 6000  # drawn of the way
@@ -30,46 +29,48 @@ _HOUSE: Final = ((-1.0, -1.0), (1.0, -1.0), (1.0, 0.3), (0.0, 1.2), (-1.0, 0.3),
 _HOME_LOOK: Final[dict[str, Any]] = {"color": "white", "markeredgecolor": palette.HOME, "markersize": 11}
 
 
-def draw_path(axes: Axes, story: Story) -> None:
-    """Draw the map of a story, metres in equal scale along both axes."""
-    waypoints = [waypoint for waypoint in story.waypoints if waypoint.is_on_map]
-    for zone in story.setting.zones:
+def draw_path(axes: Axes, summary: FlightSummary) -> None:
+    """Draw the map of a summary, metres in equal scale along both axes."""
+    waypoints = [waypoint for waypoint in summary.waypoints if waypoint.is_on_map]
+    for zone in summary.setting.zones:
         axes.add_patch(_zone(zone))
     for waypoint in waypoints:
-        axes.add_patch(_region(waypoint.planned, palette.FATES[waypoint.fate], faint=len(waypoints) > MANY))
-    way = story.truth.thinned(_POINTS)
-    _draw_way(axes, story, way)
+        axes.add_patch(_region(waypoint.planned, palette.FATES[waypoint.status], faint=len(waypoints) > MANY))
+    way = summary.truth.thinned(_POINTS)
+    _draw_way(axes, summary, way)
     if len(waypoints) <= MANY:
-        _draw_beliefs(axes, story)
-    if story.home is not None:
-        axes.plot(story.home.x_m, story.home.y_m, marker=_HOUSE, label="home", linestyle="none", zorder=5, **_HOME_LOOK)
-    _draw_lost(axes, story)
-    places = [place for place in story.places if is_on_map(place.x_m, place.y_m, place.tolerance_m)]
+        _draw_beliefs(axes, summary)
+    if summary.home is not None:
+        axes.plot(
+            summary.home.x_m, summary.home.y_m, marker=_HOUSE, label="home", linestyle="none", zorder=5, **_HOME_LOOK
+        )
+    _draw_lost(axes, summary)
+    places = [place for place in summary.places if is_on_map(place.x_m, place.y_m, place.tolerance_m)]
     _draw_places(axes, places)
-    _set_limits(axes, story, [*(waypoint.planned for waypoint in waypoints), *places], way)
+    _set_limits(axes, summary, [*(waypoint.planned for waypoint in waypoints), *places], way)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="Path")
     axes.grid(color=palette.FAINT, linewidth=0.4)
     if axes.get_legend_handles_labels()[0]:
         below: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.06)}
         axes.legend(**below, ncols=4, frameon=False, fontsize=9, columnspacing=1.2)
-    _write_names(axes, story, waypoints, places, way)
+    _write_names(axes, summary, waypoints, places, way)
 
 
-def _draw_way(axes: Axes, story: Story, way: Track) -> None:
+def _draw_way(axes: Axes, summary: FlightSummary, way: Track) -> None:
     if len(way):
         axes.plot(way.x_m, way.y_m, color=palette.ROBOT, linewidth=1.8, label="robot, truth", zorder=3)
-    for number, each in enumerate(story.returns):
-        home = story.truth.between(each.began_ns, story.ended_ns if each.ended_ns is None else each.ended_ns)
+    for number, each in enumerate(summary.returns):
+        home = summary.truth.between(each.began_ns, summary.ended_ns if each.ended_ns is None else each.ended_ns)
         home = home.thinned(_POINTS)
         label = "_nolegend_" if number else "way home"
         axes.plot(home.x_m, home.y_m, color=palette.HOME, linewidth=2.6, label=label, zorder=3)
-    if story.setting.down is not None:
-        unheard = np.where(story.setting.down.is_open(way.time_ns), np.nan, 1.0)
-        label = "hollow: no contact down" if np.isfinite(unheard).any() else "_nolegend_"
+    if summary.setting.down is not None:
+        lost_spans = np.where(summary.setting.down.is_open(way.time_ns), np.nan, 1.0)
+        label = "hollow: no contact down" if np.isfinite(lost_spans).any() else "_nolegend_"
         look: dict[str, Any] = {"color": "white", "linewidth": 0.9, "zorder": 3.5}
-        axes.plot(way.x_m * unheard, way.y_m * unheard, **look)
+        axes.plot(way.x_m * lost_spans, way.y_m * lost_spans, **look)
         axes.plot([], [], color=palette.FAINT, linewidth=2.2, label=label)
-    told = story.belief.thinned(_POINTS)
+    told = summary.belief.thinned(_POINTS)
     if len(told):
         axes.plot(told.x_m, told.y_m, ".", color=palette.OPERATOR, markersize=5, label="telemetry frame", zorder=4)
     if len(way):
@@ -86,25 +87,25 @@ def _draw_places(axes: Axes, places: Sequence[PlannedWaypoint]) -> None:
         axes.plot(x_m, y_m, "+", markersize=10 if few else 4, label="commanded place", **look)
 
 
-def _draw_lost(axes: Axes, story: Story) -> None:
+def _draw_lost(axes: Axes, summary: FlightSummary) -> None:
     """Mark where the robot was when messages were sent that were not delivered."""
-    missing_ns = story.link.missing_ns
-    lost = story.truth.nearest(missing_ns).thinned(_MOST_LOST)
+    missing_ns = summary.link.missing_ns
+    lost = summary.truth.nearest(missing_ns).thinned(_MOST_LOST)
     if len(lost):
         label = f"{len(missing_ns)} not delivered"
         axes.plot(lost.x_m, lost.y_m, "x", color=palette.FAILED, markersize=4, label=label, zorder=4.5)
 
 
-def _set_limits(axes: Axes, story: Story, goals: Sequence[PlannedWaypoint], way: Track) -> None:
+def _set_limits(axes: Axes, summary: FlightSummary, goals: Sequence[PlannedWaypoint], way: Track) -> None:
     """Show the way, the goals, home and what is near of the zones, in equal scale, with ticks equally far apart."""
-    plans = [*goals] + ([] if story.home is None else [story.home])
+    plans = [*goals] + ([] if summary.home is None else [summary.home])
     reach = np.array([plan.tolerance_m for plan in plans])
     x_m, y_m = (np.array([getattr(plan, name) for plan in plans]) for name in ("x_m", "y_m"))
-    told = story.belief
+    told = summary.belief
     shown = extent(
         np.concatenate([way.x_m, told.x_m, x_m - reach, x_m + reach]),
         np.concatenate([way.y_m, told.y_m, y_m - reach, y_m + reach]),
-        story.setting.zones,
+        summary.setting.zones,
     )
     room = axes.get_window_extent()
     wide_m, high_m = shown.right_m - shown.left_m, shown.top_m - shown.bottom_m
@@ -121,25 +122,29 @@ def _set_limits(axes: Axes, story: Story, goals: Sequence[PlannedWaypoint], way:
 
 
 def _write_names(
-    axes: Axes, story: Story, waypoints: Sequence[WaypointStory], places: Sequence[PlannedWaypoint], way: Track
+    axes: Axes,
+    summary: FlightSummary,
+    waypoints: Sequence[WaypointSummary],
+    places: Sequence[PlannedWaypoint],
+    way: Track,
 ) -> None:
     """Write the names of waypoints, home and zones where they cover no other, and little of the way."""
     labels = Labels(axes, axes.transData.transform(np.column_stack([way.x_m, way.y_m])))
     with_time = len(waypoints) <= _MOST_TIMES
     for waypoint in waypoints:
-        plan, color = waypoint.planned, palette.FATES[waypoint.fate]
+        plan, color = waypoint.planned, palette.FATES[waypoint.status]
         name = short(plan.name, _LETTERS)
-        when = str(waypoint.fate) if waypoint.reached_ns is None else time_text(seconds(waypoint.reached_ns))
+        when = str(waypoint.status) if waypoint.reached_ns is None else time_text(seconds(waypoint.reached_ns))
         around_it = around(*_box(labels, plan))
         if not with_time or not labels.put(f"{name}\n{when}", around_it, color, size_pt=9):
             labels.put(name, around_it, color, size_pt=9)
     for place in places if len(places) <= _MOST_TIMES else ():
         x_px, y_px = labels.pixels(place.x_m, place.y_m)
         labels.put(short(place.name, _LETTERS), around(x_px - 5, x_px + 5, y_px - 5, y_px + 5), palette.INK)
-    if story.home is not None:
-        x_px, y_px = labels.pixels(story.home.x_m, story.home.y_m)
+    if summary.home is not None:
+        x_px, y_px = labels.pixels(summary.home.x_m, summary.home.y_m)
         labels.put("home", around(x_px - 8, x_px + 8, y_px - 8, y_px + 8), palette.HOME, size_pt=9)
-    for zone in story.setting.zones:
+    for zone in summary.setting.zones:
         color = palette.KEEP_IN if zone.keep_in else palette.KEEP_OUT
         labels.put(short(zone.label, _LETTERS + 9), _zone_places(axes, labels, zone), color)
 
@@ -179,19 +184,19 @@ def _region(plan: PlannedWaypoint, color: str, *, faint: bool) -> Patch:
     return region
 
 
-def _draw_beliefs(axes: Axes, story: Story) -> None:
+def _draw_beliefs(axes: Axes, summary: FlightSummary) -> None:
     """At the moment the robot reached a waypoint, join it to where the operator believed it to be just then."""
     label = "belief when reached"
-    news = story.belief.newest()
-    for waypoint in story.waypoints:
+    news = summary.belief.newest()
+    for waypoint in summary.waypoints:
         if waypoint.reached_ns is None:
             continue
-        there = np.searchsorted(story.truth.time_ns, waypoint.reached_ns, "right") - 1
+        there = np.searchsorted(summary.truth.time_ns, waypoint.reached_ns, "right") - 1
         known = np.searchsorted(news.known_ns, waypoint.reached_ns, "right") - 1
         if there < 0 or known < 0:
             continue
-        x_m = [news.x_m[known], story.truth.x_m[there]]
-        y_m = [news.y_m[known], story.truth.y_m[there]]
+        x_m = [news.x_m[known], summary.truth.x_m[there]]
+        y_m = [news.y_m[known], summary.truth.y_m[there]]
         axes.plot(x_m, y_m, ":", color=palette.OPERATOR, linewidth=1.0, zorder=4)
         axes.plot(x_m[:1], y_m[:1], "D", color="white", markeredgecolor=palette.OPERATOR, label=label, zorder=5)
         label = "_nolegend_"

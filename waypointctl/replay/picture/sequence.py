@@ -18,7 +18,7 @@ from waypointctl.log.messages import Ack, Stage
 from waypointctl.log.setting import Span
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import Labels, Place, short
-from waypointctl.replay.story import CommandStory, Story
+from waypointctl.replay.summary import CommandSummary, FlightSummary
 from waypointctl.units import NS_PER_S, seconds
 
 _OPERATOR_Y: Final = 1.0
@@ -38,20 +38,20 @@ _TOLD: Final = (Stage.STARTED, Stage.REJECTED, Stage.COMPLETED, Stage.FAILED, St
 _BAD: Final = (Stage.FAILED, Stage.REJECTED)
 
 
-def draw_sequence(axes: Axes, story: Story) -> None:
-    """Draw the sequence of a story's messages over time [s], operator above, robot below."""
+def draw_sequence(axes: Axes, summary: FlightSummary) -> None:
+    """Draw the sequence of a summary's messages over time [s], operator above, robot below."""
     for y, color in ((_OPERATOR_Y, palette.OPERATOR), (_ROBOT_Y, palette.ROBOT)):
         axes.axhline(y, color=color, linewidth=1.4)
     axes.set_ylim(*_LIMITS)
     axes.set_yticks([_ROBOT_Y, _OPERATOR_Y], ["robot", "operator"])
     axes.set(title="Messages")
-    _draw_contact(axes, story)
-    _draw_telemetry(axes, story)
-    _draw_commands(axes, story)
-    _draw_lost(axes, story)
-    _draw_robot(axes, story)
+    _draw_contact(axes, summary)
+    _draw_telemetry(axes, summary)
+    _draw_commands(axes, summary)
+    _draw_lost(axes, summary)
+    _draw_robot(axes, summary)
     axes.grid(axis="x", color=palette.FAINT, linewidth=0.4)
-    keys = list(_keys(story))
+    keys = list(_keys(summary))
     axes.legend(
         handles=keys,
         loc="upper center",
@@ -65,24 +65,24 @@ def draw_sequence(axes: Axes, story: Story) -> None:
     )
 
 
-def name_messages(axes: Axes, story: Story) -> None:
+def name_messages(axes: Axes, summary: FlightSummary) -> None:
     """Write commands and what became of them beside their moments, where there is room; limits are set by now."""
     labels = Labels(axes)
-    is_wrong = [command.onboard in _BAD or command.received_ns is None for command in story.commands]
-    wrong, others = (tuple(compress(story.commands, which)) for which in (is_wrong, map(not_, is_wrong)))
-    if len(story.commands) > _MOST_ARROWS:
+    is_wrong = [command.onboard in _BAD or command.received_ns is None for command in summary.commands]
+    wrong, others = (tuple(compress(summary.commands, which)) for which in (is_wrong, map(not_, is_wrong)))
+    if len(summary.commands) > _MOST_ARROWS:
         others = ()
-        axes.set_title(f"Messages ({len(story.commands)} commands; only what went wrong is labelled)")
+        axes.set_title(f"Messages ({len(summary.commands)} commands; only what went wrong is labelled)")
     for command in (*wrong, *others):
         at_px, y_px = labels.pixels(seconds(command.issued_ns), _OPERATOR_Y)
         state = "" if command.received_ns is not None else f" ({_undelivered(command)})"
         color = palette.FAILED if state else palette.OPERATOR
-        labels.put(f"{command.id}: {short(command.what, _LETTERS)}{state}", _rows(at_px, y_px, +1), color)
+        labels.put(f"{command.id}: {short(command.description, _LETTERS)}{state}", _rows(at_px, y_px, +1), color)
         for ack in _told(command.acks):
             at_px, y_px = labels.pixels(seconds(ack.issued_ns), _ROBOT_Y)
             color = palette.FAILED if ack.stage in _BAD else palette.ROBOT
             labels.put(f"{ack.command_id} {ack.stage}", _rows(at_px, y_px, -1), color)
-    if labels.left_out and len(story.commands) <= _MOST_ARROWS:
+    if labels.left_out and len(summary.commands) <= _MOST_ARROWS:
         axes.set_title(f"Messages (labels left out for lack of room: {labels.left_out})")
 
 
@@ -93,7 +93,7 @@ def _rows(at_px: float, y_px: float, side: int) -> Iterable[Place]:
             yield Place(at_px + aside_px, y_px + side * row_px, horizontal, "bottom" if side > 0 else "top")
 
 
-def _undelivered(command: CommandStory) -> str:
+def _undelivered(command: CommandSummary) -> str:
     return "not delivered" if command.losses >= command.attempts else "under way"
 
 
@@ -105,36 +105,36 @@ def _told(acks: Sequence[Ack]) -> Iterable[Ack]:
             yield last
 
 
-def _keys(story: Story) -> Iterable[Artist]:
+def _keys(summary: FlightSummary) -> Iterable[Artist]:
     """Yield an entry for each kind of thing that is drawn."""
-    yield from _message_keys(story)
-    yield from _robot_keys(story)
-    if len(story.link.missing_ns):
-        text = f"{len(story.link.missing_ns)} not delivered"
+    yield from _message_keys(summary)
+    yield from _robot_keys(summary)
+    if len(summary.link.missing_ns):
+        text = f"{len(summary.link.missing_ns)} not delivered"
         yield Line2D([], [], color=palette.FAILED, marker="x", markersize=5, linestyle="none", label=text)
-    if story.setting.up is not None or story.setting.down is not None:
+    if summary.setting.up is not None or summary.setting.down is not None:
         yield Patch(facecolor=palette.FAINT, alpha=0.35, label="no contact")
-    if story.link.unheard:
+    if summary.link.lost_spans:
         yield Line2D([], [], color=palette.FAILED, linewidth=3, label="link lost, on board")
 
 
-def _message_keys(story: Story) -> Iterable[Artist]:
-    if any(command.received_ns is not None for command in story.commands):
+def _message_keys(summary: FlightSummary) -> Iterable[Artist]:
+    if any(command.received_ns is not None for command in summary.commands):
         yield Line2D([], [], color=palette.OPERATOR, label="command")
-    if any(command.acks for command in story.commands):
+    if any(command.acks for command in summary.commands):
         yield Line2D([], [], color=palette.ROBOT, label="acknowledgement")
-    if len(story.belief):
+    if len(summary.belief):
         yield Line2D([], [], color=palette.FAINT, label="telemetry")
 
 
-def _robot_keys(story: Story) -> Iterable[Artist]:
-    if story.moving:
+def _robot_keys(summary: FlightSummary) -> Iterable[Artist]:
+    if summary.moving:
         yield Line2D([], [], color=palette.ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="walking")
-    if story.returns:
+    if summary.returns:
         yield Line2D([], [], color=palette.HOME, linewidth=_WALK_WIDTH, label="way home")
-    if any(waypoint.reached_ns is not None for waypoint in story.waypoints):
+    if any(waypoint.reached_ns is not None for waypoint in summary.waypoints):
         yield _dot(palette.REACHED, "reached")
-    if any(waypoint.learned_ns is not None for waypoint in story.waypoints):
+    if any(waypoint.known_ns is not None for waypoint in summary.waypoints):
         yield _dot("white", "known")
 
 
@@ -142,13 +142,13 @@ def _dot(color: str, label: str) -> Line2D:
     return Line2D([], [], color=color, marker="o", linestyle="none", markeredgecolor=palette.REACHED, label=label)
 
 
-def _draw_contact(axes: Axes, story: Story) -> None:
+def _draw_contact(axes: Axes, summary: FlightSummary) -> None:
     """Shade when nothing can be sent: the upper half for the way up, the lower one for the way down."""
-    halves = ((story.setting.up, 0.5, _OPERATOR_Y), (story.setting.down, _ROBOT_Y, 0.5))
+    halves = ((summary.setting.up, 0.5, _OPERATOR_Y), (summary.setting.down, _ROBOT_Y, 0.5))
     for windows, low, high in halves:
         if windows is None:
             continue
-        spans = windows.closed(story.ended_ns, _MOST_WINDOWS)
+        spans = windows.closed(summary.ended_ns, _MOST_WINDOWS)
         if spans is None:
             axes.text(0.5, (low + high) / 2, "too many contact windows to draw", transform=axes.get_yaxis_transform())
             continue
@@ -157,16 +157,16 @@ def _draw_contact(axes: Axes, story: Story) -> None:
             axes.fill_between(between, low, high, color=palette.FAINT, alpha=0.35, linewidth=0, zorder=0)
 
 
-def _draw_robot(axes: Axes, story: Story) -> None:
+def _draw_robot(axes: Axes, summary: FlightSummary) -> None:
     """Draw when the robot walked, was on its way home, reached what, and took the link for lost."""
-    _bars(axes, story.moving, _ROBOT_Y, palette.ROBOT, _WALK_WIDTH, _WALK_ALPHA)
-    ways = [(way.began_ns, story.ended_ns if way.ended_ns is None else way.ended_ns) for way in story.returns]
+    _bars(axes, summary.moving, _ROBOT_Y, palette.ROBOT, _WALK_WIDTH, _WALK_ALPHA)
+    ways = [(way.began_ns, summary.ended_ns if way.ended_ns is None else way.ended_ns) for way in summary.returns]
     _bars(axes, ways, _ROBOT_Y, palette.HOME, _WALK_WIDTH, 1.0)
-    for way in story.returns:
+    for way in summary.returns:
         _mark(axes, way.ended_ns, way.ended_known_ns, palette.HOME)
-    for waypoint in story.waypoints:
-        _mark(axes, waypoint.reached_ns, waypoint.learned_ns, palette.REACHED)
-    _bars(axes, story.link.unheard, _UNHEARD_Y, palette.FAILED, 3, 1.0)
+    for waypoint in summary.waypoints:
+        _mark(axes, waypoint.reached_ns, waypoint.known_ns, palette.REACHED)
+    _bars(axes, summary.link.lost_spans, _UNHEARD_Y, palette.FAILED, 3, 1.0)
 
 
 def _bars(axes: Axes, spans: Iterable[Span], y: float, color: str, width: float, alpha: float) -> None:
@@ -181,8 +181,8 @@ def _mark(axes: Axes, happened_ns: int | None, known_ns: int | None, color: str)
             axes.plot(seconds(time_ns), y, "o", color=fill, markeredgecolor=color, markersize=7, zorder=5)
 
 
-def _draw_telemetry(axes: Axes, story: Story) -> None:
-    frames = story.belief.thinned(_MOST_FRAMES)
+def _draw_telemetry(axes: Axes, summary: FlightSummary) -> None:
+    frames = summary.belief.thinned(_MOST_FRAMES)
     ends = np.full(len(frames), _ROBOT_Y), np.full(len(frames), _OPERATOR_Y)
     starts = np.column_stack([frames.time_ns / NS_PER_S, ends[0]])
     stops = np.column_stack([frames.known_ns / NS_PER_S, ends[1]])
@@ -190,9 +190,9 @@ def _draw_telemetry(axes: Axes, story: Story) -> None:
     axes.add_collection(LineCollection(list(lines), colors=palette.FAINT, linewidths=0.5, zorder=1))
 
 
-def _draw_lost(axes: Axes, story: Story) -> None:
+def _draw_lost(axes: Axes, summary: FlightSummary) -> None:
     """Draw the beginnings of the ways of messages that were not delivered, each with a cross at its end."""
-    for way, y, step in ((story.link.up, _OPERATOR_Y, -_LOST_Y), (story.link.down, _ROBOT_Y, _LOST_Y)):
+    for way, y, step in ((summary.link.up, _OPERATOR_Y, -_LOST_Y), (summary.link.down, _ROBOT_Y, _LOST_Y)):
         stride = max(1, -(-way.missing // _MOST_LOST))
         times_s = way.missing_ns[::stride] / NS_PER_S
         axes.vlines(times_s, y, y + step, color=palette.FAILED, linewidth=0.6, zorder=4)
@@ -200,18 +200,18 @@ def _draw_lost(axes: Axes, story: Story) -> None:
         axes.plot(times_s, ends, "x", color=palette.FAILED, markersize=4, linestyle="none", zorder=4)
 
 
-def _draw_commands(axes: Axes, story: Story) -> None:
+def _draw_commands(axes: Axes, summary: FlightSummary) -> None:
     """Draw each command that arrived, from the sending that did, and each acknowledgement."""
-    with_heads = len(story.commands) <= _MOST_ARROWS
+    with_heads = len(summary.commands) <= _MOST_ARROWS
     commands: list[Span] = []
     acks: list[Span] = []
     failures: list[Span] = []
-    for command in story.commands:
+    for command in summary.commands:
         if command.received_ns is not None and command.uplink_ns is not None:
             commands.append((command.received_ns - command.uplink_ns, command.received_ns))
         elif _undelivered(command) == "under way":
             # How far it had come when the flight ended is not known, so its line has no head.
-            ends_s = [seconds(command.issued_ns), seconds(story.ended_ns)]
+            ends_s = [seconds(command.issued_ns), seconds(summary.ended_ns)]
             axes.plot(ends_s, [_OPERATOR_Y, 0.5], "--", color=palette.FAILED, linewidth=1.2)
         for (issued_ns, received_ns), together in groupby(command.acks, lambda ack: (ack.issued_ns, ack.received_ns)):
             last = list(together)[-1]

@@ -12,7 +12,7 @@ from waypointctl.log.setting import Span
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import Labels, Place, short
 from waypointctl.replay.picture.path import MANY
-from waypointctl.replay.story import Story
+from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.track import FloatArray, IntArray, Track
 from waypointctl.units import NS_PER_S, seconds
 
@@ -24,13 +24,13 @@ _GAP: Final = 10  # control steps without a state are a gap in the line
 _SHOWN: Final = {EventKind.FALL: "fall", EventKind.WAYPOINT_TIMEOUT: "timeout"}
 
 
-def draw_speed(axes: Axes, story: Story) -> None:
-    """Draw the speeds and the legs of a story over time [s]."""
-    _draw_legs(axes, story)
-    truth, mean_mps = _drawn(story.truth, story.resting)
+def draw_speed(axes: Axes, summary: FlightSummary) -> None:
+    """Draw the speeds and the legs of a summary over time [s]."""
+    _draw_legs(axes, summary)
+    truth, mean_mps = _drawn(summary.truth, summary.resting)
     axes.plot(truth.time_ns / NS_PER_S, truth.speed_mps, color=palette.ROBOT, linewidth=0.6, alpha=0.35)
     axes.plot(truth.time_ns / NS_PER_S, mean_mps, color=palette.ROBOT, linewidth=1.8, label="robot, mean of 0.5 s")
-    told = story.belief.newest().thinned(_POINTS)
+    told = summary.belief.newest().thinned(_POINTS)
     axes.step(
         told.known_ns / NS_PER_S,
         told.speed_mps,
@@ -39,7 +39,7 @@ def draw_speed(axes: Axes, story: Story) -> None:
         linewidth=1.0,
         label="as last heard by the operator",
     )
-    for event in story.events:
+    for event in summary.events:
         if event.kind in _SHOWN:
             axes.axvline(seconds(event.time_ns), color=palette.FAILED, linewidth=1.2)
     axes.set(ylabel="speed [m/s]", title="Speed")
@@ -49,17 +49,17 @@ def draw_speed(axes: Axes, story: Story) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
 
 
-def name_moments(axes: Axes, story: Story) -> None:
+def name_moments(axes: Axes, summary: FlightSummary) -> None:
     """Write what happened beside its moment, where there is room; the limits of the axes are set by now."""
     labels = Labels(axes)
-    moments = [(event.time_ns, _SHOWN[event.kind], palette.FAILED) for event in story.events if event.kind in _SHOWN]
-    for way in story.returns:
+    moments = [(event.time_ns, _SHOWN[event.kind], palette.FAILED) for event in summary.events if event.kind in _SHOWN]
+    for way in summary.returns:
         moments.append((way.began_ns, "way home", palette.HOME))
         if way.ended_ns is not None:
             moments.append((way.ended_ns, str(way.ending), palette.HOME))
-    for waypoint in story.waypoints:
+    for waypoint in summary.waypoints:
         if waypoint.reached_ns is not None:
-            moments.append((waypoint.reached_ns, waypoint.planned.name, palette.FATES[waypoint.fate]))
+            moments.append((waypoint.reached_ns, waypoint.planned.name, palette.FATES[waypoint.status]))
     top_px = float(axes.get_window_extent().y1) - 3
     for time_ns, name, color in moments:
         at_px, _ = labels.pixels(seconds(time_ns), 0.0)
@@ -67,16 +67,16 @@ def name_moments(axes: Axes, story: Story) -> None:
         labels.put(short(name, _LETTERS), places, color, rotation=90)
 
 
-def _draw_legs(axes: Axes, story: Story) -> None:
-    width = 0.3 if len(story.waypoints) > MANY else 1.0
-    for waypoint in story.waypoints:
-        color = palette.FATES[waypoint.fate]
+def _draw_legs(axes: Axes, summary: FlightSummary) -> None:
+    width = 0.3 if len(summary.waypoints) > MANY else 1.0
+    for waypoint in summary.waypoints:
+        color = palette.FATES[waypoint.status]
         if waypoint.started_ns is not None:
-            _shade(axes, waypoint.started_ns, waypoint.ended_ns, story.ended_ns, color)
+            _shade(axes, waypoint.started_ns, waypoint.ended_ns, summary.ended_ns, color)
         if waypoint.reached_ns is not None:
             axes.axvline(seconds(waypoint.reached_ns), color=color, linewidth=width)
-    for way in story.returns:
-        _shade(axes, way.began_ns, way.ended_ns, story.ended_ns, palette.HOME)
+    for way in summary.returns:
+        _shade(axes, way.began_ns, way.ended_ns, summary.ended_ns, palette.HOME)
 
 
 def _shade(axes: Axes, begin_ns: int, end_ns: int | None, ended_ns: int, color: str) -> None:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from waypointctl.replay.picture import palette
-from waypointctl.replay.story import Story
+from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.track import FloatArray
 from waypointctl.units import NS_PER_S, seconds
 
@@ -32,33 +32,33 @@ class Wait:
     end_s: float
 
 
-def waits_in(story: Story) -> tuple[Wait, ...]:
+def waits_in(summary: FlightSummary) -> tuple[Wait, ...]:
     """Return the long waits of a flight: the robot rests, and nothing begins or arrives but regular telemetry."""
-    times = np.unique(np.clip(np.array(_happenings(story), np.int64), 0, max(story.ended_ns, 0)))
-    times = np.union1d(times, story.truth.time_ns)
+    times = np.unique(np.clip(np.array(_happenings(summary), np.int64), 0, max(summary.ended_ns, 0)))
+    times = np.union1d(times, summary.truth.time_ns)
     gaps = np.diff(times)
     rest_ns = float(gaps[gaps < _LONG_NS].sum())
     long = np.flatnonzero((gaps >= _LONG_NS) & (gaps > _LONGER * max(rest_ns, NS_PER_S)))
     return tuple(Wait(seconds(int(times[at])), seconds(int(times[at + 1]))) for at in long)
 
 
-def _happenings(story: Story) -> list[int]:
-    times = [0, story.ended_ns, *(event.time_ns for event in story.events)]
-    for command in story.commands:
+def _happenings(summary: FlightSummary) -> list[int]:
+    times = [0, summary.ended_ns, *(event.time_ns for event in summary.events)]
+    for command in summary.commands:
         times += [
             command.issued_ns,
             *(ack.issued_ns for ack in command.acks),
             *(ack.received_ns for ack in command.acks),
         ]
         times += [time_ns for time_ns in (command.received_ns, command.ended_ns) if time_ns is not None]
-    times += [waypoint.learned_ns for waypoint in story.waypoints if waypoint.learned_ns is not None]
+    times += [waypoint.known_ns for waypoint in summary.waypoints if waypoint.known_ns is not None]
     return times
 
 
-def set_time_axis(upper: Axes, lower: Axes, story: Story) -> None:
+def set_time_axis(upper: Axes, lower: Axes, summary: FlightSummary) -> None:
     """Set the axis of time [s] of two parts of a picture, one above the other, and mark what is drawn shorter."""
-    end_s = max(1.0, seconds(story.ended_ns))
-    waits = waits_in(story)
+    end_s = max(1.0, seconds(summary.ended_ns))
+    waits = waits_in(summary)
     if not waits:
         lower.set_xlim(0.0, end_s * _ENDING)
         lower.set_xlabel("simulation time [s]")

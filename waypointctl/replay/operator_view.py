@@ -1,4 +1,4 @@
-"""What the ground knows of a flight under way, in the form of its story: nothing that has not been heard."""
+"""The operator's view of a flight under way: what has arrived on the ground, or happened there, and nothing else."""
 
 from __future__ import annotations
 
@@ -16,42 +16,40 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.log.setting import MissionSetting
-from waypointctl.replay.chronicle import Chronicle
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
 
 
-class KnownFlight:
-    """A sink that keeps what has arrived at the ground, or happened there.
+class OperatorView:
+    """A sink that keeps of a flight what the operator knows.
 
     Attributes:
-        chronicle: what is known; a waypoint counts as reached from when telemetry says so.
-        now_ns: the time on the operator's clock that was last told.
+        flight: what is known; a waypoint counts as reached from when telemetry reports it.
+        now_ns: the latest time on the operator's clock.
     """
 
-    def __init__(self, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> None:
+    def __init__(self, waypoints: Iterable[PlannedWaypoint] = (), setting: MissionSetting | None = None) -> None:
         """Begin with the waypoints of the mission, and what else it has fixed beforehand."""
-        self.chronicle = Chronicle(waypoints, setting)
+        self.flight = FlightSummaryBuilder(waypoints, setting or MissionSetting())
         self.now_ns = 0
         self._reached: set[int] = set()
 
     def __call__(self, message: Message) -> None:
-        """Take one message; what happens on board or on the link is not listened to."""
+        """Take one message; what happens on board or on the link is left out."""
         match message:
             case Telemetry():
-                self.chronicle(message)
+                self.flight(message)
                 for index in message.reached:
                     self._reach(index, message)
             case Ack() | Event(clock=Clock.OPERATOR) | CommandStage(clock=Clock.OPERATOR):
-                self.chronicle(message)
-        self.pass_time(self.chronicle.now_ns)
+                self.flight(message)
+        self.pass_time(self.flight.now_ns)
 
     def pass_time(self, now_ns: int) -> None:
         """Take the time that it is on the operator's clock."""
-        self.now_ns = self.chronicle.now_ns = max(self.now_ns, now_ns)
+        self.now_ns = self.flight.now_ns = max(self.now_ns, now_ns)
 
     def _reach(self, index: int, frame: Telemetry) -> None:
         if index not in self._reached:
             self._reached.add(index)
             text = f"waypoint {index + 1} reached"
-            self.chronicle(
-                Event(frame.issued_ns, EventKind.WAYPOINT_REACHED, Clock.OPERATOR, Severity.INFO, text, index)
-            )
+            self.flight(Event(frame.issued_ns, EventKind.WAYPOINT_REACHED, Clock.OPERATOR, Severity.INFO, text, index))

@@ -17,7 +17,7 @@ from waypointctl.log.setting import IntArray, Span
 
 
 @dataclass(frozen=True, slots=True)
-class WayStory:
+class LinkDirectionSummary:
     """One way of the link.
 
     Attributes:
@@ -51,18 +51,18 @@ class WayStory:
 
 
 @dataclass(frozen=True, slots=True)
-class LinkStory:
+class LinkSummary:
     """Both ways of the link.
 
     Attributes:
         up: from the operator to the robot.
         down: from the robot to the operator.
-        unheard: when the robot took the link for lost, by its rule, as nothing had arrived for too long.
+        lost_spans: when the robot took the link for lost, by its rule, as nothing had arrived for too long.
     """
 
-    up: WayStory = field(default_factory=WayStory)
-    down: WayStory = field(default_factory=WayStory)
-    unheard: tuple[Span, ...] = ()
+    up: LinkDirectionSummary = field(default_factory=LinkDirectionSummary)
+    down: LinkDirectionSummary = field(default_factory=LinkDirectionSummary)
+    lost_spans: tuple[Span, ...] = ()
 
     @property
     def missing_ns(self) -> IntArray:
@@ -71,10 +71,10 @@ class LinkStory:
 
 
 @dataclass(slots=True)
-class WayTally:
+class LinkDirectionBuilder:
     """Counts one way's records."""
 
-    fates: Counter[DeliveryOutcome] = field(default_factory=Counter)
+    outcomes: Counter[DeliveryOutcome] = field(default_factory=Counter)
     not_arrived: Counter[str] = field(default_factory=Counter)
     waited: int = 0
     longest_wait_ns: int = 0
@@ -82,7 +82,7 @@ class WayTally:
 
     def add(self, record: LinkRecord) -> None:
         """Take a record."""
-        self.fates[record.fate] += 1
+        self.outcomes[record.fate] += 1
         if record.fate in NOT_DELIVERED:
             self.not_arrived[record.what] += 1
             self.missing_ns.append(record.time_ns)
@@ -90,14 +90,14 @@ class WayTally:
             self.waited += 1
             self.longest_wait_ns = max(self.longest_wait_ns, record.departs_ns - record.time_ns)
 
-    def story(self) -> WayStory:
+    def summary(self) -> LinkDirectionSummary:
         """Return the counts so far."""
-        return WayStory(
-            lost=self.fates[DeliveryOutcome.LOST],
-            queue_full=self.fates[DeliveryOutcome.QUEUE_FULL],
-            no_contact=self.fates[DeliveryOutcome.NO_CONTACT],
+        return LinkDirectionSummary(
+            lost=self.outcomes[DeliveryOutcome.LOST],
+            queue_full=self.outcomes[DeliveryOutcome.QUEUE_FULL],
+            no_contact=self.outcomes[DeliveryOutcome.NO_CONTACT],
             not_arrived=tuple(sorted(self.not_arrived.items())),
-            doubled=self.fates[DeliveryOutcome.DOUBLED],
+            doubled=self.outcomes[DeliveryOutcome.DOUBLED],
             waited=self.waited,
             longest_wait_ns=self.longest_wait_ns,
             missing_ns=np.array(self.missing_ns, np.int64),
@@ -105,32 +105,32 @@ class WayTally:
 
 
 @dataclass(slots=True)
-class LinkTally:
+class LinkSummaryBuilder:
     """Gathers what the link did.
 
     Attributes:
         lost_since_ns: since when the robot has taken the link for lost; None while it hears the ground.
     """
 
-    up: WayTally = field(default_factory=WayTally)
-    down: WayTally = field(default_factory=WayTally)
+    up: LinkDirectionBuilder = field(default_factory=LinkDirectionBuilder)
+    down: LinkDirectionBuilder = field(default_factory=LinkDirectionBuilder)
     lost_since_ns: int | None = None
-    _unheard: list[Span] = field(default_factory=list)
+    _lost_spans: list[Span] = field(default_factory=list)
 
     def add(self, record: LinkRecord) -> None:
         """Take a record; one of a way that there is not, in an altered log, is left out."""
         if record.way in ("up", "down"):
             (self.up if record.way == "up" else self.down).add(record)
 
-    def note(self, event: Event) -> None:
+    def on_event(self, event: Event) -> None:
         """Take an event: the robot has lost or found the link."""
         if event.kind is EventKind.LINK_LOST and self.lost_since_ns is None:
             self.lost_since_ns = event.time_ns
         elif event.kind is EventKind.LINK_RESTORED and self.lost_since_ns is not None:
-            self._unheard.append((self.lost_since_ns, event.time_ns))
+            self._lost_spans.append((self.lost_since_ns, event.time_ns))
             self.lost_since_ns = None
 
-    def story(self, now_ns: int) -> LinkStory:
+    def summary(self, now_ns: int) -> LinkSummary:
         """Return what the link did so far; what has not ended lasts until now."""
         now = () if self.lost_since_ns is None else ((self.lost_since_ns, now_ns),)
-        return LinkStory(self.up.story(), self.down.story(), (*self._unheard, *now))
+        return LinkSummary(self.up.summary(), self.down.summary(), (*self._lost_spans, *now))

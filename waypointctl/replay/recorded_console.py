@@ -8,11 +8,11 @@ from waypointctl.flight.operator.console import order_from
 from waypointctl.flight.operator.line_source import QUIT
 from waypointctl.log.messages import ConsoleInput
 from waypointctl.mission.mission import Mission
-from waypointctl.replay.milestones import Milestones
-from waypointctl.replay.witness import Witness
+from waypointctl.replay.comparator import LogComparator
+from waypointctl.replay.summary import FlightSummary
 
 
-class LoggedLines:
+class RecordedConsole:
     """The console of a flight that is flown again: each line comes when it came.
 
     Attributes:
@@ -20,13 +20,13 @@ class LoggedLines:
         has_closed: whether it was closed by now.
     """
 
-    def __init__(self, witness: Witness, mission: Mission, milestones: Milestones) -> None:
-        """Take the lines from the log that `witness` holds against the replay."""
-        self.is_open = milestones.had_console
+    def __init__(self, comparator: LogComparator, mission: Mission, events: FlightSummary) -> None:
+        """Take the lines from the log that `comparator` reads; `events` is the summary of its events."""
+        self.is_open = events.had_console
         self.has_closed = False
-        self._witness = witness
+        self._comparator = comparator
         self._mission = mission
-        self._interrupted_ns = milestones.interrupted_ns
+        self._interrupted_ns = events.interrupted_ns
         self._now_ns = -1
 
     def lines(self, now_ns: int) -> Iterator[str]:
@@ -47,9 +47,9 @@ class LoggedLines:
 
     @property
     def _upcoming(self) -> ConsoleInput | None:
-        if self._witness.upcoming_kind is not ConsoleInput:
+        if self._comparator.upcoming_kind is not ConsoleInput:
             return None
-        upcoming = self._witness.upcoming
+        upcoming = self._comparator.upcoming
         return upcoming if isinstance(upcoming, ConsoleInput) else None
 
     def _understood(self, text: str) -> str:
@@ -57,5 +57,5 @@ class LoggedLines:
             try:
                 order_from(text, self._mission)
             except ValueError as error:
-                raise self._witness.diverged("/console", "text", repr(text), f"not understood: {error}") from error
+                raise self._comparator.diverged("/console", "text", repr(text), f"not understood: {error}") from error
         return text

@@ -1,4 +1,4 @@
-"""A flight's story and its proof as plain data for --json; fields are only ever added."""
+"""A flight's summary and its proof as plain data for --json; fields are only ever added."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from waypointctl.replay.return_home import ReturnEnding
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
-    from waypointctl.replay.link_story import WayStory
+    from waypointctl.replay.link_summary import LinkDirectionSummary
     from waypointctl.replay.return_home import ReturnHome
-    from waypointctl.replay.story import CommandStory, Story, WaypointStory
+    from waypointctl.replay.summary import CommandSummary, FlightSummary, WaypointSummary
     from waypointctl.replay.track import Track
     from waypointctl.replay.verdict import Verification
 
@@ -50,44 +50,44 @@ def verification_json(verification: Verification) -> Plain:
     }
 
 
-def story_json(story: Story, mission: str) -> Plain:
-    """Return the story; times in [s] from mission start, None for what never came.
+def summary_json(summary: FlightSummary, mission: str) -> Plain:
+    """Return the summary; times in [s] from mission start, None for what never came.
 
     Of a command, `issued_s` is its first sending, `uplink_s` is of the sending that arrived first, and `round_trip_s`
     of the sending that the first acknowledgement answers.
     """
-    effort = story.effort
+    effort, link = summary.effort, summary.link
     return {
         "mission": mission,
-        "outcome": story.outcome,
-        "reason": story.reason,
-        "ended_s": seconds(story.ended_ns),
-        "control_steps": story.steps,
-        "waypoints_reached": story.reached,
-        "waypoints_known": story.learned,
-        "waypoints_total": len(story.waypoints),
-        "falls": story.falls,
+        "outcome": summary.outcome,
+        "reason": summary.reason,
+        "ended_s": seconds(summary.ended_ns),
+        "control_steps": summary.steps,
+        "waypoints_reached": summary.reached,
+        "waypoints_known": summary.known,
+        "waypoints_total": len(summary.waypoints),
+        "falls": summary.falls,
         "distance_m": effort.distance_m,
         "mean_speed_mps": effort.mean_speed_mps,
         "walking_s": seconds(effort.walking_ns),
         "standing_s": seconds(effort.standing_ns),
         "fallen_s": seconds(effort.fallen_ns),
         "standing_share": effort.standing_share,
-        "reward": dict(story.reward),
-        "reward_total": story.reward_total,
-        "states_off_map": story.states_off_map,
-        "frames_off_map": story.frames_off_map,
-        "home": None if story.home is None else {"x_m": story.home.x_m, "y_m": story.home.y_m},
-        "returns_home": [_return(each) for each in story.returns],
-        "ended_at": _place(story.ended_at),
-        "believed_at": _place(story.believed_at),
-        "home_distance_m": story.home_distance_m,
-        "waypoints": [_waypoint(waypoint) for waypoint in story.waypoints],
-        "commands": [_command(command) for command in story.commands],
+        "reward": dict(summary.reward),
+        "reward_total": summary.reward_total,
+        "states_off_map": summary.states_off_map,
+        "frames_off_map": summary.frames_off_map,
+        "home": None if summary.home is None else {"x_m": summary.home.x_m, "y_m": summary.home.y_m},
+        "returns_home": [_return(each) for each in summary.returns],
+        "ended_at": _place(summary.ended_at),
+        "believed_at": _place(summary.believed_at),
+        "home_distance_m": summary.home_distance_m,
+        "waypoints": [_waypoint(waypoint) for waypoint in summary.waypoints],
+        "commands": [_command(command) for command in summary.commands],
         "link": {
-            "up": _way(story.link.up),
-            "down": _way(story.link.down),
-            "lost_on_board": [{"from_s": seconds(begin), "to_s": seconds(end)} for begin, end in story.link.unheard],
+            "up": _direction(link.up),
+            "down": _direction(link.down),
+            "lost_on_board": [{"from_s": seconds(begin), "to_s": seconds(end)} for begin, end in link.lost_spans],
         },
     }
 
@@ -112,19 +112,19 @@ def _place(track: Track) -> Plain | None:
     return {"x_m": float(track.x_m[0]), "y_m": float(track.y_m[0]), "at_s": seconds(int(track.time_ns[0]))}
 
 
-def _way(way: WayStory) -> Plain:
+def _direction(it: LinkDirectionSummary) -> Plain:
     return {
-        "lost": way.lost,
-        "queue_full": way.queue_full,
-        "no_contact": way.no_contact,
-        "not_arrived": dict(way.not_arrived),
-        "doubled": way.doubled,
-        "waited": way.waited,
-        "longest_wait_s": seconds(way.longest_wait_ns),
+        "lost": it.lost,
+        "queue_full": it.queue_full,
+        "no_contact": it.no_contact,
+        "not_arrived": dict(it.not_arrived),
+        "doubled": it.doubled,
+        "waited": it.waited,
+        "longest_wait_s": seconds(it.longest_wait_ns),
     }
 
 
-def _waypoint(waypoint: WaypointStory) -> Plain:
+def _waypoint(waypoint: WaypointSummary) -> Plain:
     plan = waypoint.planned
     return {
         "name": plan.name,
@@ -132,27 +132,27 @@ def _waypoint(waypoint: WaypointStory) -> Plain:
         "y_m": plan.y_m,
         "acceptance": plan.acceptance,
         "tolerance_m": plan.tolerance_m,
-        "fate": str(waypoint.fate),
+        "status": str(waypoint.status),
         "started_s": _seconds(waypoint.started_ns),
         "ended_s": _seconds(waypoint.ended_ns),
         "reached_s": _seconds(waypoint.reached_ns),
-        "known_s": _seconds(waypoint.learned_ns),
+        "known_s": _seconds(waypoint.known_ns),
     }
 
 
-def _command(command: CommandStory) -> Plain:
+def _command(command: CommandSummary) -> Plain:
     return {
         "id": command.id,
-        "command": command.what,
+        "command": command.description,
         "issued_s": seconds(command.issued_ns),
         "received_s": _seconds(command.received_ns),
         "acknowledged_s": _seconds(command.acknowledged_ns),
         "ended_s": _seconds(command.ended_ns),
-        "concluded_s": _seconds(command.concluded_ns),
+        "end_known_s": _seconds(command.end_known_ns),
         "uplink_s": _seconds(command.uplink_ns),
         "downlink_s": _seconds(command.downlink_ns),
         "round_trip_s": _seconds(command.round_trip_ns),
-        "known_as": str(command.heard),
+        "known_stage": str(command.known_stage),
         "on_board": None if command.onboard is None else str(command.onboard),
         "attempts": command.attempts,
         "losses": command.losses,

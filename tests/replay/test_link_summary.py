@@ -11,8 +11,8 @@ from tests.replay.hand_made import flight
 from tests.replay.rewriting import Flown, fly_once
 from waypointctl.log.messages import Ack, CommandStage, DeliveryOutcome, LinkRecord, Stage, Telemetry
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.chronicle import tell
-from waypointctl.replay.link_story import LinkStory, WayStory
+from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary
+from waypointctl.replay.summary_builder import summarize
 from waypointctl.units import seconds
 
 # Acknowledgements are asked for again and again, frames fill the queue.
@@ -46,16 +46,16 @@ def test_each_way_is_counted_by_what_became_of_its_messages() -> None:
         record("down", "ack", DeliveryOutcome.DOUBLED, 5, 11),
         record("sideways", "ack", DeliveryOutcome.LOST),  # of an altered log
     ]
-    up = WayStory(2, 0, 1, (("command", 2), ("heartbeat", 1)), 0, 1, 4)
-    down = WayStory(0, 1, 0, (("telemetry", 1),), 2, 2, 6)
-    assert tell([*flight(), *records]).link == LinkStory(up, down)
+    up = LinkDirectionSummary(2, 0, 1, (("command", 2), ("heartbeat", 1)), 0, 1, 4)
+    down = LinkDirectionSummary(0, 1, 0, (("telemetry", 1),), 2, 2, 6)
+    assert summarize([*flight(), *records]).link == LinkSummary(up, down)
     assert up
     assert down
 
 
 def test_where_nothing_is_lost_doubled_or_late_there_is_nothing_to_tell() -> None:
-    link = tell(flight()).link
-    assert link == LinkStory()
+    link = summarize(flight()).link
+    assert link == LinkSummary()
     assert not link.up
     assert not link.down
 
@@ -68,7 +68,7 @@ def bad(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., Loa
 
 def test_the_counts_are_what_is_missing_or_there_twice_in_the_log(bad: Flown) -> None:
     messages = bad.messages
-    link = tell(messages).link
+    link = summarize(messages).link
     arrived = [message.frame for message in messages if isinstance(message, Telemetry)]
     missing = set(range(max(arrived) + 1)) - set(arrived)
     after = [m for m in messages if isinstance(m, LinkRecord) and m.what == "telemetry" and m.number > max(arrived)]

@@ -1,4 +1,4 @@
-"""The logged flight as the witness of its replay: each message is compared as it is made again."""
+"""The logged flight as the comparator of its replay: each message is compared as it is made again."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.log.messages import Action, GroundControl, Message, Observation, State, Telemetry
-from waypointctl.log.reader import SealedMessage
+from waypointctl.log.reader import EncodedMessage
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.protocol import PolicyState
 from waypointctl.replay.difference import difference, different_bits
@@ -37,7 +37,7 @@ class LogEnded(Exception):
     """The log holds no more: it was cut short."""
 
 
-class Witness:
+class LogComparator:
     """Takes the replay's messages, with the logged ones to hold them against.
 
     What is computed with numpy's trigonometry, observations and telemetry, may be rounded otherwise on another
@@ -50,7 +50,7 @@ class Witness:
         rounded: how many of them only within rounding.
     """
 
-    def __init__(self, logged: Iterator[SealedMessage], *, bitwise: bool) -> None:
+    def __init__(self, logged: Iterator[EncodedMessage], *, bitwise: bool) -> None:
         """Take the logged messages in their order; without `bitwise` let numpy round otherwise."""
         self._logged = logged
         self._rounded = () if bitwise else (Observation, Telemetry, GroundControl)
@@ -95,7 +95,7 @@ class Witness:
         """The control step under way."""
         return self._step
 
-    def _equal(self, sealed: SealedMessage, replayed: Message) -> Message:
+    def _equal(self, sealed: EncodedMessage, replayed: Message) -> Message:
         logged, topic = sealed.message(), sealed.topic.name
         found = difference(logged, replayed)
         if found is not None:
@@ -112,7 +112,7 @@ class Witness:
         return Diverged(where, rounding=rounding)
 
 
-class AuditedPolicy:
+class RecordedPolicy:
     """The log's policy, which hands out the logged actions after computing each again.
 
     So the physics is driven by what was done, and what the network says is checked beside it: bit for bit on the
@@ -122,10 +122,10 @@ class AuditedPolicy:
         rounded: how many actions were the same only within ACTION_TOLERANCE.
     """
 
-    def __init__(self, policy: LoadedPolicy, witness: Witness, *, bitwise: bool) -> None:
-        """Audit `policy` against `witness`."""
+    def __init__(self, policy: LoadedPolicy, comparator: LogComparator, *, bitwise: bool) -> None:
+        """Audit `policy` against `comparator`."""
         self._policy = policy
-        self._witness = witness
+        self._comparator = comparator
         self._bitwise = bitwise
         self.robot = policy.robot
         self.observation_layout = policy.observation_layout
@@ -152,12 +152,12 @@ class AuditedPolicy:
     def act(self, observation: FloatArray) -> FloatArray:
         """Return the logged action (1, nu) for the observation (1, k) of the step under way."""
         computed = self._policy.act(observation)
-        logged = self._witness.upcoming if self._witness.upcoming_kind in (Action, GroundControl) else None
+        logged = self._comparator.upcoming if self._comparator.upcoming_kind in (Action, GroundControl) else None
         if not isinstance(logged, Action | GroundControl) or logged.commanded.shape != computed[0].shape:
             return computed  # the comparison that follows says what is wrong
         for i in self._unlike(logged.commanded, computed[0]):
             texts = (repr(float(logged.commanded[i])), repr(float(computed[0, i])))
-            raise self._witness.diverged("/action", f"commanded[{i}]", *texts)
+            raise self._comparator.diverged("/action", f"commanded[{i}]", *texts)
         return logged.commanded[np.newaxis].copy()
 
     def _unlike(self, logged: FloatArray, computed: FloatArray) -> list[int]:

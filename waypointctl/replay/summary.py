@@ -1,6 +1,6 @@
-"""The story of a flight, as frozen records: what was commanded, what was reached, how the robot fared.
+"""The summary of a flight, as frozen records: what was commanded, what was reached, how the robot moved.
 
-All times are simulation time in [ns]. A `chronicle` gathers it from the flight's messages.
+All times are simulation time in [ns]. `summary_builder` makes it from the flight's messages.
 """
 
 from __future__ import annotations
@@ -10,18 +10,19 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from waypointctl.log.messages import FINAL_STAGES, Ack, Event, EventKind, PlannedWaypoint, Stage
+from waypointctl.log.messages import FINAL_STAGES, Ack, CommandKind, Event, EventKind, PlannedWaypoint, Stage
 from waypointctl.log.setting import MissionSetting, Span
 from waypointctl.replay.effort import Effort
-from waypointctl.replay.link_story import LinkStory
+from waypointctl.replay.link_summary import LinkSummary
 from waypointctl.replay.return_home import ReturnHome
 from waypointctl.replay.track import Track, is_on_map
 
 UNFINISHED: Final = "unfinished"  # outcome of a log without an end
+NEVER_NS: Final = 1 << 62
 
 
-class Fate(StrEnum):
-    """What became of a waypoint."""
+class WaypointStatus(StrEnum):
+    """Whether a waypoint was reached, and why not."""
 
     REACHED = "reached"
     TIMED_OUT = "timed out"
@@ -30,36 +31,49 @@ class Fate(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class CommandStory:
-    """A command, from the operator's hand to what was heard of its end.
+class StageReport:
+    """A stage of a command as the operator knows it."""
+
+    stage: Stage
+    reason: str  # empty, or why it was rejected or failed
+    time_ns: int  # on the clock of the end at which the command came to this stage
+
+
+@dataclass(frozen=True, slots=True)
+class CommandSummary:
+    """A command, from its first sending to the last report of it that the operator received.
 
     Attributes:
         id: as it was sent.
-        what: its kind and its waypoints, for people.
+        kind: known from its arrival on board; None before.
+        description: its kind and its waypoints, for people.
         issued_ns: on the operator's clock, the first time.
         received_ns: on the robot's clock, the first time; None before it has arrived.
-        uplink_ns: how long the sending that arrived first was under way.
+        uplink_ns: delay of the sending that arrived first.
         onboard: the last stage it came to on board, None before it arrived.
         ended_ns: when it ended on board, on the robot's clock.
         attempts: how often it was sent.
-        losses: how often the link lost it, which the operator is not told.
-        acks: what has arrived of it at the operator, in order.
-        told: its end as telemetry told it first, and when, on the operator's clock [ns]; None where it never did.
+        losses: how often the link lost it, which the operator does not know.
+        acks: those that have arrived at the operator, in order.
+        telemetry_end: its final stage as telemetry first reported it, and when that arrived [ns].
         arrivals: of each sending that arrived: when it was sent, and when it arrived [ns].
+        report: the newest stage that the operator knows, from whatever source; None before the first.
     """
 
     id: int
-    what: str
-    issued_ns: int
-    received_ns: int | None
-    uplink_ns: int | None
-    onboard: Stage | None
-    ended_ns: int | None
-    attempts: int
-    losses: int
-    acks: tuple[Ack, ...]
-    told: tuple[Stage, int] | None = None
+    kind: CommandKind | None = None
+    description: str = ""
+    issued_ns: int = 0
+    received_ns: int | None = None
+    uplink_ns: int | None = None
+    onboard: Stage | None = None
+    ended_ns: int | None = None
+    attempts: int = 0
+    losses: int = 0
+    acks: tuple[Ack, ...] = ()
+    telemetry_end: tuple[Stage, int] | None = None
     arrivals: tuple[tuple[int, int], ...] = ()
+    report: StageReport | None = None
 
     @property
     def downlink_ns(self) -> int | None:
@@ -68,7 +82,7 @@ class CommandStory:
 
     @property
     def acknowledged_ns(self) -> int | None:
-        """When the operator first heard of it again, on the operator's clock."""
+        """When the first acknowledgement arrived, on the operator's clock."""
         return self.acks[0].received_ns if self.acks else None
 
     @property
@@ -84,37 +98,39 @@ class CommandStory:
         return ack.received_ns - max(sent_ns, default=self.issued_ns)
 
     @property
-    def heard(self) -> Stage:
-        """The last stage that the operator has heard of; SENT before the first acknowledgement."""
-        heard = self.acks[-1].stage if self.acks else Stage.SENT
-        return heard if heard in FINAL_STAGES or self.told is None else self.told[0]
+    def known_stage(self) -> Stage:
+        """The last stage that was acknowledged, or the end that telemetry reported; SENT before either."""
+        acknowledged = self.acks[-1].stage if self.acks else Stage.SENT
+        if acknowledged in FINAL_STAGES or self.telemetry_end is None:
+            return acknowledged
+        return self.telemetry_end[0]
 
     @property
-    def concluded_ns(self) -> int | None:
-        """When the operator heard that it had ended, on the operator's clock."""
-        ended_ns = next((ack.received_ns for ack in self.acks if ack.stage in FINAL_STAGES), None)
-        return self.told[1] if ended_ns is None and self.told is not None else ended_ns
+    def end_known_ns(self) -> int | None:
+        """When the operator learned that it had ended, on the operator's clock."""
+        acked_ns = next((ack.received_ns for ack in self.acks if ack.stage in FINAL_STAGES), None)
+        return self.telemetry_end[1] if acked_ns is None and self.telemetry_end is not None else acked_ns
 
 
 @dataclass(frozen=True, slots=True)
-class WaypointStory:
-    """A waypoint, and what became of it.
+class WaypointSummary:
+    """A waypoint, and whether it was reached.
 
     Attributes:
         planned: as it was, or would have been, commanded.
-        fate: as the robot knows it.
-        started_ns: when the robot set out for it, None if it never did.
+        status: as the robot knows it.
+        started_ns: when the robot's leg to it began, None if it never did.
         ended_ns: when it was reached or given up, None for a leg that was under way to the end.
         reached_ns: on the robot's clock.
-        learned_ns: when the operator heard that it was reached.
+        known_ns: when the operator learned that it was reached.
     """
 
     planned: PlannedWaypoint
-    fate: Fate
-    started_ns: int | None
-    ended_ns: int | None
-    reached_ns: int | None
-    learned_ns: int | None
+    status: WaypointStatus = WaypointStatus.OPEN
+    started_ns: int | None = None
+    ended_ns: int | None = None
+    reached_ns: int | None = None
+    known_ns: int | None = None
 
     @property
     def is_on_map(self) -> bool:
@@ -123,8 +139,8 @@ class WaypointStory:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Story:
-    """A flight, told.
+class FlightSummary:
+    """A flight.
 
     Attributes:
         outcome: "success", "failure" or "interrupted"; "unfinished" for a log without an end.
@@ -136,16 +152,16 @@ class Story:
         commands: by id.
         events: in the order they happened.
         reward: each term's sum over the flight.
-        reward_total: the sum of what each step was paid.
+        reward_total: the sum of the rewards of all steps.
         effort: distance and time.
         moving: when the robot moved by a policy's actions, on board or from the ground.
         resting: when it stood so still that physics slept.
-        returns: each way home that began.
+        returns: each return home that began.
         truth: where the robot was.
-        belief: where the operator was told it was.
+        belief: where telemetry reported the robot.
         states_off_map: how many states `truth` and `effort` leave out, as no robot can be there.
         frames_off_map: how many telemetry frames `belief` leaves out.
-        link: what it did besides delaying.
+        link: losses, duplicates and waits.
         setting: what the mission has fixed beforehand: home, zones, contact windows.
     """
 
@@ -153,9 +169,9 @@ class Story:
     reason: str
     ended_ns: int
     steps: int
-    waypoints: tuple[WaypointStory, ...]
+    waypoints: tuple[WaypointSummary, ...]
     places: tuple[PlannedWaypoint, ...]
-    commands: tuple[CommandStory, ...]
+    commands: tuple[CommandSummary, ...]
     events: tuple[Event, ...]
     reward: tuple[tuple[str, float], ...]
     reward_total: float
@@ -167,26 +183,31 @@ class Story:
     belief: Track
     states_off_map: int
     frames_off_map: int
-    link: LinkStory
+    link: LinkSummary
     setting: MissionSetting
 
     @property
     def reached(self) -> int:
         """How many waypoints the robot reached."""
-        return sum(waypoint.fate is Fate.REACHED for waypoint in self.waypoints)
+        return sum(waypoint.status is WaypointStatus.REACHED for waypoint in self.waypoints)
 
     @property
-    def learned(self) -> int:
-        """How many of them the operator has heard of."""
-        return sum(waypoint.learned_ns is not None for waypoint in self.waypoints)
+    def known(self) -> int:
+        """How many of them the operator knows to be reached."""
+        return sum(waypoint.known_ns is not None for waypoint in self.waypoints)
+
+    @property
+    def has_end(self) -> bool:
+        """Whether the flight came to its end, whatever the outcome: it was not killed."""
+        return self.outcome != UNFINISHED
 
     @property
     def headline(self) -> str:
         """The outcome as the operator knows it; where the robot reached more waypoints than is known, both counts."""
-        said = f"{self.outcome}: {self.reason}"
-        if self.outcome == UNFINISHED or self.reached == self.learned:
-            return said
-        return f"{said}; the robot reached {self.reached}, the operator knows of {self.learned}"
+        text = f"{self.outcome}: {self.reason}"
+        if not self.has_end or self.reached == self.known:
+            return text
+        return f"{text}; the robot reached {self.reached}, the operator knows of {self.known}"
 
     @property
     def ended_at(self) -> Track:
@@ -214,3 +235,13 @@ class Story:
     def falls(self) -> int:
         """How often the robot fell."""
         return sum(event.kind is EventKind.FALL for event in self.events)
+
+    @property
+    def had_console(self) -> bool:
+        """Whether a person could command too."""
+        return any(event.kind is EventKind.CONSOLE_OPENED for event in self.events)
+
+    @property
+    def interrupted_ns(self) -> int:
+        """When a user ended the flight; NEVER_NS for a flight that was not interrupted."""
+        return self.ended_ns if self.outcome == "interrupted" else NEVER_NS

@@ -1,4 +1,4 @@
-"""The flight that a log holds: its name, its waypoints, its story."""
+"""The flight that a log holds: its name, its waypoints, its summary."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from waypointctl.log.reader import Log
 from waypointctl.log.setting import MissionSetting
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Mission
-from waypointctl.replay.chronicle import tell
-from waypointctl.replay.story import Story
+from waypointctl.replay.summary import FlightSummary
+from waypointctl.replay.summary_builder import summarize
 
 
 def mission_name(log: Log) -> str:
@@ -35,13 +35,22 @@ def setting_in(log: Log) -> MissionSetting:
         return MissionSetting()
 
 
-def story_of(log: Log) -> Story:
-    """Return the story of a log's flight.
+def summary_of(log: Log) -> FlightSummary:
+    """Return the summary of a log's flight.
 
     Raises:
         LogError: a message cannot be read.
     """
-    return tell(log.messages(), waypoints_in(log), setting_in(log))
+    return summarize(log.messages(), waypoints_in(log), setting_in(log))
+
+
+def summary_of_events(log: Log) -> FlightSummary:
+    """Return what a log's events alone say of its flight: outcome, end, console. Quick, and in any log.
+
+    Raises:
+        LogError: an event cannot be read.
+    """
+    return summarize(log.messages(("/event",)))
 
 
 def _mission_in(log: Log) -> Mission | None:
@@ -51,4 +60,4 @@ def _mission_in(log: Log) -> Mission | None:
     try:
         return parse_mission(source, f"{log.path}/{MISSION}", files_of_mission(log.attachments))
     except MissionError:
-        return None  # the story is then told of the waypoints that were commanded; the proof names what is wrong
+        return None  # the summary is then told of the waypoints that were commanded; the proof names what is wrong

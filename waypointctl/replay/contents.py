@@ -55,7 +55,7 @@ _HASHED: Final = {"sha256_mission": MISSION, "sha256_mjcf": MJCF, "sha256_mjb": 
 
 
 @dataclass(frozen=True, slots=True)
-class Carried:
+class LogContents:
     """What flies the flight of a log again."""
 
     mission_file: MissionFile
@@ -84,7 +84,7 @@ class Carried:
         return replace(header, metadata=metadata, library=log.contents.library)
 
 
-def carried_by(log: Log) -> Carried:
+def contents_of(log: Log) -> LogContents:
     """Return what a log carries.
 
     Raises:
@@ -99,10 +99,10 @@ def carried_by(log: Log) -> Carried:
     robot = robot_from_source(mission.robot, attachments[MJCF], attachments[MJB], f"{log.path}/{MJCF}")
     policy = load_policy_bytes(_policy_files(attachments), f"{log.path}/{POLICY_FOLDER}")
     refuse_misfit(policy, robot)  # as what flies it does: its manifest says how others are to read the observations
-    return Carried(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
+    return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
 
-def made_elsewhere(log: Log, facts: Mapping[str, str] = PROGRAM) -> list[str]:
+def platform_differences(log: Log, facts: Mapping[str, str] = PROGRAM) -> list[str]:
     """Return in what the program or processor that a log names differs from this one, in words with both values."""
     here = platform_facts()
     compared = [(name, log.metadata.get(key, "unknown"), here[key]) for key, name in facts.items()]

@@ -6,10 +6,10 @@ from waypointctl.flight.camera import FORMAT, FRAME, OnboardCamera
 from waypointctl.log.messages import Event, Picture, State
 from waypointctl.log.png import SOFTWARE, texts_of
 from waypointctl.log.records import shown
-from waypointctl.replay.witness import Witness
+from waypointctl.replay.comparator import LogComparator
 
 
-class AuditedCamera:
+class RecordedCamera:
     """Takes the pictures that the log has: only of the renderer that drew them the same bytes are expected.
 
     A picture that another renderer drew is checked by its checksums, and handed on as it is. Where the log has none,
@@ -22,22 +22,22 @@ class AuditedCamera:
         missing: how many observations the log has no picture of.
     """
 
-    def __init__(self, camera: OnboardCamera, witness: Witness) -> None:
-        """Hold `camera` against `witness`."""
+    def __init__(self, camera: OnboardCamera, comparator: LogComparator) -> None:
+        """Hold `camera` against `comparator`."""
         self.drawn_again = self.handed_on = self.missing = 0
         self._camera = camera
-        self._witness = witness
+        self._comparator = comparator
 
     def __call__(self, event: Event, state: State) -> Picture | None:
         """Return what the log should have as the picture of an observation; None where it has none."""
-        logged = self._witness.upcoming if self._witness.upcoming_kind is Picture else None
+        logged = self._comparator.upcoming if self._comparator.upcoming_kind is Picture else None
         if not isinstance(logged, Picture):
             self.missing += 1
             return None
         try:
             renderer = texts_of(logged.data).get(SOFTWARE, "")
         except ValueError as error:
-            raise self._witness.diverged("/camera", "data", shown(logged.data), str(error)) from error
+            raise self._comparator.diverged("/camera", "data", shown(logged.data), str(error)) from error
         if renderer and renderer == self._camera.renderer:
             self.drawn_again += 1
             return self._camera(event, state)

@@ -11,8 +11,8 @@ from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.log.messages import Message, PlannedWaypoint, State, Telemetry
 from waypointctl.log.setting import MissionSetting
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.known import KnownFlight
-from waypointctl.replay.story import Fate
+from waypointctl.replay.operator_view import OperatorView
+from waypointctl.replay.summary import WaypointStatus
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +21,8 @@ def flown(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., L
     return fly_once(folder, make_policy(folder / "policy", seed=7))
 
 
-def known(messages: list[Message], waypoints: tuple[PlannedWaypoint, ...]) -> KnownFlight:
-    flight = KnownFlight(waypoints, MissionSetting())
+def known(messages: list[Message], waypoints: tuple[PlannedWaypoint, ...]) -> OperatorView:
+    flight = OperatorView(waypoints, MissionSetting())
     for message in messages:
         flight(message)
     return flight
@@ -31,23 +31,23 @@ def known(messages: list[Message], waypoints: tuple[PlannedWaypoint, ...]) -> Kn
 def test_a_waypoint_is_reached_from_when_telemetry_says_so(flown: Flown) -> None:
     messages, plan = flown.messages, planned_waypoints(flown.mission_file.mission)
     first = next(at for at, it in enumerate(messages) if isinstance(it, Telemetry) and it.reached)
-    fates = [[it.fate for it in known(messages[:end], plan).chronicle.waypoints] for end in (first, first + 1)]
-    assert fates == [[Fate.OPEN] * 3, [Fate.REACHED, Fate.OPEN, Fate.OPEN]]
+    fates = [[it.status for it in known(messages[:end], plan).flight.waypoints] for end in (first, first + 1)]
+    assert fates == [[WaypointStatus.OPEN] * 3, [WaypointStatus.REACHED, WaypointStatus.OPEN, WaypointStatus.OPEN]]
 
 
 def test_the_way_is_where_telemetry_has_seen_the_robot(flown: Flown) -> None:
-    chronicle = known(flown.messages, ()).chronicle
+    flight = known(flown.messages, ()).flight
     frames = [message for message in flown.messages if isinstance(message, Telemetry)]
-    assert chronicle.belief(10_000).x_m.tolist() == [frame.x_m for frame in frames]
-    assert len(chronicle.truth(10_000)) == 0
-    assert chronicle.state is None
+    assert flight.belief(10_000).x_m.tolist() == [frame.x_m for frame in frames]
+    assert len(flight.truth(10_000)) == 0
+    assert flight.state is None
 
 
 def test_what_is_true_on_board_alone_changes_nothing(flown: Flown) -> None:
     heard = [it for it in flown.messages if not isinstance(it, State | Telemetry)]
-    chronicle = known([*heard, next(it for it in flown.messages if isinstance(it, State))], ()).chronicle
-    assert all(command.onboard is None for command in chronicle.commands)
-    assert all(event.clock.value == "operator" for event in chronicle.events)
+    flight = known([*heard, next(it for it in flown.messages if isinstance(it, State))], ()).flight
+    assert all(command.onboard is None for command in flight.commands)
+    assert all(event.clock.value == "operator" for event in flight.events)
 
 
 def test_time_passes_though_nothing_is_heard(flown: Flown) -> None:
@@ -55,4 +55,4 @@ def test_time_passes_though_nothing_is_heard(flown: Flown) -> None:
     heard_ns = flight.now_ns
     flight.pass_time(heard_ns + 5)
     flight.pass_time(heard_ns)
-    assert flight.now_ns == flight.chronicle.now_ns == heard_ns + 5
+    assert flight.now_ns == flight.flight.now_ns == heard_ns + 5

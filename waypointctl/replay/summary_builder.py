@@ -1,0 +1,318 @@
+"""A sink that makes a flight's summary of its messages, while it happens or from its log."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import islice
+from typing import Any, Final
+
+from waypointctl.flight.executive.plan import names
+from waypointctl.log.messages import (
+    FINAL_STAGES,
+    Ack,
+    Action,
+    Clock,
+    Command,
+    CommandStage,
+    CommandStatus,
+    Event,
+    EventKind,
+    LinkRecord,
+    Message,
+    PlannedWaypoint,
+    Reward,
+    Severity,
+    Stage,
+    State,
+    Telemetry,
+)
+from waypointctl.log.setting import MissionSetting
+from waypointctl.replay.effort import EffortBuilder
+from waypointctl.replay.link_summary import LinkSummaryBuilder
+from waypointctl.replay.return_home import ReturnHome, ReturnsBuilder
+from waypointctl.replay.summary import (
+    UNFINISHED,
+    CommandSummary,
+    FlightSummary,
+    StageReport,
+    WaypointStatus,
+    WaypointSummary,
+)
+from waypointctl.replay.track import Track, TrackBuilder, is_on_map
+
+_STATUSES: Final = {
+    EventKind.WAYPOINT_REACHED: WaypointStatus.REACHED,
+    EventKind.WAYPOINT_TIMEOUT: WaypointStatus.TIMED_OUT,
+    EventKind.WAYPOINT_SKIPPED: WaypointStatus.SKIPPED,
+}
+# What the robot does instead of walking on to a waypoint.
+_ENDS_A_LEG: Final = frozenset(
+    {
+        EventKind.FALL,
+        EventKind.LEG_STARTED,
+        EventKind.PLAN_COMPLETED,
+        EventKind.PLAN_FAILED,
+        EventKind.RETURN_STARTED,
+        EventKind.TELEOPERATION_STARTED,
+    }
+)
+_NO_SETTING: Final = MissionSetting()
+
+
+def summarize(
+    messages: Iterable[Message], waypoints: Iterable[PlannedWaypoint] = (), setting: MissionSetting = _NO_SETTING
+) -> FlightSummary:
+    """Return the summary of a flight.
+
+    Args:
+        messages: all of them, in order.
+        waypoints: the mission's; without them, those that were commanded.
+        setting: what else the mission has fixed beforehand.
+    """
+    flight = FlightSummaryBuilder(waypoints, setting)
+    for message in messages:
+        flight(message)
+    return flight.summary()
+
+
+class FlightSummaryBuilder:
+    """Takes each message of a flight; ask it for the summary at any time.
+
+    Attributes:
+        now_ns: the latest time that a message has shown, on either clock.
+        state: the newest true state of the robot that is on the map.
+        telemetry: of the frames that have arrived at the operator, the one that was sampled last.
+        events: all so far.
+        setting: what the mission has fixed beforehand.
+        link: what the link has done so far.
+    """
+
+    def __init__(self, waypoints: Iterable[PlannedWaypoint] = (), setting: MissionSetting = _NO_SETTING) -> None:
+        """Begin with the waypoints of the mission, where they are known beforehand, and what else it has fixed."""
+        self.setting, self.link = setting, LinkSummaryBuilder()
+        self.now_ns = 0
+        self.state: State | None = None
+        self.telemetry: Telemetry | None = None
+        self.events: list[Event] = []
+        self._waypoints = {waypoint.index: WaypointSummary(waypoint) for waypoint in waypoints}
+        self._leg: int | None = None  # the waypoint of the leg that began last
+        self._commands: dict[int, CommandSummary] = {}
+        self._places: dict[tuple[float, float], PlannedWaypoint] = {}  # commanded, and none of the waypoints
+        self._truth, self._belief = TrackBuilder(), TrackBuilder()
+        self._effort, self._returns = EffortBuilder(), ReturnsBuilder()
+        self._known = 0  # how many of the waypoints in telemetry's `reached`, which only grows, have been taken
+        self._acknowledged = -1  # the newest command that was acknowledged
+        self._states_off_map = self._frames_off_map = 0
+        self._reward: dict[str, float] = {}
+        self._reward_total = 0.0
+        self._steps = 0
+
+    def __call__(self, message: Message) -> None:
+        """Take one message."""
+        match message:
+            case State():
+                self._on_state(message)
+            case Action():
+                self._effort.source = message.source
+                self._steps += 1
+            case Reward():
+                self._on_reward(message)
+            case Telemetry():
+                self._on_telemetry(message)
+            case Ack():
+                self._on_ack(message)
+            case Command():
+                self._on_command(message)
+            case CommandStage():
+                self._on_stage(message)
+            case LinkRecord():
+                self.link.add(message)
+            case Event():
+                self._on_event(message)
+
+    @property
+    def commands(self) -> tuple[CommandSummary, ...]:
+        """The commands so far, by id."""
+        return tuple(command for _, command in sorted(self._commands.items()))
+
+    def newest_commands(self, most: int) -> tuple[CommandSummary, ...]:
+        """Return the last `most` commands that were issued, by id."""
+        return tuple(self._commands[command_id] for command_id in sorted(islice(reversed(self._commands), most)))
+
+    @property
+    def round_trip_ns(self) -> int | None:
+        """The round trip of the newest command that was acknowledged [ns]; None without one."""
+        command = self._commands.get(self._acknowledged)
+        return None if command is None else command.round_trip_ns
+
+    @property
+    def waypoints(self) -> tuple[WaypointSummary, ...]:
+        """The waypoints of the mission, with their status so far."""
+        return tuple(waypoint for _, waypoint in sorted(self._waypoints.items()))
+
+    @property
+    def returns(self) -> tuple[ReturnHome, ...]:
+        """The returns home so far."""
+        return self._returns.returns
+
+    def truth(self, most: int) -> Track:
+        """Return where the robot has been so far, in about `most` rows."""
+        return self._truth.track(most)
+
+    def belief(self, most: int) -> Track:
+        """Return where telemetry has reported the robot so far, in about `most` rows."""
+        return self._belief.track(most)
+
+    def summary(self) -> FlightSummary:
+        """Return the summary so far."""
+        outcome, reason, ended_ns = self._ending()
+        return FlightSummary(
+            outcome=outcome,
+            reason=reason,
+            ended_ns=ended_ns,
+            steps=self._steps,
+            waypoints=self.waypoints,
+            places=tuple(self._places.values()),
+            commands=self.commands,
+            events=tuple(self.events),
+            reward=tuple(self._reward.items()),
+            reward_total=self._reward_total,
+            effort=self._effort.effort(),
+            moving=self._effort.moving,
+            resting=self._effort.resting(self.now_ns),
+            returns=self.returns,
+            truth=self._truth.track(),
+            belief=self._belief.track(),
+            states_off_map=self._states_off_map,
+            frames_off_map=self._frames_off_map,
+            link=self.link.summary(self.now_ns),
+            setting=self.setting,
+        )
+
+    def _ending(self) -> tuple[str, str, int]:
+        for event in reversed(self.events):
+            if event.kind is EventKind.MISSION_ENDED:
+                outcome, _, reason = event.text.partition(": ")
+                return outcome, reason, event.time_ns
+        return UNFINISHED, "the log has no end", self.now_ns
+
+    def _on_state(self, state: State) -> None:
+        self.now_ns = max(self.now_ns, state.time_ns)
+        place = (*state.qpos[:2].tolist(), *state.qvel[:2].tolist())
+        if len(place) < 4 or not is_on_map(*place):
+            self._states_off_map += 1
+            return
+        x_m, y_m, *velocity_mps = place
+        if self.state is not None:
+            self._effort.step(self.state, state)
+        self.state = state
+        self._truth.add(state.time_ns, state.time_ns, x_m, y_m, math.hypot(*velocity_mps))
+
+    def _on_reward(self, reward: Reward) -> None:
+        for name, value in reward.terms:
+            self._reward[name] = self._reward.get(name, 0.0) + value
+        self._reward_total += reward.total
+
+    def _on_telemetry(self, frame: Telemetry) -> None:
+        self.now_ns = max(self.now_ns, frame.received_ns)
+        if self.telemetry is None or frame.issued_ns >= self.telemetry.issued_ns:
+            self.telemetry = frame
+        self._returns.on_report(frame)
+        if is_on_map(frame.x_m, frame.y_m, frame.speed_mps):
+            self._belief.add(frame.issued_ns, frame.received_ns, frame.x_m, frame.y_m, frame.speed_mps)
+        else:
+            self._frames_off_map += 1
+        for status in frame.commands:
+            self._on_status(status, frame)
+        for index in frame.reached[self._known :]:
+            waypoint = self._waypoints.get(index)
+            if waypoint is not None and waypoint.known_ns is None:
+                self._waypoints[index] = replace(waypoint, known_ns=frame.received_ns)
+        self._known = max(self._known, len(frame.reached))
+
+    def _on_status(self, it: CommandStatus, frame: Telemetry) -> None:
+        command = self._command(it.command_id)
+        if it.stage in FINAL_STAGES and command.telemetry_end is None:
+            command = self._update(command, telemetry_end=(it.stage, frame.received_ns))
+        known = command.report
+        is_newer = known is None or (
+            known.stage not in FINAL_STAGES and frame.issued_ns > known.time_ns and it.stage != known.stage
+        )
+        if is_newer:  # an acknowledgement of its end is final
+            self._update(command, report=StageReport(it.stage, it.reason, frame.issued_ns))
+
+    def _on_ack(self, ack: Ack) -> None:
+        self.now_ns = max(self.now_ns, ack.received_ns)
+        command = self._command(ack.command_id)
+        self._update(command, acks=(*command.acks, ack), report=StageReport(ack.stage, ack.reason, ack.issued_ns))
+        self._acknowledged = max(self._acknowledged, ack.command_id)
+        self._returns.on_report(ack)
+
+    def _on_command(self, command: Command) -> None:
+        entry = self._command(command.id)
+        entry = self._update(entry, arrivals=(*entry.arrivals, (command.issued_ns, command.received_ns)))
+        if entry.received_ns is None:  # what arrives once more is only acknowledged once more
+            self._update(
+                entry,
+                kind=command.kind,
+                description=f"{command.kind} {names(command.waypoints)}".rstrip(),
+                issued_ns=entry.issued_ns if entry.attempts else command.issued_ns,
+                received_ns=command.received_ns,
+                uplink_ns=command.received_ns - command.issued_ns,
+            )
+        for waypoint in command.waypoints:
+            if waypoint.index < 0:
+                self._places.setdefault((waypoint.x_m, waypoint.y_m), waypoint)
+            elif waypoint.index not in self._waypoints:
+                self._waypoints[waypoint.index] = WaypointSummary(waypoint)
+
+    def _on_stage(self, it: CommandStage) -> None:
+        self.now_ns = max(self.now_ns, it.time_ns)
+        entry = self._command(it.command_id)
+        entry = self._update(
+            entry,
+            attempts=max(entry.attempts, it.attempt),
+            issued_ns=it.time_ns if it.stage is Stage.QUEUED and it.attempt == 1 else entry.issued_ns,
+            losses=entry.losses + (it.stage is Stage.LOST),
+        )
+        self._returns.on_stage(it, entry.kind)
+        if it.clock is Clock.OPERATOR:
+            self._update(entry, report=StageReport(it.stage, it.reason, it.time_ns))
+        elif it.clock is Clock.ROBOT and entry.onboard not in FINAL_STAGES:
+            self._update(entry, onboard=it.stage, ended_ns=it.time_ns if it.stage in FINAL_STAGES else None)
+
+    def _on_event(self, event: Event) -> None:
+        self.now_ns = max(self.now_ns, event.time_ns)
+        self.events.append(event)
+        for part in (self._returns, self.link, self._effort):
+            part.on_event(event)
+        if event.kind is EventKind.COMMAND_SENT and event.severity is Severity.INFO:
+            self._update(self._command(event.command_id), description=event.text.partition(": ")[2])
+        if event.kind in _ENDS_A_LEG and self._leg is not None:
+            leg = self._waypoints[self._leg]
+            if leg.ended_ns is None:
+                self._waypoints[self._leg] = replace(leg, ended_ns=event.time_ns)
+        if event.waypoint in self._waypoints:
+            self._waypoints[event.waypoint] = self._visited(self._waypoints[event.waypoint], event)
+
+    def _visited(self, waypoint: WaypointSummary, event: Event) -> WaypointSummary:
+        status, time_ns = _STATUSES.get(event.kind, waypoint.status), event.time_ns
+        match event.kind:
+            case EventKind.LEG_STARTED:
+                self._leg = event.waypoint
+                return replace(waypoint, started_ns=time_ns, ended_ns=None)
+            case EventKind.WAYPOINT_REACHED:
+                return replace(waypoint, status=status, reached_ns=time_ns, ended_ns=time_ns)
+            case EventKind.WAYPOINT_TIMEOUT:
+                return replace(waypoint, status=status, ended_ns=time_ns)
+            case _:
+                return waypoint if status is waypoint.status else replace(waypoint, status=status)
+
+    def _command(self, command_id: int) -> CommandSummary:
+        return self._commands.setdefault(command_id, CommandSummary(command_id))
+
+    def _update(self, command: CommandSummary, **changes: Any) -> CommandSummary:
+        command = self._commands[command.id] = replace(command, **changes)
+        return command
