@@ -28,13 +28,20 @@ TEXT: Final = """\
 <!-- Written by `python docs/mission_keys.py` from waypointctl/mission/: do not edit. -->
 
 A mission is YAML: one mapping, with the keys below. `waypointctl schema mission` prints the same for editors,
-`waypointctl validate` checks a file against it, and `waypointctl fmt` lays it out. Those in `missions/` are examples.
+`waypointctl validate` checks a file against it, and `waypointctl fmt` formats it. Those in `missions/` are examples.
 
 A quantity is written with its unit in the value, `timeout: 20 s`, or in the key, `timeout_s: 20`; under the bare key a
 number without a unit is refused. Units: {units}.
 
 Places are x and y in metres in the world frame. What is said of `link.up.x` holds for `link.down.x`. Where the default
 is "-" there is nothing, where it is "its own" a block with the defaults of its keys.
+
+`waypointctl fmt` puts keys into the order of the tables below, with two spaces a level. Quotes, numbers, units, blank
+lines and block or brace style stay as written. A comment moves with the key that it stands above or behind; a comment
+above the first key stays at the top. The file is not changed when its values or comments would not survive, which `fmt`
+reports: a comment within braces or brackets, or an empty value in braces. Long text over several lines without quotes
+becomes one line in double quotes; a byte order mark, `---` and CRLF line ends are removed. Files of up to 256 KiB are
+formatted.
 
 {sections}
 ## Presets of a link

@@ -1,4 +1,4 @@
-"""`waypointctl fmt`: mission files in their one layout."""
+"""`waypointctl fmt`: format mission files."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ def fmt(
     check: Annotated[bool, typer.Option("--check", help="Change nothing; exit with 1 if a file would change.")] = False,
     diff: Annotated[bool, typer.Option("--diff", help="Change nothing; print what would.")] = False,
 ) -> None:
-    """Lay mission files out: keys in order, two spaces a level; comments, spellings and units stay as written.
+    """Format mission files: keys in order, two spaces a level; comments, quotes and units stay as written.
 
-    A file with mistakes is left alone, with its messages; then the exit code is 2.
+    A file with errors is not changed; its errors are printed, and the exit code is 2.
     """
-    from waypointctl.mission.layout.layout import laid_out
+    from waypointctl.mission.format import MAX_BYTES, formatted
     from waypointctl.mission.yaml_source import read_source
     from waypointctl.paths import command_for_plan
 
     changed, wrong = 0, 0
     for path in missions:
         try:
-            source = read_source(path, MissionError)
+            source = read_source(path, MissionError, MAX_BYTES)
             if plan := command_for_plan(str(path)):
                 raise MissionError(plan, where=str(path))
-            written = laid_out(source, str(path))
+            written = formatted(source, str(path))
         except MissionError as error:
             wrong += 1
             typer.echo(str(error), err=True)
@@ -44,8 +44,8 @@ def fmt(
         if not check and not diff:
             _replace(path, written)
         elif not diff:
-            typer.echo(f"{printable(path)}: would be laid out anew")
-    typer.echo(_sum(len(missions), changed, wrong, check or diff), err=True)
+            typer.echo(f"{printable(path)}: would be reformatted")
+    typer.echo(_summary(len(missions), changed, wrong, check or diff), err=True)
     if wrong:
         raise typer.Exit(2)
     if check and changed:
@@ -56,7 +56,7 @@ def _replace(path: Path, written: bytes) -> None:
     from waypointctl.paths import write_whole
 
     write_whole(path.resolve(), written, "the mission")  # a link stays one
-    typer.echo(f"{printable(path)}: laid out")
+    typer.echo(f"{printable(path)}: reformatted")
 
 
 def _difference(source: bytes, written: bytes, path: Path) -> str:
@@ -64,12 +64,12 @@ def _difference(source: bytes, written: bytes, path: Path) -> str:
 
     before, after = (text.decode("utf-8-sig").splitlines(keepends=True) for text in (source, written))
     name = printable(path)
-    return "".join(difflib.unified_diff(before, after, name, f"{name} (laid out)"))
+    return "".join(difflib.unified_diff(before, after, name, f"{name} (formatted)"))
 
 
-def _sum(count: int, changed: int, wrong: int, only_told: bool) -> str:
-    verb = "would change" if only_told else "changed"
+def _summary(count: int, changed: int, wrong: int, dry_run: bool) -> str:
+    verb = "would change" if dry_run else "changed"
     parts = [f"{changed} {verb}", f"{count - changed - wrong} already formatted"]
     if wrong:
-        parts.append(f"{wrong} left alone, with mistakes")
+        parts.append(f"{wrong} not changed, with errors")
     return f"{count} mission{'s' if count > 1 else ''}: {', '.join(parts)}"

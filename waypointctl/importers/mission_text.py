@@ -14,13 +14,13 @@ from waypointctl.importers.local_frame import BODIES, EARTH, Body, Place, Point
 from waypointctl.importers.placed import Placed, placed
 from waypointctl.importers.survey import Stop, Survey, Zone
 from waypointctl.mission.files import parse_mission
-from waypointctl.mission.layout.layout import written_again
-from waypointctl.mission.layout.write import quoted
+from waypointctl.mission.format import quoted
 
 _TIMEOUT_S: Final = 30.0
 _HOME_TIMEOUT_S: Final = 300.0
 _MOST_TIMEOUT_S: Final = 86_400.0
 _SLOWEST_MPS: Final = 1.0
+_WIDTH: Final = 120
 _MOST_NAME: Final = 60  # characters of a waypoint's name
 
 
@@ -44,7 +44,7 @@ def mission_text(
         raise MissionError("has no waypoint to walk to: all it holds is where the robot starts", where=where)
     text = "".join(f"{line}\n" for line in _lines(survey.name, ground, where, policy))
     parse_mission(text.encode(), f"{where} as a mission")
-    return written_again(text), ground
+    return text, ground
 
 
 def _lines(name: str, ground: Placed, where: str, policy: str) -> Iterator[str]:
@@ -52,14 +52,14 @@ def _lines(name: str, ground: Placed, where: str, policy: str) -> Iterator[str]:
     yield f"name: {quoted(name)}"
     yield f"policy: {quoted(policy)}"
     if any(ground.start):
-        yield f"start: {{position: {_pair(ground.start)}}}"
+        yield from ("", "start:", f"  position: {_pair(ground.start)}")
     if (timeout_s := _timeout_s(ground)) > _TIMEOUT_S:
-        yield f"defaults: {{timeout: {timeout_s:g} s}}"
-    yield "waypoints:"
+        yield from ("", "defaults:", f"  timeout: {timeout_s:g} s")
+    yield from ("", "waypoints:")
     for (stop, point), label in zip(ground.stops, _names(ground), strict=True):
         yield f"  - {_stop(stop, point, label)}"
     if ground.zones:
-        yield "onboard:"
+        yield from ("", "onboard:")
         yield from _fence(ground)
 
 
@@ -81,21 +81,28 @@ def _fence(ground: Placed) -> Iterator[str]:
         wanted = [(zone, points) for zone, points in ground.zones if zone.keep_in == keep_in]
         if wanted:
             yield f"    {'keep_in' if keep_in else 'keep_out'}:"
-            yield from (f"      - {_area(zone, points)}" for zone, points in wanted)
+            for zone, points in wanted:
+                yield from _area(zone, points)
         if keep_in and len(wanted) > 1:
             yield "    keep_in_match: all"
     if ground.return_to is not None:
         yield "    do: return_home"
-        points = [ground.start, *(point for _, point in ground.stops)]
-        timeout_s = _walk_s(max(math.dist(ground.return_to, point) for point in points))
+        reached = [ground.start, *(point for _, point in ground.stops)]
+        timeout_s = _walk_s(max(math.dist(ground.return_to, point) for point in reached))
         timeout = f", timeout: {timeout_s:g} s" if timeout_s > _HOME_TIMEOUT_S else ""
         yield f"  home: {{position: {_pair(ground.return_to)}{timeout}}}"
 
 
-def _area(zone: Zone, points: tuple[Point, ...]) -> str:
+def _area(zone: Zone, points: tuple[Point, ...]) -> Iterator[str]:
     if zone.radius_m is not None:
-        return f"{{center: {_pair(points[0])}, radius: {zone.radius_m:.10g} m}}"
-    return f"{{corners: [{', '.join(f'[{x_m:.10g}, {y_m:.10g}]' for x_m, y_m in points)}]}}"
+        yield f"      - {{center: {_pair(points[0])}, radius: {zone.radius_m:.10g} m}}"
+        return
+    corners = [f"[{x_m:.10g}, {y_m:.10g}]" for x_m, y_m in points]
+    if len(in_one_line := f"      - {{corners: [{', '.join(corners)}]}}") <= _WIDTH:
+        yield in_one_line
+    else:
+        yield "      - corners:"
+        yield from (f"          - {corner}" for corner in corners)
 
 
 def _stop(stop: Stop, point: Point, name: str) -> str:
