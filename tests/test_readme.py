@@ -16,7 +16,7 @@ from waypointctl.errors import MissionError, SuiteError
 from waypointctl.evaluation.suite import Suite
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.yaml_source import read_model
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

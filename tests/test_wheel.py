@@ -32,7 +32,7 @@ def test_the_wheel_holds_the_files_that_are_read_at_run_time(installed: Path) ->
     kept = {path for path in package.rglob("*") if path.is_file() and path.suffix != ".pyc"}
     assert {path.relative_to(ROOT).as_posix() for path in kept} <= held
     names = {Path(name).name for name in held}
-    assert {"ant.xml", "paper.yaml", "messages.proto", "messages_pb2.py", "py.typed", "LICENSE"} <= names
+    assert {"ant.xml", "robot.yaml", "paper.yaml", "messages.proto", "messages_pb2.py", "py.typed", "LICENSE"} <= names
     assert {name.partition("/")[0] for name in held if ".dist-info" not in name} == {"waypointctl"}
 
 

@@ -6,6 +6,7 @@
         ├── RecipeError    a training recipe
         ├── SuiteError     an evaluation suite
         ├── PolicyError    a policy bundle
+        ├── RobotError     a robot's folder
         ├── LogError       a log
         └── OutputError    a place that cannot be written
 
@@ -74,6 +75,10 @@ class SuiteError(InputError):
 
 class PolicyError(InputError):
     """A policy bundle that is missing, damaged, or made for something else."""
+
+
+class RobotError(InputError):
+    """A robot's folder that is missing, or whose robot.yaml or MJCF is wrong."""
 
 
 class LogError(InputError):

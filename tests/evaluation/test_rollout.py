@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from waypointctl.evaluation.conditions import HoldSpec
 from waypointctl.evaluation.rollout import Walks, walk
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.robots.load import load_robot
+from waypointctl.robots.stance import stance_action
 from waypointctl.seeding import stream
-from waypointctl.sim.robots import load_robot
 from waypointctl.sim.single import SingleRobot
-from waypointctl.sim.stance import stance_action
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.body import body_of
@@ -80,7 +80,7 @@ def walked_alone(policy: LoadedPolicy, trial: int, hold: HoldSpec | None = None)
             found.walked_m += math.hypot(x - before[0], y - before[1])
             found.time_s = step * 0.02
         distance = math.hypot(x - goal[0], y - goal[1])
-        if z < robot.fall_height_m or 1 - 2 * (qx**2 + qy**2) < robot.fall_up:
+        if z < robot.min_height_m or 1 - 2 * (qx**2 + qy**2) < robot.min_up:
             found.end = "fell"
         elif standing:
             standing += 1

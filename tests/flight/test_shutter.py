@@ -16,7 +16,7 @@ from waypointctl.flight.shutter import with_pictures
 from waypointctl.log.messages import Event, EventKind, Message, Picture, State
 from waypointctl.log.png import SOFTWARE, TITLE, texts_of
 from waypointctl.mission.mission import Mission
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 
 OBSERVED = {**UNDER_FOOT, "observe": True}
 
@@ -78,7 +78,7 @@ def test_a_camera_that_is_not_asked_sets_nothing_up(monkeypatch: pytest.MonkeyPa
     def fail(*_: object) -> None:
         raise AssertionError("it was set up")
 
-    monkeypatch.setattr("waypointctl.sim.camera.MastCamera.__init__", fail)
+    monkeypatch.setattr("waypointctl.sim.camera.MountedCamera.__init__", fail)
     with OnboardCamera(load_robot("ant"), ()) as camera:
         assert (camera.taken, camera.trouble) == (0, "")
 

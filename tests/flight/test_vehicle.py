@@ -12,7 +12,7 @@ from waypointctl.flight.link.logged import LoggedDirection
 from waypointctl.flight.reporter import Reporter
 from waypointctl.flight.vehicle import Vehicle
 from waypointctl.log.messages import Ack, Message, Mode, Telemetry
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 from waypointctl.task.start import Start
 from waypointctl.units import NS_PER_S
 

@@ -37,7 +37,7 @@ from waypointctl.log.messages import (
 )
 from waypointctl.mission.files import load_mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.body import body_of
 from waypointctl.task.config import TaskConfig
@@ -153,7 +153,7 @@ def batched(**config: Any) -> str:
     digest, rng = Digest(), np.random.default_rng(11)
     digest.add(env.reset())
     for _ in range(300):
-        step = env.step(rng.uniform(-1, 1, size=(16, env.robot.num_joints)))
+        step = env.step(rng.uniform(-1, 1, size=(16, env.robot.num_actions)))
         digest.add(step.observation, step.reward, step.terms, step.terminated, step.truncated, step.final_observation)
         digest.add(env.batch.qpos, env.batch.qvel)
     return str(digest)

@@ -25,7 +25,11 @@ def _attempt(
     may: frozenset[int] = REFUSALS,
 ) -> Attempt:
     flown: Flown = sound.more["flown"]
-    keys = {"model.xml": "sha256_mjcf", "mission.yaml": "sha256_mission", "policy/manifest.json": "sha256_policy"}
+    keys = {
+        "robot/ant.xml": "sha256_robot/ant.xml",
+        "mission.yaml": "sha256_mission",
+        "policy/manifest.json": "sha256_policy",
+    }
     metadata = {keys[each]: hashlib.sha256(data).hexdigest() for each, data in attached.items() if each in keys}
     log = flown.rewritten(folder / "log.mcap", metadata=metadata, attachments=attached)
     whole = log.read_bytes()
@@ -40,11 +44,11 @@ def hostile_model(rng: random.Random, folder: Path, sound: Sound) -> Attempt:
     other = folder / f"{SECRET}.xml"
     other.write_text("<mujoco/>")
     source = models[name].replace(b"FILE", str(other).encode())
-    return _attempt(f"model: {name}", rng, folder, sound, {"model.xml": source})
+    return _attempt(f"model: {name}", rng, folder, sound, {"robot/ant.xml": source})
 
 
 def damaged_model(rng: random.Random, folder: Path, sound: Sound) -> Attempt:
-    return _attempt("model: damaged", rng, folder, sound, {"model.xml": damaged(rng, ANT.encode())}, ANY)
+    return _attempt("model: damaged", rng, folder, sound, {"robot/ant.xml": damaged(rng, ANT.encode())}, ANY)
 
 
 def damaged_compiled_model(rng: random.Random, folder: Path, sound: Sound) -> Attempt:

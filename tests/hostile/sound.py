@@ -30,7 +30,7 @@ def sound_log(folder: Path, sound: Sound) -> Sound:
     """Return the same with a flight of the policy."""
     from tests.replay.rewriting import fly_once
     from waypointctl.policy.bundle import load_policy_bytes
-    from waypointctl.sim.robots import load_robot
+    from waypointctl.robots.load import load_robot
 
     folder.mkdir(parents=True, exist_ok=True)
     flown = fly_once(folder, load_policy_bytes(sound.policy, "policy"))

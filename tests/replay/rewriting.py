@@ -17,7 +17,7 @@ from waypointctl.log.reader import open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 
 MISSION = b"""\
 name: everything

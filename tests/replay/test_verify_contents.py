@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,7 +13,7 @@ from waypointctl.flight import header
 from waypointctl.log.reader import open_log
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
-from waypointctl.sim.robots import compile_mjb, load_robot
+from waypointctl.robots.load import load_robot
 
 
 def content(flown: Flown, name: str) -> bytes:
@@ -26,7 +24,8 @@ def content(flown: Flown, name: str) -> bytes:
     "name",
     [
         "mission.yaml",
-        "model.xml",
+        "robot/robot.yaml",
+        "robot/ant.xml",
         "model.mjb",
         "policy/manifest.json",
         "policy/policy.onnx",
@@ -116,7 +115,7 @@ def test_another_mujoco_or_architecture_makes_a_log_unverifiable(
     assert header.platform_facts()[key] in found.reason
 
 
-@pytest.mark.parametrize("name", ["mission.yaml", "model.xml", "model.mjb", "policy/manifest.json"])
+@pytest.mark.parametrize("name", ["mission.yaml", "robot/robot.yaml", "model.mjb", "policy/manifest.json"])
 def test_a_log_that_lacks_what_replay_needs_is_unverifiable(flown: Flown, tmp_path: Path, name: str) -> None:
     found = verify(flown.rewritten(tmp_path / "bare.mcap", attachments={name: None}))
     assert (found.verdict, found.reason) == (Verdict.UNVERIFIABLE, f"the log does not carry {name}")
@@ -126,12 +125,22 @@ def test_a_log_that_lacks_what_replay_needs_is_unverifiable(flown: Flown, tmp_pa
     ("name", "key", "data", "reason"),
     [
         ("mission.yaml", "sha256_mission", b"name: [", "mission.yaml"),
-        ("model.xml", "sha256_mjcf", b"<mujoco>", "model.xml: is not XML"),
-        ("model.xml", "sha256_mjcf", b"<mujoco><geom/></mujoco>", "model.xml: does not compile in MuJoCo"),
-        ("model.xml", "sha256_mjcf", b"<mujoco>\xff</mujoco>", "model.xml: is not UTF-8 text"),
-        ("model.xml", "sha256_mjcf", b'<robot name="r"/>', "model.xml:1: is a URDF"),
-        ("model.xml", "sha256_mjcf", b'<mujoco><include file="/etc/passwd"/></mujoco>', "<include> is not read"),
-        ("model.xml", "sha256_mjcf", b'<mujoco><option timestep="nan"/></mujoco>', "is not a finite number"),
+        ("robot/ant.xml", "sha256_robot/ant.xml", b"<mujoco>", "ant.xml: is not XML"),
+        ("robot/ant.xml", "sha256_robot/ant.xml", b"<mujoco><geom/></mujoco>", "ant.xml: does not compile in MuJoCo"),
+        ("robot/ant.xml", "sha256_robot/ant.xml", b"<mujoco>\xff</mujoco>", "ant.xml: is not UTF-8 text"),
+        ("robot/ant.xml", "sha256_robot/ant.xml", b'<robot name="r"/>', "ant.xml:1: is a URDF"),
+        (
+            "robot/ant.xml",
+            "sha256_robot/ant.xml",
+            b'<mujoco><include file="/x"/></mujoco>',
+            "not in the robot's folder",
+        ),
+        (
+            "robot/ant.xml",
+            "sha256_robot/ant.xml",
+            b'<mujoco><option timestep="nan"/></mujoco>',
+            "is not a finite number",
+        ),
         ("policy/manifest.json", "sha256_policy", b"{}", "manifest.json"),
     ],
 )
@@ -151,19 +160,21 @@ def test_a_seed_that_is_no_number_is_said_to_be_so(flown: Flown, tmp_path: Path)
 
 
 @pytest.mark.parametrize(
-    ("change", "reason"),
+    ("name", "before", "after", "reason"),
     [
-        (lambda text: re.sub(r"<motor n.*/>", "", text), "is not a model of the ant: it has 0 motors, not 8"),
-        (lambda text: text.replace('timestep="0.01"', 'timestep="1e-9"'), "its time step is 1e-09 s"),
+        ("ant.xml", 'timestep="0.01"', 'timestep="1e-9"', "its time step is 1e-09 s"),
+        ("robot.yaml", "name: ant", "name: bee", "made for the robot 'ant', not 'bee'"),
+        ("robot.yaml", "substeps: 2", "substeps: 3", "made for a control period of 20 ms, not 30 ms"),
+        ("robot.yaml", "front_left_ankle: 45,", "fifth_ankle: 45,", "there is no joint 'fifth_ankle'"),
     ],
 )
-def test_a_model_of_another_robot_is_refused_hash_and_all(
-    flown: Flown, tmp_path: Path, change: Callable[[str], str], reason: str
+def test_a_robot_that_the_policy_could_not_fly_is_refused_hash_and_all(
+    flown: Flown, tmp_path: Path, name: str, before: str, after: str, reason: str
 ) -> None:
-    source = change(load_robot("ant").mjcf).encode()
-    mjb = compile_mjb(source, "model.xml")
-    metadata = {"sha256_mjcf": hashlib.sha256(source).hexdigest(), "sha256_mjb": hashlib.sha256(mjb).hexdigest()}
-    attachments = {"model.xml": source, "model.mjb": mjb}
+    source = load_robot("ant").files[name].decode()
+    assert before in source
+    data = source.replace(before, after).encode()
+    attachments, metadata = {f"robot/{name}": data}, {f"sha256_robot/{name}": hashlib.sha256(data).hexdigest()}
     found = verify(flown.rewritten(tmp_path / "forged.mcap", metadata=metadata, attachments=attachments))
     assert found.verdict is Verdict.UNVERIFIABLE
     assert reason in found.reason

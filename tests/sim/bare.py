@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 
 FloatArray = NDArray[np.float64]
 
@@ -17,7 +17,7 @@ class BareWorld:
     """MuJoCo's own model and data."""
 
     def __init__(self, model: mujoco.MjModel | None = None) -> None:
-        self.model = model or mujoco.MjModel.from_xml_string(load_robot("ant").mjcf)
+        self.model = model or mujoco.MjModel.from_xml_string(load_robot("ant").files["ant.xml"].decode())
         self.data = mujoco.MjData(self.model)
 
     def place(self, qpos: FloatArray, qvel: FloatArray) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 
-ANT = load_robot("ant").mjcf
+ANT = load_robot("ant").files["ant.xml"].decode()
 
 
 def within(section: str, inner: str) -> bytes:
@@ -34,8 +34,8 @@ FILES = {
     "model": within("asset", '<model name="m" file="FILE"/>'),
     "flexcomp": within("worldbody", '<flexcomp name="f" type="mesh" file="FILE"/>'),
     "plugin": at_root('<extension><plugin plugin="FILE"/></extension>'),
-    "meshdir": ANT.replace("<compiler ", '<compiler meshdir="/tmp" ').encode(),
-    "assetdir": ANT.replace("<compiler ", '<compiler assetdir="/tmp" ').encode(),
+    "mesh elsewhere": within("asset", '<mesh name="m" file="../m.stl"/>'),
+    "mesh dir": within("asset", '<mesh name="m" file="m.stl"/>').replace(b"<compiler ", b'<compiler meshdir="/tmp" '),
 }
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.sim.bare import BareWorld, random_start
+from waypointctl.robots.load import load_robot
 from waypointctl.sim import batch
 from waypointctl.sim.batch import RobotBatch
-from waypointctl.sim.robots import load_robot
 
 ROBOTS = 7
 

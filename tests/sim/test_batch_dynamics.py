@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.sim.bare import BareWorld, random_start
+from waypointctl.robots.load import load_robot
 from waypointctl.sim.batch import RobotBatch
-from waypointctl.sim.robots import load_robot
 
 FloatArray = NDArray[np.float64]
 
@@ -123,7 +123,7 @@ def test_two_physics_steps_are_a_control_period() -> None:
 def high_up(batch: RobotBatch) -> None:
     robot = load_robot("ant")
     robots = batch.qpos.shape[0]
-    qpos = np.tile(np.concatenate([[0.0, 0.0, 50.0, 1.0, 0.0, 0.0, 0.0], robot.stance]), (robots, 1))
+    qpos = np.tile(np.concatenate([[0.0, 0.0, 50.0, 1.0, 0.0, 0.0, 0.0], robot.nominal]), (robots, 1))
     batch.place(np.arange(robots), qpos, np.zeros((robots, 14)))
 
 
@@ -143,7 +143,7 @@ def test_the_same_push_of_the_legs_lifts_a_heavier_robot_less() -> None:
     batch = RobotBatch(load_robot("ant"), 2)
     batch.scale_mass(np.array([1]), np.array([3.0]))
     robot = load_robot("ant")
-    qpos = np.tile(np.concatenate([[0, 0, robot.stance_height_m, 1, 0, 0, 0], robot.stance]), (2, 1))
+    qpos = np.tile(np.concatenate([[0, 0, robot.nominal_height_m, 1, 0, 0, 0], robot.nominal]), (2, 1))
     batch.place(np.arange(2), qpos, np.zeros((2, 14)))
     highest_m = np.zeros(2)
     for _ in range(25):
@@ -157,7 +157,7 @@ def test_a_robot_slides_as_far_as_its_friction_lets_it() -> None:
     batch = RobotBatch(load_robot("ant"), 3)
     batch.scale_friction(np.arange(3), np.array([0.1, 0.3, 1.0]))
     robot = load_robot("ant")
-    qpos = np.tile(np.concatenate([[0, 0, robot.stance_height_m, 1, 0, 0, 0], robot.stance]), (3, 1))
+    qpos = np.tile(np.concatenate([[0, 0, robot.nominal_height_m, 1, 0, 0, 0], robot.nominal]), (3, 1))
     qvel = np.zeros((3, 14))
     qvel[:, 0] = 1.0
     batch.place(np.arange(3), qpos, qvel)

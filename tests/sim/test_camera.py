@@ -10,13 +10,14 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.drawing import require_rendering
-from waypointctl.sim.camera import ABOVE_M, BEHIND_M, PITCH_DEG, POST_M, Marker, MastCamera, Pixels
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
+from waypointctl.sim.camera import POST_M, Marker, MountedCamera, Pixels
 from waypointctl.sim.scenery import FOVY_DEG, HEIGHT, WIDTH
 
 FloatArray = NDArray[np.float64]
 
 ROBOT = load_robot("ant")
+PITCH_DEG = ROBOT.camera.pitch_deg
 LEGS_ROW = 400  # below it the robot itself may be seen
 HORIZON_ROW = HEIGHT / 2 * (1 - math.tan(math.radians(-PITCH_DEG)) / math.tan(math.radians(FOVY_DEG / 2)))
 POSES = ((0.0, 0.0, 0.0), (4.0, -3.0, 0.7), (-12.0, 60.0, 2.9), (200.0, 1.0, -1.8))  # x, y [m], heading [rad]
@@ -28,9 +29,9 @@ def _rendering() -> None:
 
 
 @pytest.fixture(scope="module")
-def bare() -> Iterator[MastCamera]:
+def bare() -> Iterator[MountedCamera]:
     """The camera of a robot in a world without markers."""
-    camera = MastCamera(ROBOT, [])
+    camera = MountedCamera(ROBOT, [])
     yield camera
     camera.close()
 
@@ -40,7 +41,7 @@ def standing(x_m: float, y_m: float, heading_rad: float, roll_rad: float = 0.0) 
     half, tilt = heading_rad / 2, roll_rad / 2
     turned = np.array([math.cos(half) * math.cos(tilt), math.cos(half) * math.sin(tilt)])
     rest = np.array([math.sin(half) * math.sin(tilt), math.sin(half) * math.cos(tilt)])
-    return np.concatenate([[x_m, y_m, ROBOT.stance_height_m], turned, rest, ROBOT.stance])
+    return np.concatenate([[x_m, y_m, ROBOT.nominal_height_m], turned, rest, ROBOT.nominal])
 
 
 def ahead(pose: tuple[float, float, float], forward_m: float, left_m: float) -> tuple[float, float]:
@@ -53,7 +54,7 @@ def ahead(pose: tuple[float, float, float], forward_m: float, left_m: float) -> 
 def projected(forward_m: float, left_m: float, z_m: float) -> tuple[float, float]:
     """Return the column and row of a point that is so far ahead and to the left of the torso, and so high."""
     pitch = math.radians(PITCH_DEG)
-    x, z = forward_m + BEHIND_M, z_m - ROBOT.stance_height_m - ABOVE_M
+    x, z = forward_m - ROBOT.camera.position_m[0], z_m - ROBOT.nominal_height_m - ROBOT.camera.position_m[2]
     depth, up = x * math.cos(pitch) + z * math.sin(pitch), z * math.cos(pitch) - x * math.sin(pitch)
     focal = HEIGHT / 2 / math.tan(math.radians(FOVY_DEG) / 2)  # [pixels]
     return WIDTH / 2 - focal * left_m / depth, HEIGHT / 2 - focal * up / depth
@@ -67,7 +68,7 @@ def orange(picture: Pixels, rows: int = LEGS_ROW) -> NDArray[np.intp]:
 
 def seen(pose: tuple[float, float, float], *places: tuple[float, float]) -> Pixels:
     """Take a picture of nameless markers, each so far ahead and to the left."""
-    camera = MastCamera(ROBOT, [Marker("", *ahead(pose, *place)) for place in places])
+    camera = MountedCamera(ROBOT, [Marker("", *ahead(pose, *place)) for place in places])
     try:
         return camera.take(standing(*pose))
     finally:
@@ -75,7 +76,7 @@ def seen(pose: tuple[float, float, float], *places: tuple[float, float]) -> Pixe
 
 
 @pytest.mark.parametrize("pose", POSES)
-def test_there_is_sky_above_the_horizon_and_ground_below(bare: MastCamera, pose: tuple[float, float, float]) -> None:
+def test_there_is_sky_above_the_horizon_and_ground_below(bare: MountedCamera, pose: tuple[float, float, float]) -> None:
     picture = bare.take(standing(*pose)).astype(int)
     assert picture.shape == (HEIGHT, WIDTH, 3)
     haze = 25  # rows
@@ -85,7 +86,7 @@ def test_there_is_sky_above_the_horizon_and_ground_below(bare: MastCamera, pose:
     assert ground[..., 0].std() > 4  # the checks
 
 
-def test_the_robot_sees_its_own_front_legs(bare: MastCamera) -> None:
+def test_the_robot_sees_its_own_front_legs(bare: MountedCamera) -> None:
     tan = bare.take(standing(0, 0, 0)).astype(int)[LEGS_ROW:]
     legs = (tan[..., 0] > 200) & (tan[..., 1] > 140) & (tan[..., 2] > 80)
     assert legs[:, : WIDTH // 2].sum() > 500
@@ -130,7 +131,7 @@ def test_a_name_stands_at_its_marker_in_the_letters_that_there_are() -> None:
     nameless = seen(pose, (4.0, 0.0)).astype(int)
     column, row = projected(4.0, 0.0, POST_M)
     for name in ("rock", "Höhle \N{ROCKET}", "x" * 300):
-        camera = MastCamera(ROBOT, [Marker(name, x_m, y_m)])
+        camera = MountedCamera(ROBOT, [Marker(name, x_m, y_m)])
         changed = np.argwhere(abs(camera.take(standing(*pose)) - nameless).sum(axis=2) > 0)
         camera.close()
         assert len(changed) > 50
@@ -143,23 +144,23 @@ def test_a_thousand_markers_are_not_too_many() -> None:
     assert len(orange(seen((0.0, 0.0, 0.0), *places)))
 
 
-def test_the_camera_stays_level_when_the_torso_rolls(bare: MastCamera) -> None:
+def test_the_camera_stays_level_when_the_torso_rolls(bare: MountedCamera) -> None:
     upright, rolled = (bare.take(standing(1, 2, 0.5, roll_rad=roll)) for roll in (0.0, 0.4))
     np.testing.assert_array_equal(upright[:300], rolled[:300])
     assert (upright[LEGS_ROW:] != rolled[LEGS_ROW:]).any()
 
 
-def test_the_same_state_is_the_same_picture(bare: MastCamera) -> None:
+def test_the_same_state_is_the_same_picture(bare: MountedCamera) -> None:
     first = bare.take(standing(1, 2, 0.5))
     bare.take(standing(7, 7, 1.5))
-    again = MastCamera(ROBOT, [])
+    again = MountedCamera(ROBOT, [])
     np.testing.assert_array_equal(bare.take(standing(1, 2, 0.5)), first)
     np.testing.assert_array_equal(again.take(standing(1, 2, 0.5)), first)
     assert again.renderer == bare.renderer
     again.close()
 
 
-def test_the_model_that_flies_knows_nothing_of_it(bare: MastCamera) -> None:
+def test_the_model_that_flies_knows_nothing_of_it(bare: MountedCamera) -> None:
     before = ROBOT.to_mjb()
     bare.take(standing(0, 0, 0))
     assert ROBOT.to_mjb() == before

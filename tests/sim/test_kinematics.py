@@ -4,9 +4,9 @@ import mujoco
 import numpy as np
 
 from tests.sim.bare import BareWorld, random_start
+from waypointctl.robots.load import load_robot
 from waypointctl.sim.geometry import WORLD
 from waypointctl.sim.kinematics import RobotKinematics
-from waypointctl.sim.robots import load_robot
 
 
 def test_the_bodies_are_where_mujoco_has_them() -> None:

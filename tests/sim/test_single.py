@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.sim.bare import INTEGRATION, BareWorld, random_start
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 from waypointctl.sim.single import SingleRobot, integration_components
 
 

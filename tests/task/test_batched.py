@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from tests.sim.bare import BareWorld
 from waypointctl.errors import InputError
+from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
-from waypointctl.sim.robots import load_robot
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.body import body_of, fallen
@@ -83,7 +83,7 @@ class Alone:
         self.world.step(applied)
         self.steps += 1
         body = body_of(self.world.data.qpos[np.newaxis].copy(), self.world.data.qvel[np.newaxis].copy())
-        fell = fallen(body, self.robot.fall_height_m, self.robot.fall_up)
+        fell = fallen(body, self.robot.min_height_m, self.robot.min_up)
         approach = progress_speed(before, body.position, goal, 0.02)
         at_limit = JointLimits.of_range(self.robot.joint_low, self.robot.joint_high).count(body.joints)
         terms = reward_terms(self.config.reward, body, approach, applied[np.newaxis], at_limit, fell)[0]
@@ -193,7 +193,7 @@ def test_a_robots_second_episode_does_not_depend_on_when_it_begins() -> None:
 
 
 def test_names_that_do_not_exist_are_refused() -> None:
-    with pytest.raises(InputError, match="there is no robot called 'rover'"):
+    with pytest.raises(InputError, match="there is no robot 'rover'"):
         BatchedWaypointEnv(TaskConfig(robot="rover"), 1, 0)
     with pytest.raises(InputError, match="there is no observation layout called 'pixels'"):
         BatchedWaypointEnv(TaskConfig(observation="pixels"), 1, 0)

@@ -13,8 +13,8 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
+from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
-from waypointctl.sim.robots import load_robot
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig

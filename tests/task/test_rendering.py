@@ -16,9 +16,9 @@ from gymnasium.utils.env_checker import check_env
 
 from tests.drawing import require_rendering
 from waypointctl.errors import InputError
+from waypointctl.robots.load import load_robot
 from waypointctl.sim import viewer
 from waypointctl.sim.camera import Marker
-from waypointctl.sim.robots import load_robot
 from waypointctl.task.env import WaypointEnv
 from waypointctl.task.register import ENV_ID
 from waypointctl.task.rendering import RENDER_MODES

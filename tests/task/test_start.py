@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 from waypointctl.task.start import Start
 
 
@@ -14,9 +14,9 @@ def test_stands_where_it_is_told_within_the_spread() -> None:
     qpos, qvel = (np.stack(part) for part in zip(*draws, strict=True))
     assert qpos.shape == (500, 15)
     assert qvel.shape == (500, 14)
-    np.testing.assert_array_equal(qpos[:, :3], np.tile([3.0, -4.0, robot.stance_height_m], (500, 1)))
+    np.testing.assert_array_equal(qpos[:, :3], np.tile([3.0, -4.0, robot.nominal_height_m], (500, 1)))
     np.testing.assert_allclose(qpos[:, 3:7], np.tile([np.cos(0.5), 0.0, 0.0, np.sin(0.5)], (500, 1)))
-    off = np.abs(qpos[:, 7:] - robot.stance)
+    off = np.abs(qpos[:, 7:] - robot.nominal)
     assert off.max() <= 0.2
     assert off.max(axis=0).min() > 0.19, "every joint uses its whole spread"
     assert np.abs(qvel).max() <= 0.3
@@ -35,6 +35,6 @@ def test_a_heading_that_is_not_given_is_drawn_from_the_whole_circle() -> None:
 def test_without_spread_every_start_is_the_stance() -> None:
     robot = load_robot("ant")
     qpos, qvel = Start(joint_spread_rad=0.0, speed_spread=0.0).draw(robot, np.random.default_rng(2))
-    np.testing.assert_array_equal(qpos[7:], robot.stance)
+    np.testing.assert_array_equal(qpos[7:], robot.nominal)
     assert not qvel.any()
     assert qpos[3:7] == pytest.approx([1.0, 0.0, 0.0, 0.0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from waypointctl.errors import InputError
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 from waypointctl.task.variation import DRAWN, Range, Variation
 
 ANT = load_robot("ant")

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from tests.sim.bare import BareWorld
 from waypointctl.errors import InputError
+from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
-from waypointctl.sim.robots import load_robot
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.body import body_of, fallen
@@ -110,7 +110,7 @@ def paid(config: TaskConfig, alone: Alone, before: FloatArray, goal: FloatArray,
     robot = load_robot("ant")
     body = body_of(alone.world.data.qpos[np.newaxis].copy(), alone.world.data.qvel[np.newaxis].copy())
     at_limit = JointLimits.of_range(robot.joint_low, robot.joint_high).count(body.joints)
-    fell = fallen(body, robot.fall_height_m, robot.fall_up)
+    fell = fallen(body, robot.min_height_m, robot.min_up)
     approach = progress_speed(before, body.position, goal, 0.02)
     terms: FloatArray = reward_terms(config.reward, body, approach, held[np.newaxis], at_limit, fell)[0]
     return terms

@@ -92,7 +92,7 @@ def _env(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, threads: in
     require(
         policy,
         robot=env.robot.name,
-        num_joints=env.robot.num_joints,
+        num_joints=env.robot.num_actions,
         components=env.layout.components,
         control_period_ns=env.robot.control_period_ns,
     )

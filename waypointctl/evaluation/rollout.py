@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from waypointctl.evaluation.conditions import HoldSpec
 from waypointctl.evaluation.track import TRACED, Track, is_orbiting, is_stuck
 from waypointctl.policy.protocol import Policy
-from waypointctl.sim.stance import stance_action
+from waypointctl.robots.stance import stance_action
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.units import ns, seconds
 
@@ -126,7 +126,7 @@ class _Trials:
     def actions(self, policy: Policy, observation: FloatArray) -> FloatArray:
         """Return what each robot does next (n, nu); a row does not depend on who else still walks."""
         env, walking, holding = self._env, self._walking, self._holding
-        actions: FloatArray = np.zeros((env.num_robots, env.robot.num_joints))
+        actions: FloatArray = np.zeros((env.num_robots, env.robot.num_actions))
         if walking.any():
             # A state has a row for each robot, so its policy acts for all of them.
             acted = policy.act(observation)[walking] if policy.state() else policy.act(observation[walking])

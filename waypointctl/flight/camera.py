@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Final, Self
 from waypointctl.log.messages import Event, Picture, PlannedWaypoint, State
 
 if TYPE_CHECKING:
-    from waypointctl.sim.camera import MastCamera
-    from waypointctl.sim.robots import Robot
+    from waypointctl.robots.robot import Robot
+    from waypointctl.sim.camera import MountedCamera
 
 FRAME: Final = "camera"
 FORMAT: Final = "png"
@@ -34,14 +34,14 @@ class OnboardCamera:
 
     def __call__(self, event: Event, state: State) -> Picture | None:
         """Return the picture of an observation, at the state in which it was taken; None where nothing can draw."""
-        if self._mast is None:
+        if self._mounted is None:
             return None
         from waypointctl.log.png import to_png
 
         self.taken += 1
         waypoint = self._waypoints.get(event.waypoint)
         title = waypoint.name if waypoint is not None else f"waypoint {event.waypoint + 1}"
-        data = to_png(self._mast.take(state.qpos), title, self.renderer)
+        data = to_png(self._mounted.take(state.qpos), title, self.renderer)
         return Picture(event.time_ns, FRAME, FORMAT, data)
 
     @cached_property
@@ -49,7 +49,7 @@ class OnboardCamera:
         """What draws and packs the pictures, where the bytes are the same; empty where nothing can draw."""
         from waypointctl.log.png import packer
 
-        return "" if self._mast is None else f"{self._mast.renderer}, {packer()}"
+        return "" if self._mounted is None else f"{self._mounted.renderer}, {packer()}"
 
     def __enter__(self) -> Self:
         """Return the camera."""
@@ -59,19 +59,19 @@ class OnboardCamera:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         """Give back what it draws with."""
-        mast = self.__dict__.get("_mast")  # asking for it would set it up
-        if mast is not None:
-            mast.close()
+        mounted = self.__dict__.get("_mounted")  # asking for it would set it up
+        if mounted is not None:
+            mounted.close()
 
     @cached_property
-    def _mast(self) -> MastCamera | None:
-        from waypointctl.sim.camera import Marker, MastCamera
+    def _mounted(self) -> MountedCamera | None:
+        from waypointctl.sim.camera import Marker, MountedCamera
         from waypointctl.sim.offscreen import NoRendering
 
         # In a mission with rounds a place comes again: it bears the name that it had first.
         markers = {(it.x_m, it.y_m): Marker(it.name, it.x_m, it.y_m) for it in reversed(self._waypoints.values())}
         try:
-            return MastCamera(self._robot, markers.values())
+            return MountedCamera(self._robot, markers.values())
         except NoRendering as error:
             self.trouble = str(error)
             return None

@@ -22,8 +22,8 @@ from waypointctl.flight.vehicle import Vehicle
 from waypointctl.log.messages import Ack, Clock, Command, ConsoleInput, Event, EventKind, Severity, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
+from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
-from waypointctl.sim.robots import Robot
 from waypointctl.task.observation import NOISE_SIZE
 from waypointctl.task.start import Start
 from waypointctl.units import NS_PER_S, ns

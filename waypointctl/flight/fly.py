@@ -10,7 +10,8 @@ from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.sink import Sink
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
-from waypointctl.sim.robots import Robot, load_robot
+from waypointctl.robots.load import load_robot
+from waypointctl.robots.robot import Robot
 
 
 def fly(

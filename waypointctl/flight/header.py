@@ -19,18 +19,20 @@ from waypointctl.flight.setting import setting_of
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.mission.files import MissionFile
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.robots.robot import Robot
 from waypointctl.sim.kinematics import RobotKinematics
-from waypointctl.sim.robots import Robot
 from waypointctl.sim.single import integration_components
 from waypointctl.task.reward import TERMS
 
 MISSION: Final = "mission.yaml"
 MISSION_FOLDER: Final = "mission/"  # of the files that the mission refers to
 MISSION_FILE_HASH: Final = "sha256_mission/"
-MJCF: Final = "model.xml"
+ROBOT_FOLDER: Final = "robot/"  # of robot.yaml, the MJCF and what it names
+ROBOT_FILE_HASH: Final = "sha256_robot/"
 MJB: Final = "model.mjb"
 POLICY_FOLDER: Final = "policy/"
-_DECISIVE_PARTS: Final = ("mission", "sim", "task", "policy", "flight", "log", "seeding.py", "units.py")
+_DECISIVE_PARTS: Final = ("mission", "sim", "robots", "task", "policy", "flight", "log", "seeding.py", "units.py")
+_MEDIA_TYPES: Final = {".json": "application/json", ".xml": "application/xml", ".yaml": "application/yaml"}
 CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
 
 
@@ -49,7 +51,10 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
                 Attachment(f"{MISSION_FOLDER}{name}", "text/plain", data)
                 for name, data in sorted(mission_file.files.items())
             ),
-            Attachment(MJCF, "application/xml", robot.mjcf.encode()),
+            *(
+                Attachment(f"{ROBOT_FOLDER}{name}", _media_type(name), data)
+                for name, data in sorted(robot.files.items())
+            ),
             Attachment(MJB, "application/octet-stream", mjb),
             *(
                 Attachment(f"{POLICY_FOLDER}{name}", _media_type(name), data)
@@ -69,12 +74,15 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
             "checkpoint_components": " ".join(f"{name}:{size}" for name, size in integration_components(robot)),
             "clock": CLOCK,
             "sha256_mission": hashlib.sha256(mission_file.source).hexdigest(),
-            "sha256_mjcf": hashlib.sha256(robot.mjcf.encode()).hexdigest(),
             "sha256_mjb": hashlib.sha256(mjb).hexdigest(),
             "sha256_policy": policy.sha256,
             **{
                 f"{MISSION_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
                 for name, data in sorted(mission_file.files.items())
+            },
+            **{
+                f"{ROBOT_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
+                for name, data in sorted(robot.files.items())
             },
             **platform_facts(),
         },
@@ -110,10 +118,9 @@ def source_revision() -> str:
     return digest.hexdigest()[:12]
 
 
-def files_of_mission(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Return what stands in the files that a log's mission refers to, by their names in it."""
-    found = attachments.items()
-    return {name.removeprefix(MISSION_FOLDER): data for name, data in found if name.startswith(MISSION_FOLDER)}
+def files_within(folder: str, attachments: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return a log's attachments in a folder, by their names in there: those of the mission, the robot, the policy."""
+    return {name.removeprefix(folder): data for name, data in attachments.items() if name.startswith(folder)}
 
 
 def _processor() -> str:
@@ -129,4 +136,4 @@ def _processor() -> str:
 
 
 def _media_type(name: str) -> str:
-    return "application/json" if name.endswith(".json") else "application/octet-stream"
+    return _MEDIA_TYPES.get(Path(name).suffix.lower(), "application/octet-stream")

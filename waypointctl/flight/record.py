@@ -19,7 +19,8 @@ from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.require import require
-from waypointctl.sim.robots import Robot, load_robot
+from waypointctl.robots.load import load_robot
+from waypointctl.robots.robot import Robot
 from waypointctl.task.observation import layout
 
 
@@ -93,7 +94,7 @@ def refuse_misfit(policy: LoadedPolicy, robot: Robot) -> None:
     require(
         policy,
         robot=robot.name,
-        num_joints=robot.num_joints,
+        num_joints=robot.num_actions,
         components=layout(policy.observation_layout).components,
         control_period_ns=robot.control_period_ns,
     )

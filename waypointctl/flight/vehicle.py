@@ -32,9 +32,9 @@ from waypointctl.log.messages import (
     State,
 )
 from waypointctl.policy.protocol import Policy, state_text
-from waypointctl.sim.robots import Robot
+from waypointctl.robots.robot import Robot
+from waypointctl.robots.stance import stance_action
 from waypointctl.sim.single import SingleRobot
-from waypointctl.sim.stance import stance_action
 from waypointctl.task.batched import clip_actions
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.observation import NOISE_SIZE, Goals, layout
@@ -76,7 +76,7 @@ class Vehicle:
         self._limits = JointLimits.of_range(robot.joint_low, robot.joint_high)
         self._sink = sink
         self._reporter = reporter
-        self._control: FloatArray = np.zeros((1, robot.num_joints))  # the newest action from the ground
+        self._control: FloatArray = np.zeros((1, robot.num_actions))  # the newest action from the ground
         self._control_step = -1  # whose state it was computed from
         self._control_ns = 0  # when it arrived
         self._moved_ns = 0  # when it last did
@@ -191,12 +191,12 @@ class Vehicle:
         if self.executive.mode is Mode.TELEOPERATED:
             return "ground", self._control
         if self.executive.mode is Mode.FALLEN:
-            return "off", np.zeros((1, self.robot.num_joints))
+            return "off", np.zeros((1, self.robot.num_actions))
         return "stance", stance_action(self.robot, self.plant.qpos, self.plant.qvel)
 
     def _look(self) -> None:
         self._body = body_of(self.plant.qpos, self.plant.qvel)
-        self._fell = bool(fallen(self._body, self.robot.fall_height_m, self.robot.fall_up)[0])
+        self._fell = bool(fallen(self._body, self.robot.min_height_m, self.robot.min_up)[0])
 
     def _log_reward(self, now_ns: int, before: FloatArray, applied: FloatArray) -> None:
         terms = self._pay(before, applied)

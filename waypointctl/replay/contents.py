@@ -16,9 +16,10 @@ from waypointctl.flight.header import (
     MISSION_FILE_HASH,
     MISSION_FOLDER,
     MJB,
-    MJCF,
     POLICY_FOLDER,
-    files_of_mission,
+    ROBOT_FILE_HASH,
+    ROBOT_FOLDER,
+    files_within,
     flight_header,
     platform_facts,
 )
@@ -32,7 +33,9 @@ from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import MANIFEST, Manifest
 from waypointctl.replay.verdict import Divergence
-from waypointctl.sim.robots import Robot, compile_mjb, robot_from_source
+from waypointctl.robots.description import ROBOT_FILE
+from waypointctl.robots.load import robot_of_files
+from waypointctl.robots.robot import Robot
 
 KERNELS: Final = {
     "version_numpy": "numpy",
@@ -51,7 +54,7 @@ PROGRAM: Final = {
 _DECISIVE: Final = {"version_mujoco": "MuJoCo", "architecture": "the architecture"}
 _SEED_DIGITS: Final = 19  # of 2**63
 _MANIFEST: Final = f"{POLICY_FOLDER}{MANIFEST}"
-_HASHED: Final = {"sha256_mission": MISSION, "sha256_mjcf": MJCF, "sha256_mjb": MJB, "sha256_policy": _MANIFEST}
+_HASHED: Final = {"sha256_mission": MISSION, "sha256_mjb": MJB, "sha256_policy": _MANIFEST}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,13 +94,15 @@ def contents_of(log: Log) -> LogContents:
         InputError: it cannot be used.
     """
     attachments = log.attachments
-    mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}", files_of_mission(attachments))
+    mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}", files_within(MISSION_FOLDER, attachments))
     seed = log.metadata.get("seed", "")
     if not seed.isdecimal() or len(seed) > _SEED_DIGITS:
         raise LogError(f"the seed is {seed[:40]!r}, which is none", where=str(log.path))
     mission = mission.model_copy(update={"seed": int(seed)})
-    robot = robot_from_source(mission.robot, attachments[MJCF], attachments[MJB], f"{log.path}/{MJCF}")
-    policy = load_policy_bytes(_policy_files(attachments), f"{log.path}/{POLICY_FOLDER}")
+    robot = _robot(log)
+    if robot.to_mjb() != attachments[MJB]:
+        raise LogError(f"the robot does not compile to the log's {MJB}", where=str(log.path))
+    policy = load_policy_bytes(files_within(POLICY_FOLDER, attachments), f"{log.path}/{POLICY_FOLDER}")
     refuse_misfit(policy, robot)  # as what flies it does: its manifest says how others are to read the observations
     return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
@@ -118,7 +123,8 @@ def unverifiable(log: Log) -> str:
         there = log.metadata.get(key, "unknown")
         if there != here[key]:
             return f"{name} differs: the log was made with {there}, this is {here[key]}; no replay is exact across them"
-    missing = [name for name in _HASHED.values() if name not in log.attachments]
+    needed = (*_HASHED.values(), f"{ROBOT_FOLDER}{ROBOT_FILE}")
+    missing = [name for name in needed if name not in log.attachments]
     return f"the log does not carry {', '.join(missing)}" if missing else ""
 
 
@@ -129,7 +135,7 @@ def altered(log: Log) -> Divergence | None:
         if found != recorded:
             return Divergence(-1, 0, "attachment", name, recorded, found)
     recorded = log.metadata["sha256_mjb"]  # as the attachment's has just been found to be
-    compiled = hashlib.sha256(compile_mjb(log.attachments[MJCF], f"{log.path}/{MJCF}")).hexdigest()
+    compiled = hashlib.sha256(_robot(log).to_mjb()).hexdigest()
     return None if compiled == recorded else Divergence(-1, 0, "attachment", MJB, recorded, compiled)
 
 
@@ -137,9 +143,10 @@ def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
     """Yield what was recorded of each attachment; that of the policy's manifest before those of its files."""
     for key, name in _HASHED.items():
         yield name, log.metadata.get(key, "no hash")
-    named = (key.removeprefix(MISSION_FILE_HASH) for key in log.metadata if key.startswith(MISSION_FILE_HASH))
-    for name in sorted({*named, *files_of_mission(log.attachments)}):
-        yield f"{MISSION_FOLDER}{name}", log.metadata.get(f"{MISSION_FILE_HASH}{name}", "no hash")
+    for folder, prefix in ((MISSION_FOLDER, MISSION_FILE_HASH), (ROBOT_FOLDER, ROBOT_FILE_HASH)):
+        named = (key.removeprefix(prefix) for key in log.metadata if key.startswith(prefix))
+        for name in sorted({*named, *files_within(folder, log.attachments)}):
+            yield f"{folder}{name}", log.metadata.get(f"{prefix}{name}", "no hash")
     try:
         manifest = Manifest.model_validate_json(log.attachments[_MANIFEST])
     except ValidationError:
@@ -148,7 +155,6 @@ def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
         yield f"{POLICY_FOLDER}{name}", record.sha256
 
 
-def _policy_files(attachments: Mapping[str, bytes]) -> dict[str, bytes]:
-    return {
-        name.removeprefix(POLICY_FOLDER): data for name, data in attachments.items() if name.startswith(POLICY_FOLDER)
-    }
+def _robot(log: Log) -> Robot:
+    """Return the robot whose folder a log carries."""
+    return robot_of_files(files_within(ROBOT_FOLDER, log.attachments), f"{log.path}/{ROBOT_FOLDER}".rstrip("/"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from waypointctl.errors import MissionError
-from waypointctl.flight.header import MISSION, files_of_mission
+from waypointctl.flight.header import MISSION, MISSION_FOLDER, files_within
 from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.setting import setting_of
 from waypointctl.log.messages import PlannedWaypoint
@@ -58,6 +58,6 @@ def _mission_in(log: Log) -> Mission | None:
     if source is None:
         return None
     try:
-        return parse_mission(source, f"{log.path}/{MISSION}", files_of_mission(log.attachments))
+        return parse_mission(source, f"{log.path}/{MISSION}", files_within(MISSION_FOLDER, log.attachments))
     except MissionError:
         return None  # the summary is then told of the waypoints that were commanded; the proof names what is wrong

@@ -10,7 +10,7 @@ import mjbatch
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.sim.robots import Robot
+from waypointctl.sim.model import RobotModel
 
 FloatArray = NDArray[np.float64]
 Ids = NDArray[np.intp]
@@ -39,7 +39,7 @@ class RobotBatch:
     those of some robots, which costs the others nothing until the first call.
     """
 
-    def __init__(self, robot: Robot, num_robots: int, threads: int = 0) -> None:
+    def __init__(self, robot: RobotModel, num_robots: int, threads: int = 0) -> None:
         """Make N worlds, stepped on `threads` threads (0: `default_threads()`); the states do not depend on it."""
         self.robot = robot
         self._batch = mjbatch.Batch(robot.model, num_robots, num_threads=threads or default_threads())
@@ -57,13 +57,13 @@ class RobotBatch:
         self.qvel[ids] = qvel
 
     def step(self, applied: FloatArray) -> None:
-        """Hold the motors at applied (n, nu), in [-1, 1], for one control period."""
-        self._ctrl[:] = applied
+        """Apply actions (n, nu), in [-1, 1], for one control period."""
+        self._ctrl[:] = self.robot.actions.control(applied)
         self._batch.step(self.stepped, nstep=self.robot.substeps)
 
     def step_physics(self, applied: FloatArray) -> None:
-        """Hold the motors at applied (n, nu), in [-1, 1], for one physics step."""
-        self._ctrl[:] = applied
+        """Apply actions (n, nu), in [-1, 1], for one physics step."""
+        self._ctrl[:] = self.robot.actions.control(applied)
         self._batch.step(self.stepped, nstep=1)
 
     def scale_mass(self, ids: Ids, factor: FloatArray) -> None:

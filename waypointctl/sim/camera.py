@@ -1,29 +1,26 @@
-"""Pictures of a robot in its world: from its own camera, on a mast behind its torso, and from one that follows it."""
+"""Pictures of a robot in its world: from its own camera, and from one that follows it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, TypeAlias
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.sim.model import CameraMount, RobotModel
 from waypointctl.sim.offscreen import NoRendering, OffscreenContext
-from waypointctl.sim.robots import Robot
 from waypointctl.sim.scenery import FAR_M, HEIGHT, WIDTH, scenery
 
 FloatArray = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 Viewpoint: TypeAlias = Callable[[FloatArray], mujoco.MjvCamera]  # the camera at qpos (nq,)
 
-BEHIND_M: Final = 0.7  # the mast, behind the torso's centre: the front legs are in the picture
-ABOVE_M: Final = 1.0  # the camera, above the torso's centre
-PITCH_DEG: Final = -16.0
-
-FOLLOW_M: Final = 7.0  # the camera that follows, from the torso's centre
+FOLLOW_M: Final = 7.0  # the camera that follows, from the base
 FOLLOW_ELEVATION_DEG: Final = -30.0
 
 POST_M: Final = 1.2  # height of a waypoint's marker
@@ -55,7 +52,7 @@ class Camera:
         renderer: what draws; where it is the same, a picture is the same to the last bit.
     """
 
-    def __init__(self, robot: Robot, markers: Iterable[Marker], view: Viewpoint) -> None:
+    def __init__(self, robot: RobotModel, markers: Iterable[Marker], view: Viewpoint) -> None:
         """Set up the scene; `close` it at the end.
 
         Args:
@@ -131,16 +128,16 @@ class Camera:
         self._scene.ngeom += 1
 
 
-class MastCamera(Camera):
+class MountedCamera(Camera):
     """Draws what a robot's own camera sees."""
 
-    def __init__(self, robot: Robot, markers: Iterable[Marker]) -> None:
+    def __init__(self, robot: RobotModel, markers: Iterable[Marker]) -> None:
         """Set up the scene; `close` it at the end.
 
         Raises:
             NoRendering: there is nothing here that could draw.
         """
-        super().__init__(robot, markers, viewpoint)
+        super().__init__(robot, markers, partial(viewpoint, robot.camera))
 
 
 def follow(qpos: FloatArray) -> mujoco.MjvCamera:
@@ -160,14 +157,15 @@ def _eye(view: mujoco.MjvCamera) -> FloatArray:
     return np.asarray(view.lookat - view.distance * forward)
 
 
-def viewpoint(qpos: FloatArray) -> mujoco.MjvCamera:
-    """Return the camera at qpos (nq,). It is level however the torso rolls and pitches, as one on gimbals."""
+def viewpoint(mount: CameraMount, qpos: FloatArray) -> mujoco.MjvCamera:
+    """Return a mounted camera at qpos (nq,)."""
     w, x, y, z = qpos[3:7].tolist()
     heading = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    behind = np.array([math.cos(heading), math.sin(heading), 0.0]) * BEHIND_M
+    ahead, left, up = mount.position_m
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
-    camera.lookat[:] = qpos[:3] - behind + np.array([0.0, 0.0, ABOVE_M])
+    camera.lookat[:] = qpos[:3] + np.array([math.cos(heading), math.sin(heading), 0.0]) * ahead
+    camera.lookat[:] += np.array([-math.sin(heading) * left, math.cos(heading) * left, up])
     camera.distance = 0.0  # it stands where it would look at
-    camera.azimuth, camera.elevation = math.degrees(heading), PITCH_DEG
+    camera.azimuth, camera.elevation = math.degrees(heading), mount.pitch_deg
     return camera

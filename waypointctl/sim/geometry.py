@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-GeomKind: TypeAlias = Literal["sphere", "capsule", "box", "plane"]
+GeomKind: TypeAlias = Literal["sphere", "capsule", "ellipsoid", "cylinder", "box", "plane"]
 
 WORLD: Final = "world"
 
@@ -18,5 +18,5 @@ class Geom:
     kind: GeomKind
     position: tuple[float, float, float]  # [m] in the body's frame
     quaternion: tuple[float, float, float, float]  # w x y z in the body's frame
-    size: tuple[float, float, float]  # [m] sphere: radius; capsule: radius, half length; box, plane: half sides
+    size: tuple[float, float, float]  # [m] radius; or radius and half length; box, plane, ellipsoid: half sides
     rgba: tuple[float, float, float, float]  # 0 to 1

@@ -1,39 +1,46 @@
 """Reading MJCF that somebody else wrote, before MuJoCo does: what it may say, and how large it makes the model.
 
 MuJoCo reads files that MJCF names (include, meshes, textures, height fields, plugins), and takes the memory that its
-numbers ask for before it looks at them. Elements are therefore an allow-list, no attribute names a file, and counts
-have limits. MuJoCo's parser is not this one: it is given the elements and attributes that were read here, written anew,
-never the text. Elements and attributes: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
+numbers ask for before it looks at them. Elements are therefore an allow-list, counts have limits, and the only files
+are meshes, PNG textures and included MJCF of the robot's own folder. MuJoCo's parser is not this one: it is given the
+elements and attributes that were read here, written anew, and the files by names of ours, never the text.
+Elements and attributes: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import Final, TypeAlias
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
 from waypointctl.errors import InputError
-from waypointctl.limits import limit, limit_hint, size_text
+from waypointctl.limits import limit, limit_hint, over_limit, size_text
+
+ReadFile: TypeAlias = Callable[[str], bytes]  # of the robot's folder, by its path in there; may raise InputError
 
 MOST_BYTES: Final = 2**20
 MOST_DEPTH: Final = 64
+MOST_FILES: Final = 200
 MOST_JOINTS: Final = 128
 MOST_MEMORY: Final = 2**26  # [bytes] that the model may ask for to work in
 MOST_PIXELS: Final = 2**24  # of all textures and height fields together
 
 _LIMIT: Final = "model-elements"
+_FILES_LIMIT: Final = "robot-files"
 
 ELEMENTS: Final = frozenset(
     re.findall(
         r"\w+",
         """
         mujoco compiler option flag size statistic visual global quality headlight map scale rgba default asset texture
-        material layer hfield worldbody body inertial joint freejoint geom site camera light frame contact pair exclude
-        tendon spatial fixed pulley equality connect weld actuator general motor position velocity intvelocity damper
-        cylinder adhesion custom numeric text tuple element keyframe key
+        material layer hfield mesh include worldbody body inertial joint freejoint geom site camera light frame contact
+        pair exclude tendon spatial fixed pulley equality connect weld actuator general motor position velocity
+        intvelocity damper cylinder adhesion custom numeric text tuple element keyframe key
 
         sensor touch accelerometer velocimeter gyro force torque magnetometer camprojection rangefinder jointpos
         jointvel tendonpos tendonvel actuatorpos actuatorvel actuatorfrc jointactuatorfrc tendonactuatorfrc ballquat
@@ -54,9 +61,13 @@ COUNTS: Final[Mapping[str, int]] = {
     "nuserdata": 100_000,
 }
 _LENGTHS: Final = {("tendon", "width"), ("spatial", "width")}  # not a count here
-_FILE: Final = re.compile(r"file\w*|\w+dir|plugin|content_type")  # an attribute that names a file, or where it is
+_FILE: Final = re.compile(r"file\w*|\w+dir|plugin|content_type|strippath")  # names a file, or where it is
+_FOLDERS: Final = ("assetdir", "meshdir", "texturedir", "strippath")  # of <compiler>
+_ASSETS: Final = {"mesh": (".stl", ".obj"), "texture": (".png",)}  # elements that may name a file, and its kinds
+_PNG: Final = b"\x89PNG\r\n\x1a\n"
 _REFUSED: Final = {  # and why
     ("rangefinder", "camera"): "is not read: it casts a ray for each pixel",
+    ("mesh", "builtin"): "is not read: give the mesh as a file or its vertices",
     **{("size", name): "is not read; 'memory' says how much there is" for name in ("njmax", "nconmax", "nstack")},
 }
 _COUNT: Final = re.compile(r"-1|[0-9]{1,9}")
@@ -66,89 +77,223 @@ _BYTES: Final = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30}
 _NO_NUMBER: Final = re.compile(r"[+-]?(nan(\(.*\))?|inf(inity)?)", re.IGNORECASE)
 
 
-def audited_mjcf(source: bytes, where: str) -> str:
-    """Return MJCF that says what `source` says to a parser of XML, once everything in it has been looked at.
+@dataclass(frozen=True, slots=True)
+class AuditedMjcf:
+    """MJCF that may be compiled.
+
+    Attributes:
+        xml: the elements and attributes that were read, in one text.
+        assets: meshes and textures, by the names that `xml` has for them.
+        files: all that was read, by path in the robot's folder: the MJCF, what it includes, meshes, textures.
+    """
+
+    xml: str
+    assets: Mapping[str, bytes]
+    files: Mapping[str, bytes]
+
+
+def audited_mjcf(path: str, read: ReadFile, where: str = "") -> AuditedMjcf:
+    """Return MJCF that says what a file says to a parser of XML, once everything in it has been looked at.
 
     Args:
-        source: the MJCF.
-        where: its file, for messages.
+        path: of the MJCF in the robot's folder.
+        read: returns a file of the folder.
+        where: the folder, for messages; it ends in "/".
 
     Raises:
-        InputError: it is not MJCF, it names a file, it has what is not read here, or it is over a limit.
+        InputError: it is not MJCF, it names a file outside the folder or of another kind, it has what is not read here,
+            or it is over a limit.
     """
-    if len(source) > MOST_BYTES:
-        raise InputError(f"has {len(source):,} bytes; {MOST_BYTES:,} are read", where=where)
-    try:
-        source.decode()
-    except UnicodeDecodeError as error:
-        raise InputError(f"is not UTF-8 text: byte {error.start}", where=where) from error
-    audit = _Audit(where, source.count(b"<"))
-    try:
-        audit.parser.Parse(source, True)
-    except expat.ExpatError as error:
-        raise InputError(f"is not XML: {error}", where=where) from error
-    return "".join(audit.written)
+    audit = _Audit(read, where)
+    audit.parse(path)
+    assets = audit.assets()
+    return AuditedMjcf("".join(audit.written), assets, audit.files)
+
+
+@dataclass(frozen=True, slots=True)
+class _AssetFile:
+    """An element that names a file: where it stands among those that are written, and in the source."""
+
+    at: int
+    element: str
+    attributes: Mapping[str, str]
+    where: str
 
 
 class _Audit:
     """Takes elements as they come, refuses what must not be, and writes down the others."""
 
-    def __init__(self, where: str, most_elements: int) -> None:
-        self._most_elements = most_elements
+    def __init__(self, read: ReadFile, folder: str) -> None:
         self.written: list[str] = []
-        self.parser = expat.ParserCreate("UTF-8")  # whatever encoding it declares, as MuJoCo does
-        self.parser.StartDoctypeDeclHandler = self._doctype
-        self.parser.StartElementHandler = self._start
-        self.parser.EndElementHandler = self._end
-        self._where = where
-        self._depth = 0
+        self.files: dict[str, bytes] = {}
+        self._read = read
+        self._folder = folder
+        self._path = ""  # of the file that is being parsed
+        self._parser = expat.ParserCreate("UTF-8")
+        self._is_written: list[bool] = []  # of each element that is open
+        self._root_depth = 1
+        self._most_elements = 0
         self._seen: Counter[str] = Counter()
         self._pixels = 0
+        self._folders: dict[str, str] = {}  # of <compiler>
+        self._asset_files: list[_AssetFile] = []
+
+    def parse(self, path: str) -> None:
+        """Read the elements of a file."""
+        source = self._file(path, self._folder + path)
+        where = self._folder + path
+        if len(source) > MOST_BYTES:
+            raise InputError(f"has {len(source):,} bytes; {MOST_BYTES:,} are read", where=where)
+        try:
+            source.decode()
+        except UnicodeDecodeError as error:
+            raise InputError(f"is not UTF-8 text: byte {error.start}", where=where) from error
+        outer = self._path, self._parser, self._root_depth
+        self._path, self._parser, self._root_depth = path, expat.ParserCreate("UTF-8"), len(self._is_written) + 1
+        self._parser.StartDoctypeDeclHandler = self._doctype  # whatever encoding it declares, it is UTF-8 to MuJoCo
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._most_elements += source.count(b"<")
+        try:
+            self._parser.Parse(source, True)
+        except expat.ExpatError as error:
+            raise InputError(f"is not XML: {error}", where=where) from error
+        self._path, self._parser, self._root_depth = outer
+
+    def assets(self) -> dict[str, bytes]:
+        """Return the files of meshes and textures by their new names, which are now in what is written."""
+        found: dict[str, bytes] = {}
+        for asset in self._asset_files:
+            attributes = dict(asset.attributes)
+            path = PurePosixPath(attributes["file"])
+            if self._folders.get("strippath") == "true":
+                path = PurePosixPath(path.name)
+            folder = self._folders.get(f"{asset.element}dir", self._folders.get("assetdir", ""))
+            content = self._file(_inside(PurePosixPath(folder) / path, asset.where), asset.where)
+            if asset.element == "texture":
+                self._count(_png_pixels(content, asset.where), asset.where)
+            suffix = path.suffix.lower()
+            new = f"{len(found)}{suffix}"  # MuJoCo looks for it among the assets alone, by its name without folders
+            found[new] = content
+            attributes |= {"name": attributes.get("name", path.stem), "file": new}
+            self.written[asset.at] = _tag(asset.element, attributes)
+        return found
 
     def _doctype(self, *_: object) -> None:
         raise self._refusal("a document type, which can define entities, is not read")
 
     def _start(self, name: str, attributes: Mapping[str, str]) -> None:
-        self._seen[name] += 1
-        self._depth += 1
-        if self._depth == 1 and name != "mujoco":
+        is_root = len(self._is_written) + 1 == self._root_depth
+        is_main = self._root_depth == 1
+        self._is_written.append(name != "include" and (is_main or not is_root))
+        if is_root:
+            self._check_root(name, is_main)
+            if not is_main:
+                return
+        self._check_counts(name)
+        if name == "include":
+            self._include(attributes)
+            return
+        for attribute, value in attributes.items():
+            if fault := _fault(name, attribute, value):
+                raise self._refusal(f"<{name}> {attribute}={_short(value)}: {fault}")
+        if name == "compiler":
+            self._folders |= {key: attributes[key] for key in _FOLDERS if key in attributes}
+            attributes = {key: value for key, value in attributes.items() if key not in _FOLDERS}
+        if "file" in attributes:
+            self._asset_files.append(_AssetFile(len(self.written), name, attributes, self._where))
+        self._count_pixels(name, attributes)
+        self.written.append(_tag(name, attributes))
+
+    def _end(self, name: str) -> None:
+        if self._is_written.pop():
+            self.written.append(f"</{name}>")
+
+    def _check_root(self, name: str, is_main: bool) -> None:
+        if name != "mujoco" and (is_main or name != "mujocoinclude"):
             kind = "a URDF" if name == "robot" else "not MJCF"
             raise self._refusal(f"is {kind}: its root is <{name}>, that of MJCF is <mujoco>")
+
+    def _check_counts(self, name: str) -> None:
+        self._seen[name] += 1
         if name not in ELEMENTS:
-            raise self._refusal(f"<{name}> is not read: a log's model is made of primitive shapes, with no other file")
-        if self._depth > MOST_DEPTH:
+            raise self._refusal(f"<{name}> is not read: a robot's model has rigid bodies, primitive shapes and meshes")
+        if len(self._is_written) > MOST_DEPTH:
             raise self._refusal(f"more than {MOST_DEPTH} elements within each other")
         if self._seen.total() > limit(_LIMIT):
             raise self._refusal(f"more than {limit(_LIMIT):,} elements", limit_hint(_LIMIT, self._most_elements))
         if self._seen["joint"] + self._seen["freejoint"] > MOST_JOINTS:
             raise self._refusal(f"more than {MOST_JOINTS} joints")
-        for attribute, value in attributes.items():
-            if fault := _fault(name, attribute, value):
-                raise self._refusal(f"<{name}> {attribute}={_short(value)}: {fault}")
-        self._count_pixels(name, attributes)
-        pairs = "".join(f" {attribute}={quoteattr(value)}" for attribute, value in attributes.items())
-        self.written.append(f"<{name}{pairs}>")
 
-    def _end(self, name: str) -> None:
-        self._depth -= 1
-        self.written.append(f"</{name}>")
+    def _include(self, attributes: Mapping[str, str]) -> None:
+        if set(attributes) != {"file"}:
+            raise self._refusal("<include> has a 'file' and nothing else")
+        path = _inside(PurePosixPath(attributes["file"]), self._where)
+        if path in self.files:
+            raise self._refusal(f"<include> file={_short(path)}: is included already")
+        self.parse(path)
+
+    def _file(self, path: str, where: str) -> bytes:
+        """Return a file of the folder; the limits are those of all of them together."""
+        if path not in self.files:
+            if len(self.files) == MOST_FILES:
+                raise InputError(f"names more than {MOST_FILES} files", where=where)
+            try:
+                self.files[path] = self._read(path)
+            except InputError as error:
+                if where == self._folder + path:
+                    raise
+                raise InputError(f"names the file {path!r}: {error.problem}", where=where, hint=error.hint) from error
+            if (size := sum(len(content) for content in self.files.values())) > limit(_FILES_LIMIT):
+                raise InputError(over_limit(_FILES_LIMIT, size), where=where, hint=limit_hint(_FILES_LIMIT))
+        return self.files[path]
 
     def _count_pixels(self, name: str, attributes: Mapping[str, str]) -> None:
         rows, columns = ("nrow", "ncol") if name == "hfield" else ("height", "width")
         if name in ("hfield", "texture"):
             pixels = [abs(int(attributes.get(side, "0").split()[0])) for side in (rows, columns)]
-            self._pixels += 6 * max(pixels) ** 2 if name == "texture" else pixels[0] * pixels[1]  # six sides of a cube
+            self._count(6 * max(pixels) ** 2 if name == "texture" else pixels[0] * pixels[1], self._where)  # of a cube
+
+    def _count(self, pixels: int, where: str) -> None:
+        self._pixels += pixels
         if self._pixels > MOST_PIXELS:
-            raise self._refusal(f"textures and height fields of more than {MOST_PIXELS:,} pixels")
+            raise InputError(f"textures and height fields of more than {MOST_PIXELS:,} pixels", where=where)
+
+    @property
+    def _where(self) -> str:
+        return f"{self._folder}{self._path}:{self._parser.CurrentLineNumber}"
 
     def _refusal(self, problem: str, hint: str | None = None) -> InputError:
-        return InputError(problem, where=f"{self._where}:{self.parser.CurrentLineNumber}", hint=hint)
+        return InputError(problem, where=self._where, hint=hint)
+
+
+def _tag(name: str, attributes: Mapping[str, str]) -> str:
+    pairs = "".join(f" {attribute}={quoteattr(value)}" for attribute, value in attributes.items())
+    return f"<{name}{pairs}>"
+
+
+def _inside(path: PurePosixPath, where: str) -> str:
+    """Return the path of a file in the robot's folder.
+
+    Raises:
+        InputError: it leads out of the folder.
+    """
+    if path.is_absolute() or ".." in path.parts or "\\" in str(path) or "\0" in str(path):
+        raise InputError(f"names the file {_short(str(path))}, which is not in the robot's folder", where=where)
+    return str(path)
+
+
+def _png_pixels(content: bytes, where: str) -> int:
+    """Return how many pixels a PNG says that it has."""
+    if not content.startswith(_PNG) or content[12:16] != b"IHDR":
+        raise InputError("names a texture that is not a PNG", where=where)
+    return int.from_bytes(content[16:20]) * int.from_bytes(content[20:24])
 
 
 def _fault(element: str, attribute: str, value: str) -> str:
     """Return why an attribute must not be, nothing if it may."""
     if _FILE.fullmatch(attribute):
-        return "a log's model names no other file"
+        return _file_fault(element, attribute, value)
     if (element, attribute) in _REFUSED:
         return _REFUSED[element, attribute]
     words = value.split()
@@ -162,6 +307,16 @@ def _fault(element: str, attribute: str, value: str) -> str:
         is_within = all(_COUNT.fullmatch(word) and int(word) <= COUNTS[attribute] for word in words)
         return "" if words and is_within else f"a whole number up to {COUNTS[attribute]:,} is expected"
     return "takes a simulation of its own to compile" if attribute in _KINDS and "muscle" in words else ""
+
+
+def _file_fault(element: str, attribute: str, value: str) -> str:
+    """Return why an attribute must not name a file, nothing if it may."""
+    if element == "compiler" and attribute in _FOLDERS:
+        return ""
+    if attribute == "file" and element in _ASSETS:
+        kinds = _ASSETS[element]
+        return "" if value.lower().endswith(kinds) else f"is not read; a {element} is a file {' or '.join(kinds)}"
+    return "is not read: a robot's model names meshes and PNG textures alone"
 
 
 def _short(value: str) -> str:

@@ -6,8 +6,7 @@ from typing import Final
 
 import mujoco
 
-from waypointctl.sim.mjcf_audit import audited_mjcf
-from waypointctl.sim.robots import Robot
+from waypointctl.sim.model import RobotModel
 
 WIDTH: Final = 640  # of a picture [pixels]
 HEIGHT: Final = 480
@@ -19,12 +18,12 @@ _HORIZON: Final = (0.86, 0.90, 0.94)  # where the ground fades into the sky
 _CHECK_M: Final = 1.0  # side of the ground's checks
 
 
-def scenery(robot: Robot) -> mujoco.MjModel:
+def scenery(robot: RobotModel) -> mujoco.MjModel:
     """Return a model with the robot's joints in the robot's order, to be looked at and never stepped.
 
     It is compiled from the source anew: the model that flies, and its hash, know nothing of a sky.
     """
-    spec = mujoco.MjSpec.from_string(audited_mjcf(robot.mjcf.encode(), f"the {robot.name}"))
+    spec = mujoco.MjSpec.from_string(robot.source.xml, assets=dict(robot.source.assets))
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,

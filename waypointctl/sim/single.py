@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.sim.robots import Robot
+from waypointctl.sim.model import RobotModel
 
 FloatArray = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ _INTEGRATION: Final = mujoco.mjtState.mjSTATE_INTEGRATION
 class SingleRobot:
     """One robot in its world. Arrays have a leading batch dimension of one and follow the simulation."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: RobotModel) -> None:
         """Make the world; `place` the robot before the first step."""
         self.robot = robot
         self._data = mujoco.MjData(robot.model)
@@ -33,8 +33,8 @@ class SingleRobot:
         self.qvel[:] = qvel
 
     def step(self, applied: FloatArray) -> None:
-        """Hold the motors at applied (1, nu), in [-1, 1], for one control period."""
-        self._data.ctrl[:] = applied[0]
+        """Apply actions (1, nu), in [-1, 1], for one control period."""
+        self._data.ctrl[:] = self.robot.actions.control(applied)[0]
         mujoco.mj_step(self.robot.model, self._data, self.robot.substeps)
 
     def integration_state(self) -> FloatArray:
@@ -55,7 +55,7 @@ class SingleRobot:
         mujoco.mj_setState(self.robot.model, self._data, state, _INTEGRATION)
 
 
-def integration_components(robot: Robot) -> tuple[tuple[str, int], ...]:
+def integration_components(robot: RobotModel) -> tuple[tuple[str, int], ...]:
     """Return the names and sizes of mjSTATE_INTEGRATION's components, in order.
 
     MuJoCo's own signature integers move between versions; names and sizes do not.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
 from waypointctl.sim.camera import FOLLOW_ELEVATION_DEG, FOLLOW_M, POST_COLOUR, POST_M, POST_RADIUS_M, Marker
-from waypointctl.sim.robots import Robot
+from waypointctl.sim.model import RobotModel
 from waypointctl.sim.scenery import scenery
 
 FloatArray = NDArray[np.float64]
@@ -26,7 +26,7 @@ _HINT = "Run it on a desktop, or give render_mode='rgb_array', which needs no di
 class Viewer:
     """A window that shows a robot at its own speed. It draws data of its own: the physics never notices."""
 
-    def __init__(self, robot: Robot, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, robot: RobotModel, clock: Callable[[], float] = time.monotonic) -> None:
         """Open the window; `close` it at the end.
 
         Raises:

@@ -23,7 +23,8 @@ from waypointctl.flight.fly import fly
 from waypointctl.flight.record import record
 from waypointctl.mission.files import MissionFile, dump_mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
-from waypointctl.sim.robots import Robot, load_robot
+from waypointctl.robots.load import load_robot
+from waypointctl.robots.robot import Robot
 from waypointctl.studies.case import Case, mission_of
 from waypointctl.studies.measure import Flown, Measure
 

@@ -12,7 +12,7 @@ from waypointctl.flight.header import source_revision
 from waypointctl.flight.record import refuse_misfit
 from waypointctl.mission.files import MissionFile
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 from waypointctl.studies.case import Case
 from waypointctl.studies.delay import DelayStudy, conclude
 from waypointctl.studies.files import write_study

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
+from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
 from waypointctl.sim.batch import RobotBatch
-from waypointctl.sim.robots import load_robot
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.observation import NOISE_SIZE, Goals, layout
@@ -170,12 +170,12 @@ class BatchedWaypointEnv:
         Raises:
             InputError: the actions have another shape, or a number that is not finite.
         """
-        actions = refuse_bad_action(actions, self.robot.num_joints, self.num_robots)
+        actions = refuse_bad_action(actions, self.robot.num_actions, self.num_robots)
         before = self.batch.qpos[:, :2].copy()
         applied = self.varied.step(clip_actions(actions))
 
         body = self._body(slice(None))
-        fell = fallen(body, self.robot.fall_height_m, self.robot.fall_up)
+        fell = fallen(body, self.robot.min_height_m, self.robot.min_up)
         approach = progress_speed(before, body.position, self.progress.goals[:, 0], self._period_s)
         at_limit = self._limits.count(body.joints)
         terms = reward_terms(self.config.reward, body, approach, applied, at_limit, fell)

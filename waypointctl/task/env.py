@@ -64,7 +64,7 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         self.metadata = self.metadata | {"render_fps": round(1e9 / self._env.robot.control_period_ns)}
         self._rendering = Rendering(self._env.robot, self.render_mode) if self.render_mode else None
         largest = np.full(self._env.layout.size, _LARGEST)
-        full_torque = np.ones(self._env.robot.num_joints, np.float32)
+        full_torque = np.ones(self._env.robot.num_actions, np.float32)
         self.observation_space = gymnasium.spaces.Box(-largest, largest, dtype=np.float64)
         self.action_space = gymnasium.spaces.Box(-full_torque, full_torque, dtype=np.float32)
 
@@ -102,7 +102,7 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         Raises:
             InputError: the action has another shape, or a number that is not finite.
         """
-        step = self._env.step(refuse_bad_action(action, self._env.robot.num_joints)[np.newaxis])
+        step = self._env.step(refuse_bad_action(action, self._env.robot.num_actions)[np.newaxis])
         self._show()
         terminated, truncated = bool(step.terminated[0]), bool(step.truncated[0])
         return step.observation[0], float(step.reward[0]), terminated, truncated, self._info(step)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.sim.robots import Robot
+from waypointctl.robots.robot import Robot
 
 if TYPE_CHECKING:
     from waypointctl.sim.camera import Camera, Marker

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.sim.robots import Robot
+from waypointctl.robots.robot import Robot
 
 FloatArray = NDArray[np.float64]
 
@@ -31,10 +31,10 @@ class Start:
 
     def draw(self, robot: Robot, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """Return a physics state to begin in: qpos (nq,) and qvel (nv,)."""
-        joints, speeds = robot.num_joints, robot.num_joints + 6
+        joints, speeds = len(robot.nominal), len(robot.nominal) + 6
         heading = rng.uniform(-math.pi, math.pi) if self.heading_rad is None else self.heading_rad
         qpos = np.empty(7 + joints)
-        qpos[:3] = (*self.position_m, robot.stance_height_m)
+        qpos[:3] = (*self.position_m, robot.nominal_height_m)
         qpos[3:7] = (math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2))
-        qpos[7:] = robot.stance + rng.uniform(-self.joint_spread_rad, self.joint_spread_rad, joints)
+        qpos[7:] = robot.nominal + rng.uniform(-self.joint_spread_rad, self.joint_spread_rad, joints)
         return qpos, rng.uniform(-self.speed_spread, self.speed_spread, speeds)

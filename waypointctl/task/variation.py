@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.sim.robots import Robot
+from waypointctl.sim.model import RobotModel
 from waypointctl.task.sensor_noise import SensorNoise
 
 FloatArray = NDArray[np.float64]
@@ -57,7 +57,7 @@ class Variation:
         """Whether an episode has anything to draw."""
         return any(getattr(self, name) is not None for name in DRAWN)
 
-    def values(self, drawn: FloatArray, robot: Robot) -> dict[str, FloatArray]:
+    def values(self, drawn: FloatArray, robot: RobotModel) -> dict[str, FloatArray]:
         """Return what k robots get, each (k,), by its name here; what does not vary is left out.
 
         Args:
@@ -74,7 +74,7 @@ class Variation:
                     values[name] = robot.physics_period_s * (low + np.floor((high - low + 1) * share))
         return values
 
-    def latency_steps(self, robot: Robot) -> tuple[int, int]:
+    def latency_steps(self, robot: RobotModel) -> tuple[int, int]:
         """Return the shortest and the longest latency in the robot's physics steps.
 
         Raises:
@@ -89,7 +89,7 @@ def _sound(bounds: Range, *, zero: bool) -> bool:
     return math.isfinite(high) and 0 <= low <= high and (zero or low > 0)
 
 
-def _whole_steps(latency_s: float, robot: Robot) -> int:
+def _whole_steps(latency_s: float, robot: RobotModel) -> int:
     steps = round(latency_s / robot.physics_period_s)
     if not math.isclose(steps * robot.physics_period_s, latency_s, rel_tol=1e-9, abs_tol=1e-9):
         period_ms = 1000 * robot.physics_period_s

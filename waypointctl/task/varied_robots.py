@@ -46,7 +46,7 @@ class VariedRobots:
         self.latency: ActuatorLatency | None = None
         if variation.latency_s is not None:
             _, longest = variation.latency_steps(robot)
-            self.latency = ActuatorLatency(num_robots, robot.num_joints, robot.substeps, longest)
+            self.latency = ActuatorLatency(num_robots, robot.num_actions, robot.substeps, longest)
 
     def seed(self, seed: int) -> None:
         """Draw from the streams of another seed from here on."""
@@ -54,7 +54,7 @@ class VariedRobots:
         self._streams = [stream(seed, "variation", i) for i in range(robots)]
         noise = self._variation.sensor_noise
         if noise is not None:
-            self._sensors = NoisySensors(noise, self._batch.robot.num_joints, stream(seed, "sensor noise"))
+            self._sensors = NoisySensors(noise, len(self._batch.robot.joint_names), stream(seed, "sensor noise"))
 
     def begin(self, ids: Ids) -> None:
         """Begin an episode with the robots `ids` (k,): draw what they differ in."""

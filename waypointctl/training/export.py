@@ -68,7 +68,7 @@ def _description(learner: Learner, recipe_file: RecipeFile, wall_time_s: float) 
         observation=ObservationSpec(
             layout=env.layout.name, size=env.layout.size, names=names, units=units, scales=scales
         ),
-        action=ActionSpec(size=env.robot.num_joints, meaning=ACTION_MEANING, limits=(-1.0, 1.0)),
+        action=ActionSpec(size=env.robot.num_actions, meaning=ACTION_MEANING, limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=recipe.network.hidden, activation=recipe.network.activation),
         reward=recipe.phases[-1].reward.model_dump(),
         training=TrainingRecord(

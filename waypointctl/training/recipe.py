@@ -10,7 +10,7 @@ from pydantic import Field, Strict, ValidationError, ValidationInfo, field_valid
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from waypointctl.mission.file_model import FileModel
-from waypointctl.sim.robots import load_robot
+from waypointctl.robots.load import load_robot
 from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Deadline

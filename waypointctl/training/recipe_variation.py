@@ -9,7 +9,7 @@ from pydantic import Field, Strict, field_validator
 from waypointctl.errors import InputError
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
-from waypointctl.sim.robots import Robot
+from waypointctl.robots.robot import Robot
 from waypointctl.task.sensor_noise import SensorNoise
 from waypointctl.task.variation import Variation
 

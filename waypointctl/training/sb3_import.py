@@ -24,8 +24,9 @@ from waypointctl.policy.manifest import (
     TrainingRecord,
 )
 from waypointctl.policy.write import bundle_files, copy_bundle
+from waypointctl.robots.load import load_robot
+from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
-from waypointctl.sim.robots import Robot, load_robot
 from waypointctl.task.observation import Layout, layout
 from waypointctl.training.export import ACTION_MEANING
 from waypointctl.training.onnx_export import mlp_to_onnx
@@ -78,7 +79,7 @@ def import_sb3(
     _refuse_replacing(out, force)
     seen, body = layout(observation), load_robot(robot)
     archive = read_archive(model)
-    network = build_network(archive, seen.size, body.num_joints)
+    network = build_network(archive, seen.size, body.num_actions)
     normaliser = read_normaliser(vecnormalize, seen.size) if vecnormalize else Normaliser.identity(seen.size)
     onnx = mlp_to_onnx(
         network.layers,
@@ -135,7 +136,7 @@ def _description(
         robot=body.name,
         control_period_ns=body.control_period_ns,
         observation=ObservationSpec(layout=seen.name, size=seen.size, names=names, units=units, scales=scales),
-        action=ActionSpec(size=body.num_joints, meaning=ACTION_MEANING, limits=(-1.0, 1.0)),
+        action=ActionSpec(size=body.num_actions, meaning=ACTION_MEANING, limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=network.hidden_sizes, activation=network.activation),
         reward={},  # a .zip does not say what was paid; a flight pays the defaults
         training=TrainingRecord(

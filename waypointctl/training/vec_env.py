@@ -38,12 +38,12 @@ class BatchedVecEnv(VecEnv):
     def __init__(self, env: BatchedWaypointEnv, reward_scale: float) -> None:
         """Put the coat on `env`; every reward is multiplied by `reward_scale`."""
         bound = np.full(env.layout.size, np.inf, np.float32)
-        limit = np.ones(env.robot.num_joints, np.float32)
+        limit = np.ones(env.robot.num_actions, np.float32)
         super().__init__(env.num_robots, spaces.Box(-bound, bound), spaces.Box(-limit, limit))
         self.env = env
         self.tally = Tally()
         self._reward_scale = reward_scale
-        self._actions: NDArray[np.float64] = np.zeros((env.num_robots, env.robot.num_joints))
+        self._actions: NDArray[np.float64] = np.zeros((env.num_robots, env.robot.num_actions))
 
     def drain(self) -> Tally:
         """Return the tally since the last call and begin a new one."""

@@ -120,6 +120,11 @@ def _add_geom(entity: SceneEntity, geom: Geom) -> None:
             entity.spheres.append(SpherePrimitive(pose=at, size=Vector3(x=a, y=a, z=a), color=color))
         case "capsule":
             _add_capsule(entity, geom, color)
+        case "ellipsoid":
+            entity.spheres.append(SpherePrimitive(pose=at, size=Vector3(x=a, y=b, z=c), color=color))
+        case "cylinder":
+            size = Vector3(x=a, y=a, z=b)
+            entity.cylinders.append(CylinderPrimitive(pose=at, size=size, bottom_scale=1, top_scale=1, color=color))
         case "box":
             entity.cubes.append(CubePrimitive(pose=at, size=Vector3(x=a, y=b, z=c), color=color))
         case "plane":
