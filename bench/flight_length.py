@@ -37,7 +37,7 @@ KINDS: Final = {
     "mission": "autonomy: mission",
     "waypoint": "autonomy: waypoint",
     "lossy": "autonomy: waypoint\nlink: {loss: 20 %}\ncommands: {retries: 50}",
-    "steered": "autonomy: heading\noperator: {steering: continuous, update_rate: 10 Hz, lookahead: 2 m}",
+    "steered": "autonomy: short_range_goal\noperator: {steering: continuous, update_rate: 10 Hz, lookahead: 2 m}",
     "joint": "autonomy: joint\nlink: {delay: 0 s}",
 }
 STAGES: Final = ("record", "read", "summary", "replay", "resume")

@@ -42,7 +42,7 @@ def text_of(study: DelayStudy) -> str:
 def fly(root: Path) -> None:
     """Fly what has not been flown yet, and keep what was found."""
     folder = root / "runs" / "study-delay"
-    levels = "mission,waypoint,heading,heading-continuous,joint"
+    levels = "mission,waypoint,short_range_goal,short_range_goal-continuous,joint"
     given = ["--policy", "policies/ant-waypoint", "--autonomy", levels, "--find-joint-limit", "--out", str(folder)]
     command = ["study", "delay", *given]
     done = subprocess.run([sys.executable, "-m", "waypointctl", *command], cwd=root, check=False)

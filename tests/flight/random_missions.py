@@ -24,7 +24,7 @@ from waypointctl.replay.verify import verify
 
 Content: TypeAlias = dict[str, Any]
 
-_AUTONOMIES = ("mission",) * 4 + ("waypoint",) * 3 + ("heading",) * 3 + ("joint",)
+_AUTONOMIES = ("mission",) * 4 + ("waypoint",) * 3 + ("short_range_goal",) * 3 + ("joint",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ def _content(rng: random.Random, seed: int) -> Content:
             "acknowledged": rng.random() < 0.9,
             "margin_s": rng.choice((0.2, 1.0)),
         },
-        "link": {way: _way(rng, joint=joint, steered=autonomy == "heading") for way in ("up", "down")},
+        "link": {way: _way(rng, joint=joint, steered=autonomy == "short_range_goal") for way in ("up", "down")},
         "telemetry": {"rate_hz": rng.choice((1.0, 2.0, 5.0)), "beacon_s": rng.choice((5.0, 30.0))},
         "schedule": [] if rng.random() < 0.5 else [_scheduled(rng) for _ in range(rng.randint(1, 3))],
         "expect": {"reached": rng.choice(("all", "all", 0, 1))},

@@ -18,14 +18,14 @@ def texts(messages: list[Message], *kinds: EventKind) -> list[str]:
     return [event.text for event in only(Event, messages) if event.kind in kinds]
 
 
-@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "heading"])
+@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "short_range_goal"])
 @pytest.mark.parametrize("then", ["abort", "skip", "hold", "return_home"])
 def test_a_failed_leg_is_followed_by_the_rule_that_acted(autonomy: str, then: str) -> None:
     home = {"home": {"tolerance_m": 50.0}}
-    operator = {"lookahead_m": 100.0}  # under heading too the leg is one goal
+    operator = {"lookahead_m": 100.0}  # under short_range_goal too the leg is one goal
     mission = mission_of(FAR, UNDER_FOOT, autonomy=autonomy, on_failure=then, onboard=home, operator=operator)
     _, messages = flown(mission)
-    goal = "towards far" if autonomy == "heading" else "far"
+    goal = "towards far" if autonomy == "short_range_goal" else "far"
     skipped = texts(messages, K.WAYPOINT_SKIPPED)
     failed = texts(messages, K.PLAN_FAILED)
     assert skipped == (["far skipped: timeout"] if then == "skip" else [])
@@ -39,7 +39,7 @@ def test_a_failed_leg_is_followed_by_the_rule_that_acted(autonomy: str, then: st
     assert texts(messages, K.RETURN_STARTED) == (["walking home: timeout"] if then == "return_home" else [])
 
 
-@pytest.mark.parametrize("autonomy", ["waypoint", "heading"])
+@pytest.mark.parametrize("autonomy", ["waypoint", "short_range_goal"])
 def test_what_the_ground_skips_is_on_the_ground_s_clock(autonomy: str) -> None:
     _, messages = flown(mission_of(FAR, UNDER_FOOT, autonomy=autonomy, on_failure="skip", delay_ms=400.0))
     (skipped,) = [event for event in only(Event, messages) if event.kind is K.WAYPOINT_SKIPPED]

@@ -23,7 +23,7 @@ RETURNS = [
 ]
 
 
-@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "heading"])
+@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "short_range_goal"])
 @pytest.mark.parametrize(("waypoints", "changes", "onboard", "cause"), RETURNS)
 @pytest.mark.parametrize("reached", [0, "all"])
 def test_a_way_home_by_a_rule_is_waited_for_until_it_is_given_up(
@@ -53,7 +53,7 @@ def test_a_way_home_by_a_rule_is_waited_for_until_it_is_given_up(
     assert "way home given up: timeout" in result.reason or cause in result.reason
 
 
-@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "heading"])
+@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "short_range_goal"])
 @pytest.mark.parametrize(("waypoints", "changes", "onboard", "cause"), RETURNS)
 @pytest.mark.parametrize(("reached", "outcome"), [(0, "success"), ("all", "failure")])
 def test_at_home_a_mission_is_what_is_expected_of_it(
@@ -136,7 +136,7 @@ def test_what_the_loss_of_the_link_will_do_is_waited_for_where_nothing_keeps_it(
 def test_so_it_is_where_the_operator_has_given_the_mission_up() -> None:
     mission = mission_of(
         OUT_OF_REACH,
-        autonomy="heading",
+        autonomy="short_range_goal",
         operator={"steering": "continuous", "update_rate_hz": 2.0},
         on_failure="hold",
         onboard={"link_loss": {"after_s": 20.0, "do": "return_home"}} | AWAY,
@@ -176,7 +176,7 @@ def test_nobody_waits_for_frames_that_can_never_arrive(down: dict[str, Any]) -> 
 def test_steering_continuously_the_robot_stands_when_the_flight_ends_and_the_time_is_that_of_knowing() -> None:
     mission = mission_of(
         {"position_m": [0.0, 0.0], "tolerance_m": 0.5},
-        autonomy="heading",
+        autonomy="short_range_goal",
         operator={"steering": "continuous", "update_rate_hz": 5.0},
         delay_ms=DELAY_MS,
     )

@@ -20,7 +20,7 @@ from waypointctl.flight.operator.operator import Operator, planned_waypoints
 from waypointctl.flight.operator.order import Order
 from waypointctl.flight.operator.planner import MissionOperator, WaypointOperator
 from waypointctl.flight.operator.schedule import agenda_of
-from waypointctl.flight.operator.steering import HeadingOperator
+from waypointctl.flight.operator.steering import ShortRangeGoalOperator
 from waypointctl.log.messages import Command, CommandKind, Mode, Telemetry
 from waypointctl.log.topics import BY_KIND
 from waypointctl.mission import fields
@@ -28,7 +28,7 @@ from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import MOST_LEGS, Mission
 from waypointctl.mission.quantity import Quantity
 
-OPERATORS = {"mission": MissionOperator, "waypoint": WaypointOperator, "heading": HeadingOperator}
+OPERATORS = {"mission": MissionOperator, "waypoint": WaypointOperator, "short_range_goal": ShortRangeGoalOperator}
 
 
 def within(field: object) -> st.SearchStrategy[float]:
@@ -124,14 +124,14 @@ def test_a_goal_ahead_of_a_robot_at_the_edge_is_accepted_too(
     text = {
         "name": "n",
         "policy": "p",
-        "autonomy": "heading",
+        "autonomy": "short_range_goal",
         "waypoints": [to],
         "operator": {"lookahead_m": lookahead_m},
     }
-    operator: Operator = HeadingOperator(parse_mission(json.dumps(text).encode(), "m.yaml"))
+    operator: Operator = ShortRangeGoalOperator(parse_mission(json.dumps(text).encode(), "m.yaml"))
     operator.begin()
     operator.hear(0, Telemetry(0, Mode.NAVIGATING, at[0] + beyond_m, at[1] - beyond_m, 0.5, 0.0, 1.0, -1, (), 0, 0))
-    assert isinstance(operator, HeadingOperator)
+    assert isinstance(operator, ShortRangeGoalOperator)
     command = operator._lookahead_goal().command(1, 1, 0, 0)
     assert wrong_arguments(command, Fence()) == ""
 

@@ -48,7 +48,7 @@ IN_ADVANCE = ("contact up", "think")  # nothing of a mission waits for these, wh
     [
         (kind, wait_s, autonomy)
         for kind, wait_s in CASES
-        for autonomy in ("mission", "waypoint", "heading")
+        for autonomy in ("mission", "waypoint", "short_range_goal")
         if autonomy != "mission" or kind not in IN_ADVANCE
     ],
 )
@@ -68,7 +68,9 @@ def test_so_it_is_when_steering_continuously(kind: str) -> None:
     waypoints = content.pop("waypoints")
     operator = {"steering": "continuous", "update_rate_hz": 10.0}
     telemetry = {"beacon_s": 3600.0}
-    result, _ = flown(mission_of(*waypoints, autonomy="heading", operator=operator, telemetry=telemetry, **content))
+    result, _ = flown(
+        mission_of(*waypoints, autonomy="short_range_goal", operator=operator, telemetry=telemetry, **content)
+    )
     assert (result.outcome, result.waypoints_reached) == ("success", 2), result.reason
     assert result.sim_time_ns >= DAY_S * NS_PER_S
 
@@ -81,7 +83,7 @@ def test_a_pilot_goes_on_after_a_hold(wait_s: float) -> None:
     assert result.sim_time_ns >= wait_s * NS_PER_S
 
 
-@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "heading"])
+@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "short_range_goal"])
 @pytest.mark.parametrize("steering", ["move_and_wait", "continuous"])
 def test_a_hold_that_nobody_ends_is_not_waited_for(autonomy: str, steering: str) -> None:
     content = {"operator": {"steering": steering}, "schedule": [{"at_s": 1.0, "do": "hold"}]}

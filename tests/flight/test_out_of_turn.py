@@ -32,7 +32,7 @@ def steered(seed: int, loss: float) -> tuple[FlightResult, list[Message]]:
     return flown(
         mission_of(
             FAR,
-            autonomy="heading",
+            autonomy="short_range_goal",
             operator={"steering": "continuous", "update_rate_hz": 5.0},
             link={"up": way, "down": way},
             seed=seed,

@@ -11,7 +11,7 @@ from waypointctl.units import NS_PER_S
 THREE = (UNDER_FOOT, UNDER_FOOT, UNDER_FOOT)
 
 
-@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "heading"])
+@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "short_range_goal"])
 def test_an_end_that_is_heard_of_twice_is_one_end(autonomy: str) -> None:
     link = {"up": {"delay_s": 0.2}, "down": {"delay_s": 0.2, "duplicate": 1.0}}
     result, messages = flown(mission_of(*THREE, autonomy=autonomy, operator={"think_s": 1.0}, link=link))
@@ -68,7 +68,9 @@ def test_the_longest_time_ends_a_flight_while_physics_sleeps() -> None:
 
 def test_steered_continuously_a_robot_holds_as_long_as_it_is_to() -> None:
     held = UNDER_FOOT | {"hold_s": 6.0}
-    mission = mission_of(held, UNDER_FOOT, autonomy="heading", operator={"steering": "continuous"}, delay_ms=300.0)
+    mission = mission_of(
+        held, UNDER_FOOT, autonomy="short_range_goal", operator={"steering": "continuous"}, delay_ms=300.0
+    )
     result, messages = flown(mission)
     assert result.outcome == "success"
     (begun,), (ended,) = times_ns(EventKind.HOLD_STARTED, messages), times_ns(EventKind.HOLD_COMPLETED, messages)
@@ -79,7 +81,9 @@ def test_steered_continuously_a_robot_holds_as_long_as_it_is_to() -> None:
 def test_a_scheduled_hold_keeps_an_operator_who_steers_from_steering(operator: dict[str, str]) -> None:
     schedule = [{"at_s": 1.0, "do": "hold"}, {"at_s": 6.0, "do": "resume"}]
     far = OUT_OF_REACH | {"timeout_s": 8.0}
-    _, messages = flown(mission_of(far, autonomy="heading", operator=operator, schedule=schedule, delay_ms=200.0))
+    _, messages = flown(
+        mission_of(far, autonomy="short_range_goal", operator=operator, schedule=schedule, delay_ms=200.0)
+    )
     held = [command for command in only(Command, messages) if 1.2 * NS_PER_S < command.received_ns < 6.2 * NS_PER_S]
     assert held == []
     after = [command for command in only(Command, messages) if command.received_ns > 6.2 * NS_PER_S]

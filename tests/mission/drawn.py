@@ -55,7 +55,7 @@ def missions(draw: st.DrawFn) -> Mission:
         seed=draw(st.integers(0, 2**63 - 1)),
         policy=draw(line),
         start=draw(st.builds(Start, position_m=position, heading_deg=number(-360, 360))),
-        autonomy=draw(st.sampled_from(["mission", "waypoint", "heading", "joint"])),
+        autonomy=draw(st.sampled_from(["mission", "waypoint", "short_range_goal", "joint"])),
         schedule=tuple(draw(_schedule)),
         defaults=draw(st.builds(Defaults, **_leg)),
         waypoints=(*named, *waypoints[len(named) :]),

@@ -37,7 +37,21 @@ _UNITS: Final = (
     " ft",
 )
 _WORDS: Final = (
-    *("null", "~", "true", "False", "all", "mission", "waypoint", "heading", "joint", "abort", "skip", "hold", "home"),
+    *(
+        "null",
+        "~",
+        "true",
+        "False",
+        "all",
+        "mission",
+        "waypoint",
+        "short_range_goal",
+        "joint",
+        "abort",
+        "skip",
+        "hold",
+        "home",
+    ),
     *("return_home", "release", "cancel", "go_to", "set_timeout", "box", "radius", "moon", "mars", "leo", "continuous"),
 )
 _ESCAPES: Final = (

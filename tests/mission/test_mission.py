@@ -130,11 +130,12 @@ def test_a_mission_cannot_be_changed() -> None:
         (MINIMAL + "robot: atn", "4:8: robot: 'atn' is not 'ant'; did you mean 'ant'?"),
         (
             MINIMAL + "autonomy: alone",
-            "4:11: autonomy: 'alone' is not 'mission', 'waypoint', 'heading' or 'joint'",
+            "4:11: autonomy: 'alone' is not 'mission', 'waypoint', 'short_range_goal' or 'joint'",
         ),
         (
             MINIMAL + "autonomy: way point",
-            "4:11: autonomy: 'way point' is not 'mission', 'waypoint', 'heading' or 'joint'; did you mean 'waypoint'?",
+            "4:11: autonomy: 'way point' is not 'mission', 'waypoint', 'short_range_goal' or 'joint'; "
+            "did you mean 'waypoint'?",
         ),
         (MINIMAL + "on_failure: retry", "4:13: on_failure: 'retry' is not 'abort', 'skip', 'hold' or 'return_home'"),
         (

@@ -60,4 +60,6 @@ def test_a_command_that_is_sent_later_cannot_be_cancelled(autonomy: str, before:
 
 
 def test_how_many_goals_an_operator_sends_who_steers_nobody_knows() -> None:
-    assert parse("autonomy: heading\nschedule: [{at: 5 s, do: cancel, command: 99}]\n").schedule[0].command == 99
+    assert (
+        parse("autonomy: short_range_goal\nschedule: [{at: 5 s, do: cancel, command: 99}]\n").schedule[0].command == 99
+    )

@@ -38,9 +38,9 @@ def test_a_case_is_the_route_with_its_delay_autonomy_and_seed(name: str) -> None
 
 def test_time_limits_leave_an_operator_time_for_every_carrot() -> None:
     route = load_route("two-point").mission
-    mission = mission_of(route, Case("two-point", "heading", 40.0, 0), think_s=10.0)
-    carrots = 13.9 / 1.5  # a carrot of 2 m is reached half a metre before it
-    assert all(leg.timeout_s > 60 + carrots * 50 for leg in mission.legs())
+    mission = mission_of(route, Case("two-point", "short_range_goal", 40.0, 0), think_s=10.0)
+    goals = 13.9 / 1.5  # a goal 2 m ahead is reached half a metre before it
+    assert all(leg.timeout_s > 60 + goals * 50 for leg in mission.legs())
     assert mission.expect.max_time_s is not None
     assert mission.expect.max_time_s >= sum(leg.timeout_s for leg in mission.legs())
 

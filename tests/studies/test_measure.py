@@ -47,7 +47,9 @@ def test_nothing_is_standing_after_the_end() -> None:
     assert measure.flown(case(), DONE).standing_s == 10.0
 
 
-@pytest.mark.parametrize(("autonomy", "waited"), [("waypoint", 2), ("heading", 2), ("heading-continuous", 0)])
+@pytest.mark.parametrize(
+    ("autonomy", "waited"), [("waypoint", 2), ("short_range_goal", 2), ("short_range_goal-continuous", 0)]
+)
 def test_a_command_is_waited_for_whose_end_was_heard_by_who_waits(autonomy: str, waited: int) -> None:
     measure = Measure()
     stages = [(1, Stage.ACCEPTED), (1, Stage.COMPLETED), (1, Stage.COMPLETED), (2, Stage.FAILED), (3, Stage.STARTED)]

@@ -45,6 +45,6 @@ def test_autonomies_come_in_their_own_order() -> None:
     assert [one.name for one in autonomies_of(["joint", "mission"])] == ["mission", "joint"]
     assert [one.name for one in autonomies_of(list(AUTONOMIES))] == list(AUTONOMIES)
     with pytest.raises(
-        InputError, match="--autonomy: 'steer' is not an autonomy; choose from mission, waypoint, heading"
+        InputError, match="--autonomy: 'steer' is not an autonomy; choose from mission, waypoint, short_range_goal"
     ):
         autonomies_of(["mission", "steer"])

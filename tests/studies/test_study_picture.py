@@ -48,7 +48,7 @@ def test_a_column_is_drawn_for_each_route() -> None:
     assert pixels(two).shape[1] > 1.8 * pixels(study()).shape[1]
 
 
-@pytest.mark.parametrize(("autonomy", "has_one"), [("mission", True), ("heading-continuous", False)])
+@pytest.mark.parametrize(("autonomy", "has_one"), [("mission", True), ("short_range_goal-continuous", False)])
 def test_a_prediction_is_drawn_for_who_waits(autonomy: str, has_one: bool) -> None:
     """How many commands were waited for shows in the prediction, and nowhere else."""
     base = line("mission", {0.0: [10.0]})

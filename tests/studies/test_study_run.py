@@ -22,7 +22,7 @@ from waypointctl.studies.run import LOGS, Progress, study_delay
 
 PERIOD_S = 0.02
 RTTS_S = (0.0, 0.4, 2.56)
-CASES = grid(["here"], ["mission", "waypoint", "heading", "heading-continuous"], RTTS_S, range(2))
+CASES = grid(["here"], ["mission", "waypoint", "short_range_goal", "short_range_goal-continuous"], RTTS_S, range(2))
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def found(tmp_path_factory: pytest.TempPathFactory, still: LoadedPolicy) -> tupl
     return folder, found
 
 
-@pytest.mark.parametrize(("autonomy", "trips"), [("mission", 1), ("waypoint", 3), ("heading", 3)])
+@pytest.mark.parametrize(("autonomy", "trips"), [("mission", 1), ("waypoint", 3), ("short_range_goal", 3)])
 def test_a_robot_that_is_there_takes_a_round_trip_for_each_command(
     found: tuple[Path, DelayStudy], autonomy: str, trips: int
 ) -> None:
@@ -65,7 +65,7 @@ def test_it_has_not_walked_but_stood(found: tuple[Path, DelayStudy]) -> None:
 def test_the_verdicts_are_those_of_the_link(found: tuple[Path, DelayStudy]) -> None:
     findings = {one.claim.partition(" ")[0].strip(","): one.finding for one in found[1].verdicts}
     assert findings["waypoint"] == "holds"
-    assert findings["heading"] == "holds"
+    assert findings["short_range_goal"] == "holds"
 
 
 def test_what_comes_of_it_is_in_the_folder(found: tuple[Path, DelayStudy]) -> None:
@@ -117,11 +117,11 @@ def test_an_interruption_in_the_middle_of_a_flight_leaves_it_out(still: LoadedPo
 
 
 def test_logs_are_kept_that_tell_the_same_story(tmp_path: Path, still: LoadedPolicy) -> None:
-    cases = [case for case in CASES if (case.autonomy, case.rtt_s) == ("heading", 2.56)]
+    cases = [case for case in CASES if (case.autonomy, case.rtt_s) == ("short_range_goal", 2.56)]
     found = study(tmp_path, still, cases=cases, keep_logs=True)
     assert found is not None
     logs = sorted((tmp_path / LOGS).iterdir())
-    assert [log.name for log in logs] == [f"here-heading-2.56s-{seed}.mcap" for seed in (0, 1)]
+    assert [log.name for log in logs] == [f"here-short_range_goal-2.56s-{seed}.mcap" for seed in (0, 1)]
     summaries = [summary_of(open_log(log)) for log in logs]
     assert [summary.outcome for summary in summaries] == ["success", "success"]
     assert found.cells[0].time_s is not None

@@ -54,13 +54,15 @@ def test_waypoint_at_one_round_trip_is_not_measured() -> None:
 @pytest.mark.parametrize(
     ("at_moon_s", "finding"), [(30.0, "holds"), (25.0, "holds"), (24.9, "refuted"), (None, "refuted")]
 )
-def test_heading_is_slower_at_the_moon_than_at_every_near_delay(at_moon_s: float | None, finding: str) -> None:
-    assert verdict(line("heading", {0.0: [5.0], 0.4: [10.0], 2.56: [at_moon_s], 40.0: [1e3]})).finding == finding
+def test_short_range_goal_is_slower_at_the_moon_than_at_every_near_delay(at_moon_s: float | None, finding: str) -> None:
+    assert (
+        verdict(line("short_range_goal", {0.0: [5.0], 0.4: [10.0], 2.56: [at_moon_s], 40.0: [1e3]})).finding == finding
+    )
 
 
-def test_heading_without_the_moon_is_not_measured_and_continuous_is_another_line() -> None:
-    assert verdict(line("heading", {0.0: [5.0], 5.0: [10.0]})).finding == "not measured"
-    assert verdicts(cells(line("heading-continuous", {0.0: [5.0]})), []) == ()
+def test_short_range_goal_without_the_moon_is_not_measured_and_continuous_is_another_line() -> None:
+    assert verdict(line("short_range_goal", {0.0: [5.0], 5.0: [10.0]})).finding == "not measured"
+    assert verdicts(cells(line("short_range_goal-continuous", {0.0: [5.0]})), []) == ()
 
 
 def joint(**rates: int) -> list[Flown]:

@@ -45,7 +45,7 @@ def delay(
     ] = None,
     autonomy: Annotated[
         str, typer.Option(metavar="NAME,...", help="Who decides what.")
-    ] = "mission,waypoint,heading,heading-continuous,joint",
+    ] = "mission,waypoint,short_range_goal,short_range_goal-continuous,joint",
     route: Annotated[
         str | None,
         typer.Option(

@@ -103,10 +103,11 @@ class Mission(FileModel):
         "comes with waypointctl, such as ant-waypoint"
     )
     start: Start = Start()
-    autonomy: Literal["mission", "waypoint", "heading", "joint"] = Field(
+    autonomy: Literal["mission", "waypoint", "short_range_goal", "joint"] = Field(
         "mission",
         description="mission: the whole plan is sent at once; waypoint: each when the last was heard of; "
-        "heading: short-range goals from the pose last heard of; joint: every action, from the state last heard of",
+        "short_range_goal: short-range goals from the pose last heard of; joint: every action, from the "
+        "state last heard of",
     )
     operator: OperatorScript = OperatorScript()
     commands: Commanding = Commanding()

@@ -22,13 +22,14 @@ class OperatorScript(FileModel):
         -1, description="autonomy mission: how many waypoints may be walked to until more are released; -1 for all"
     )
     steering: Literal["move_and_wait", "continuous"] = Field(
-        "move_and_wait", description="autonomy heading: the next goal when the last was heard to be over, or at a rate"
+        "move_and_wait",
+        description="autonomy short_range_goal: the next goal when the last was heard to be over, or at a rate",
     )
     lookahead_m: Annotated[float, Quantity("m", ge=0.1, le=100)] = Field(
-        1.0, description="autonomy heading: how far ahead of the robot its short-range goal lies"
+        1.0, description="autonomy short_range_goal: how far ahead of the robot its short-range goal lies"
     )
     update_rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(
-        1.0, description="autonomy heading, continuous: goals a second"
+        1.0, description="autonomy short_range_goal, continuous: goals a second"
     )
     heartbeat_s: Annotated[float, Quantity("s", ge=0.02, le=_DAY_S)] | None = Field(
         None, description="a sign of life is sent this often, for the robot to tell when the link is lost"

@@ -54,7 +54,7 @@ def _cancelled(mission: Mission) -> Iterator[InitErrorDetails]:
 
 def _most_own_commands(mission: Mission) -> int | None:
     """Return how many commands the operator sends at most, beside the schedule; None where nobody can know."""
-    if mission.autonomy == "heading":
+    if mission.autonomy == "short_range_goal":
         return None
     if mission.autonomy == "mission":
         return 1

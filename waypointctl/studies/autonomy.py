@@ -8,7 +8,7 @@ from typing import Final, Literal, TypeAlias
 
 from waypointctl.errors import InputError
 
-Level: TypeAlias = Literal["mission", "waypoint", "heading", "joint"]
+Level: TypeAlias = Literal["mission", "waypoint", "short_range_goal", "joint"]
 Steering: TypeAlias = Literal["move_and_wait", "continuous"]
 
 
@@ -19,7 +19,7 @@ class Autonomy:
     Attributes:
         name: as tables call it.
         level: the mission's `autonomy`.
-        steering: the operator's, where the level is `heading`.
+        steering: the operator's, where the level is `short_range_goal`.
         waits: the operator sends nothing more until it has heard how its last command ended.
     """
 
@@ -31,11 +31,11 @@ class Autonomy:
 
 MISSION: Final = Autonomy("mission", "mission", "move_and_wait", waits=True)
 WAYPOINT: Final = Autonomy("waypoint", "waypoint", "move_and_wait", waits=True)
-HEADING: Final = Autonomy("heading", "heading", "move_and_wait", waits=True)
-CONTINUOUS: Final = Autonomy("heading-continuous", "heading", "continuous", waits=False)
+SHORT_RANGE_GOAL: Final = Autonomy("short_range_goal", "short_range_goal", "move_and_wait", waits=True)
+CONTINUOUS: Final = Autonomy("short_range_goal-continuous", "short_range_goal", "continuous", waits=False)
 JOINT: Final = Autonomy("joint", "joint", "move_and_wait", waits=False)
 
-AUTONOMIES: Final = {one.name: one for one in (MISSION, WAYPOINT, HEADING, CONTINUOUS, JOINT)}
+AUTONOMIES: Final = {one.name: one for one in (MISSION, WAYPOINT, SHORT_RANGE_GOAL, CONTINUOUS, JOINT)}
 
 
 def autonomies_of(names: Sequence[str]) -> tuple[Autonomy, ...]:

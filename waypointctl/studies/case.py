@@ -77,7 +77,7 @@ def mission_of(route: Mission, case: Case, think_s: float | None = None) -> Miss
 
 
 def _exchanges_of_a_leg(route: Mission) -> int:
-    """Return how often the operator may command during the longest leg: twice what its carrots take."""
+    """Return how often the operator may command during the longest leg: twice what its short-range goals take."""
     places = [route.start.position_m, *((leg.x_m, leg.y_m) for leg in route.legs())]
     longest_m = max(math.dist(a, b) for a, b in itertools.pairwise(places))
     return 2 * math.ceil(longest_m / route.operator.lookahead_m) + 2

@@ -30,8 +30,8 @@ _LETTER_IN: Final = 0.085  # of the note
 _LOOKS: Final = {
     "mission": (BLUE, "o"),
     "waypoint": (GREEN, "s"),
-    "heading": (VERMILION, "^"),
-    "heading-continuous": (PURPLE, "D"),
+    "short_range_goal": (VERMILION, "^"),
+    "short_range_goal-continuous": (PURPLE, "D"),
     "joint": (OCHRE, "v"),
 }
 _STYLE: Final[dict[Any, Any]] = {"axes.edgecolor": FAINT, "axes.linewidth": 0.8, "font.size": 9.5}

@@ -7,7 +7,7 @@ from typing import Final, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict
 
-from waypointctl.studies.autonomy import HEADING, JOINT, MISSION, WAYPOINT
+from waypointctl.studies.autonomy import JOINT, MISSION, SHORT_RANGE_GOAL, WAYPOINT
 from waypointctl.studies.cell import Cell
 from waypointctl.studies.estimate import slope
 from waypointctl.studies.measure import Flown
@@ -25,7 +25,8 @@ UNMEASURED: Final = "not measured"
 _CLAIMS: Final = {
     MISSION.name: "mission takes at most the zero-delay time plus one round trip, and 5 %",
     WAYPOINT.name: "waypoint takes one round trip more for each command waited for, within 5 %",
-    HEADING.name: f"heading, move and wait, is at least {SLOWER:g} times slower at {MOON_S:g} s than at {NEAR_S:g} s",
+    SHORT_RANGE_GOAL.name: f"short_range_goal, move and wait, is at least {SLOWER:g} times slower at {MOON_S:g} s "
+    f"than at {NEAR_S:g} s",
     JOINT.name: f"joint fails more often than not somewhere under {QUARTER_S:g} s",
 }
 
@@ -59,7 +60,7 @@ def verdicts(cells: Sequence[Cell], flown: Sequence[Flown]) -> tuple[Verdict, ..
         flown: the flights.
     """
     found = []
-    for autonomy, judge in ((MISSION, _mission), (HEADING, _heading), (JOINT, _joint)):
+    for autonomy, judge in ((MISSION, _mission), (SHORT_RANGE_GOAL, _short_range_goal), (JOINT, _joint)):
         for route, own in _by_route(cells, autonomy.name).items():
             finding, text = judge(own)
             found.append(Verdict(claim=_CLAIMS[autonomy.name], route=route, finding=finding, found=text))
@@ -108,7 +109,7 @@ def _waypoint(flown: list[Flown]) -> tuple[Finding, str]:
     return ("holds" if abs(found.value - waited) <= ALLOWED * waited else "refuted"), text
 
 
-def _heading(cells: list[Cell]) -> tuple[Finding, str]:
+def _short_range_goal(cells: list[Cell]) -> tuple[Finding, str]:
     near = {cell.rtt_s: cell.time_s.value for cell in cells if cell.rtt_s <= NEAR_S and cell.time_s is not None}
     moon = next((cell for cell in cells if cell.rtt_s == MOON_S), None)
     if moon is None or not near:

@@ -22,7 +22,7 @@ LOST_AFTER_5_S = "onboard: {link_loss: {after: 5 s}}\n"
 FINE = "waypoints: [{position: [8 m, 6 m], tolerance: 1 mm}]\n"
 EVERY_10_S = "link: {up: {windows: [{from: 0 s, to: %d s}], windows_every: 10 s}}\n"
 UP, DOWN = "link: {up: {%s}}\n", "link: {down: {%s}}\n"
-STEERED = "autonomy: heading\noperator: {steering: continuous, update_rate: 5 Hz}\n"
+STEERED = "autonomy: short_range_goal\noperator: {steering: continuous, update_rate: 5 Hz}\n"
 HOME_3_S = "home: {timeout: 3 s}}\n"
 KEEP_IN = "onboard: {geofence: {keep_in: [{center: [0 m, 0 m], radius: %d m}]}}\n"
 LATE = "link: {delay: 2 s}\nexpect: {max_time: 30 s}\n"
@@ -142,7 +142,7 @@ def test_a_stuck_rule_that_no_robot_meets_is_found(rule: str, expected: bool) ->
         ("autonomy: joint\nlink: {delay: 19 ms}\n", []),
         (STEERED, []),
         (STEERED + "link: {delay: 1 s}\n", [("steering", "operator.lookahead_m")]),
-        ("autonomy: heading\nlink: {delay: 1 s}\n", []),
+        ("autonomy: short_range_goal\nlink: {delay: 1 s}\n", []),
         ("onboard: {link_loss: {after: 2 s}}\n", [("heartbeat", "onboard.link_loss")]),
         ("onboard: {link_loss: {after: 60 s}}\n", []),  # the mission is over by then
         ("onboard: {link_loss: {after: 2 s}}\nautonomy: joint\n", []),
@@ -172,7 +172,7 @@ def test_contacts_of_a_plan_that_are_too_short_are_found_at_the_plan() -> None:
         ("link: {up: {windows: [{from: 0 s, to: 9 s}]}}\n", "at: 10 s, do: skip", "at_s"),
         ("", "at: 10 s, do: hold", "do"),  # nothing ends it
         ("autonomy: waypoint\n", "at: 1 s, do: release, released: 1", "do"),
-        ("autonomy: heading\n", "at: 1 s, do: release, released: 1", "do"),
+        ("autonomy: short_range_goal\n", "at: 1 s, do: release, released: 1", "do"),
         ("autonomy: joint\n", "at: 1 s, do: skip", "do"),
         ("autonomy: joint\n", "at: 1 s, do: set_tolerance, tolerance: 1 m", "do"),
         ("autonomy: joint\n", "at: 1 s, do: set_timeout, timeout: 9 s", "do"),

@@ -15,7 +15,7 @@ from waypointctl.log.messages import Mode, Telemetry
 FAR = OUT_OF_REACH | {"name": "far"}
 
 
-@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "heading"])
+@pytest.mark.parametrize("autonomy", ["mission", "waypoint", "short_range_goal"])
 def test_a_robot_that_holds_after_a_failed_leg_is_told_of(autonomy: str) -> None:
     result, _ = flown(mission_of(UNDER_FOOT, FAR, autonomy=autonomy, on_failure={"then": "hold"}, delay_ms=1000))
     assert result.outcome == "failure"

@@ -7,13 +7,13 @@ import pytest
 from tests.flight.operator.missions import ack, frame, mission_of
 from waypointctl.flight.operator.operator import LOOKAHEAD
 from waypointctl.flight.operator.order import Order
-from waypointctl.flight.operator.steering import HeadingOperator
+from waypointctl.flight.operator.steering import ShortRangeGoalOperator
 from waypointctl.log.messages import CommandKind, Stage
 from waypointctl.units import NS_PER_S
 
 
-def steering(text: str = "") -> HeadingOperator:
-    return HeadingOperator(mission_of(f"autonomy: heading\n{text}"))
+def steering(text: str = "") -> ShortRangeGoalOperator:
+    return ShortRangeGoalOperator(mission_of(f"autonomy: short_range_goal\n{text}"))
 
 
 def place(order: Order) -> tuple[int, float, float]:
@@ -76,7 +76,7 @@ def test_continuous_steering_sends_at_its_rate_from_what_it_believes_then() -> N
     operator.hear(0, frame(2.0, 0.0))
     assert [place(order) for order in operator.wake(NS_PER_S // 2)] == [(LOOKAHEAD, 3.0, 0.0)]
     assert operator.wake_ns == NS_PER_S
-    assert operator.hear(NS_PER_S - 1, ack(Stage.SUPERSEDED)) == [], "a carrot that was replaced is no news"
+    assert operator.hear(NS_PER_S - 1, ack(Stage.SUPERSEDED)) == [], "a goal that was replaced is no news"
     operator.hear(NS_PER_S - 1, frame(4.0, 0.0, reached=(0,)))
     assert [place(order) for order in operator.wake(NS_PER_S)] == [(LOOKAHEAD, 4.0, 1.0)]
     operator.hear(NS_PER_S, frame(4.0, 3.0, reached=(0, 1)))

@@ -47,8 +47,8 @@ def cannot_succeed(mission: Mission, findings: Iterable[Finding]) -> bool:
 
 def _least_time_s(mission: Mission, speed_mps: float, traffic: Traffic) -> float:
     """Return what a mission takes at least: T = L / v + N (RTT + think), with the round trip at mission start [s]."""
-    exchanges = mission.num_legs if mission.autonomy in ("waypoint", "heading") else 1
-    continuous = mission.autonomy == "heading" and mission.operator.steering == "continuous"
+    exchanges = mission.num_legs if mission.autonomy in ("waypoint", "short_range_goal") else 1
+    continuous = mission.autonomy == "short_range_goal" and mission.operator.steering == "continuous"
     exchanges = 1 if continuous else exchanges
     trip_s = seconds(traffic.round_trip_ns or 0)
     return walking_time_s(mission, speed_mps) + exchanges * trip_s + (exchanges - 1) * mission.operator.think_s
@@ -64,7 +64,7 @@ def _time_limit(mission: Mission, least_s: float) -> Iterator[Finding]:
 def _steering(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
     """Yield short-range goals that the robot reaches before the next one arrives, steered continuously."""
     script = mission.operator
-    if mission.autonomy != "heading" or script.steering != "continuous" or traffic.round_trip_ns is None:
+    if mission.autonomy != "short_range_goal" or script.steering != "continuous" or traffic.round_trip_ns is None:
         return
     age_s = seconds(traffic.round_trip_ns) + script.think_s + 1 / script.update_rate_hz
     if speed_mps * age_s > script.lookahead_m:

@@ -47,7 +47,8 @@ def link_findings(mission: Mission, traffic: Traffic, least_s: float) -> Iterato
     if mission.autonomy == "joint" and (trip_ns := traffic.round_trip_ns) and seconds(trip_ns) >= JOINT_FALLS_FROM_S:
         text = (
             f"autonomy joint over a round trip of {seconds(trip_ns):.3g} s: the ant fell on every flight of the delay "
-            f"study from {JOINT_FALLS_FROM_S:g} s on (docs/delay.md); choose autonomy mission, waypoint or heading"
+            f"study from {JOINT_FALLS_FROM_S:g} s on (docs/delay.md); choose autonomy mission, waypoint "
+            f"or short_range_goal"
         )
         yield Finding("delay", ("autonomy",), text)
 

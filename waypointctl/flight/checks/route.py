@@ -21,7 +21,7 @@ SMALLEST_M: Final = 0.05
 _REJECTED: Final = {
     "mission": "the robot will reject the whole plan",
     "waypoint": "the robot will reject it, and the mission ends there",
-    "heading": "the robot will reject the first goal outside, and the mission ends there",
+    "short_range_goal": "the robot will reject the first goal outside, and the mission ends there",
     "joint": "the robot will stop at the fence",
 }
 

@@ -19,7 +19,7 @@ _NO_PLAN: Final = "the robot has no plan of its own"
 # Which commands have no effect under an autonomy, and why.
 _WITHOUT_EFFECT: Final[dict[tuple[str, str], str]] = {
     ("waypoint", "release"): _ONE_AT_A_TIME,
-    ("heading", "release"): _ONE_AT_A_TIME,
+    ("short_range_goal", "release"): _ONE_AT_A_TIME,
     ("joint", "release"): _NO_PLAN,
     ("joint", "skip"): _NO_PLAN,
     ("joint", "set_tolerance"): _NO_PLAN,

@@ -9,15 +9,15 @@ from waypointctl.flight.checks.finding import Finding
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.mission import Mission
 
-_ON_BOARD: Final = ("mission", "waypoint", "heading")  # the robot computes its own actions
+_ON_BOARD: Final = ("mission", "waypoint", "short_range_goal")  # the robot computes its own actions
 
 # Keys that only some autonomies use.
 _USED_BY: Final[dict[tuple[str, str], tuple[str, ...]]] = {
-    ("operator", "think_s"): ("waypoint", "heading"),
+    ("operator", "think_s"): ("waypoint", "short_range_goal"),
     ("operator", "released"): ("mission",),
-    ("operator", "steering"): ("heading",),
-    ("operator", "lookahead_m"): ("heading",),
-    ("operator", "update_rate_hz"): ("heading",),
+    ("operator", "steering"): ("short_range_goal",),
+    ("operator", "lookahead_m"): ("short_range_goal",),
+    ("operator", "update_rate_hz"): ("short_range_goal",),
 }
 _RULES: Final = (("onboard", "slip_m"), ("onboard", "stuck"))
 
@@ -35,7 +35,11 @@ def unused_findings(mission: Mission) -> Iterator[Finding]:
 
 def _steering(mission: Mission) -> Iterator[Finding]:
     path = ("operator", "update_rate_hz")
-    if mission.autonomy == "heading" and mission.operator.steering == "move_and_wait" and _is_given(mission, path):
+    if (
+        mission.autonomy == "short_range_goal"
+        and mission.operator.steering == "move_and_wait"
+        and _is_given(mission, path)
+    ):
         text = "does nothing while steering is move_and_wait; it is for 'steering: continuous'"
         yield Finding("unused", path, text)
 

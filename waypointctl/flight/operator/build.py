@@ -18,7 +18,7 @@ from waypointctl.flight.operator.planner import MissionOperator, WaypointOperato
 from waypointctl.flight.operator.pulse import BeatLink, Pulse
 from waypointctl.flight.operator.schedule import agenda_of
 from waypointctl.flight.operator.station import Station
-from waypointctl.flight.operator.steering import HeadingOperator
+from waypointctl.flight.operator.steering import ShortRangeGoalOperator
 from waypointctl.flight.sink import Sink
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
@@ -115,8 +115,8 @@ def _operator(
     answer_by: Callable[[int], int | None],
     leaves_ns: Callable[[int], int | None],
 ) -> Operator:
-    if mission.autonomy == "heading":
-        return HeadingOperator(mission, LegClock(answer_by, leaves_ns), sink)
+    if mission.autonomy == "short_range_goal":
+        return ShortRangeGoalOperator(mission, LegClock(answer_by, leaves_ns), sink)
     if mission.autonomy == "joint":
         return Pilot(mission, policy, noise, sink)
     return _SCRIPTS[mission.autonomy](mission, sink)

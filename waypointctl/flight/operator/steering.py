@@ -1,11 +1,11 @@
-"""The operator who leads the robot by a short-range goal, a carrot, from the pose it believes: autonomy `heading`.
+"""The operator who leads the robot by a short-range goal, from the pose it believes: autonomy `short_range_goal`.
 
-The carrot lies `carrot` metres from the believed pose towards the current waypoint; nearer than that the waypoint
+The goal lies `lookahead` metres from the believed pose towards the current waypoint; nearer than that the waypoint
 itself is sent. Under `move_and_wait` the next one is sent when the last was heard to be over, after a thought. Under
 `continuous` one is sent at each period, in place of the one before, from a pose that is as old as the link makes it.
 
 A leg's time-out is the robot's, as on board (leg_clock.py): what the link and the operator's thought take before the
-leg begins is not in it. What the robot stands between the carrots of one leg is: it is the robot's time.
+leg begins is not in it. What the robot stands between the goals of one leg is: it is the robot's time.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from waypointctl.mission.fields import FURTHEST_M
 from waypointctl.mission.mission import Mission
 from waypointctl.units import NS_PER_S
 
-_NEAR_CARROT: Final = 0.25  # of its distance: within this the carrot counts as reached
+_NEAR_GOAL: Final = 0.25  # of its distance: within this the goal counts as reached
 
 
-class HeadingOperator(Operator):
+class ShortRangeGoalOperator(Operator):
     """Steers."""
 
     def __init__(
@@ -47,14 +47,14 @@ class HeadingOperator(Operator):
         self._rule = rule_of_leg(mission)
         self._skips = mission.failure_rule.then == "skip"
         self._continuous = script.steering == "continuous"
-        self._carrot_m = script.lookahead_m
+        self._lookahead_m = script.lookahead_m
         self._period_ns = round(NS_PER_S / script.update_rate_hz)
         self._start = mission.start.position_m
-        self._put_off = False  # a carrot is due that a hold kept back
+        self._put_off = False  # a goal is due that a hold kept back
         self._at_task = False  # a waypoint with a hold or an observation is under way
         self._leg = 0
         self._clock = clock or LegClock(lambda left_ns: left_ns)
-        self._beat_ns: int | None = 0  # when the next carrot is due under `continuous`
+        self._beat_ns: int | None = 0  # when the next goal is due under `continuous`
 
     @property
     def wake_ns(self) -> int | None:
@@ -64,7 +64,7 @@ class HeadingOperator(Operator):
         return None if self.finished else min(times, default=None)
 
     def begin(self) -> list[Order]:
-        """Send the first carrot."""
+        """Send the first goal."""
         self._beat_ns = self._period_ns if self._continuous else None
         return [self._lookahead_goal()]
 
@@ -82,7 +82,7 @@ class HeadingOperator(Operator):
         return orders
 
     def wake(self, now_ns: int) -> list[Order]:
-        """Send what is due: thought about, or the period's carrot."""
+        """Send what is due: thought about, or the period's goal."""
         orders = self._unless_suspended(self._agenda.due(now_ns))
         if self._beat_ns is None or self._beat_ns > now_ns or self.suspended or self._at_task:
             return orders
@@ -152,19 +152,19 @@ class HeadingOperator(Operator):
         waypoint, frame = self._plan[self._leg], self.belief.telemetry
         x_m, y_m = self._start if frame is None else (frame.x_m, frame.y_m)
         distance_m = math.dist((x_m, y_m), (waypoint.x_m, waypoint.y_m))
-        if distance_m <= self._carrot_m:
+        if distance_m <= self._lookahead_m:
             # Where there is something to do the robot is not to be called away from it.
             self._at_task = bool(waypoint.hold_ns or waypoint.task)
             fleeting = self._continuous and not self._at_task
             return self._clock.of_this_leg(Order(CommandKind.GO_TO, (waypoint,), self._rule, fleeting=fleeting))
-        part = self._carrot_m / distance_m
+        part = self._lookahead_m / distance_m
         place = PlannedWaypoint(
             index=LOOKAHEAD,
             name=f"towards {waypoint.name}",
             x_m=_in_bounds(x_m + part * (waypoint.x_m - x_m)),
             y_m=_in_bounds(y_m + part * (waypoint.y_m - y_m)),
             acceptance=waypoint.acceptance,
-            tolerance_m=min(waypoint.tolerance_m, self._carrot_m * _NEAR_CARROT),
+            tolerance_m=min(waypoint.tolerance_m, self._lookahead_m * _NEAR_GOAL),
             timeout_ns=waypoint.timeout_ns,
             hold_ns=0,
         )
