@@ -83,9 +83,10 @@ def test_a_seed_and_a_policy_are_for_all(yard: Path, program: Program) -> None:
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["easy.yaml", "far.yaml", "--out", "a.mcap"], "--out: is nothing for several missions."),
-        (["easy.yaml", "far.yaml", "--console"], "--console: is nothing for several missions."),
-        (["easy.yaml", "--junit", "o.xml", "--rate", "2"], "--rate: is nothing for --junit."),
+        (["easy.yaml", "far.yaml", "--out", "a.mcap"], "--out: cannot be used with several missions."),
+        (["easy.yaml", "far.yaml", "--console"], "--console: cannot be used with several missions."),
+        (["easy.yaml", "--dry-run", "--out", "a.mcap"], "--out: cannot be used with --dry-run."),
+        (["easy.yaml", "--junit", "o.xml", "--rate", "2"], "--rate: cannot be used with --junit."),
         (["easy.yaml", "--junit", "no/o.xml"], "no/o.xml: the report cannot be written"),
         (["easy.yaml", "--junit", "far.yaml"], "far.yaml: is there already and is not an XML file"),
         (["--resume", "a.mcap", "--junit", "o.xml"], "--junit cannot be given with --resume"),

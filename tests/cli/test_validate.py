@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from tests.cli.flying import Program, start
 from waypointctl.cli.app import app
 from waypointctl.mission.link import Way
 
@@ -195,6 +198,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
                 "policy": str(tmp_path / "p"),
                 "fails": False,
                 "warnings": [],
+                "rehearsals": [],
             }
         ],
     }
@@ -253,3 +257,53 @@ def test_a_file_that_is_wrong_as_a_whole_is_one_problem_at_the_key_that_names_it
     (line,) = result.stdout.splitlines()
     assert result.exit_code == 2
     assert line.startswith(f"{path}:4:31: link.contact_plan.file: {tmp_path / 'plan.json'} is JSON")
+
+
+def test_rehearsals_are_told_and_counted(yard: Path, program: Program) -> None:
+    code, out, _ = program("validate", "easy.yaml", "--rehearse", "2")
+    assert code == 0
+    assert re.search(r"mission +2 of 2 flights succeeded \(95 % interval 34% to 100%\); median time 2\.\d s", out)
+    code, out, _ = program("validate", "far.yaml", "--rehearse", "2", "--json")
+    assert code == 1
+    (record,) = json.loads(out)["missions"]
+    assert (record["ok"], record["fails"]) == (False, True)
+    (rehearsal,) = record["rehearsals"]
+    assert (rehearsal["flights"], rehearsal["successes"], rehearsal["time_s"]["median"]) == (2, 0, None)
+    assert rehearsal["failures"] == [{"cause": "timeout", "waypoint": "away", "flights": 2, "first_seed": 0}]
+
+
+def test_strict_exits_with_1_if_a_rehearsal_fails(yard: Path, program: Program) -> None:
+    lossy = "link: {up: {loss: 50 %}}\ncommands: {retries: 0}\nseed: 3\n"
+    (yard / "lossy.yaml").write_text(
+        f"name: lossy\npolicy: still\nwaypoints: [[0, 0]]\ndefaults: {{tolerance: 1 m}}\n{lossy}"
+    )
+    code, out, _ = program("validate", "lossy.yaml", "--rehearse", "6", "--json")
+    assert 0 < json.loads(out)["missions"][0]["rehearsals"][0]["successes"] < 6
+    assert code == 0
+    assert program("validate", "lossy.yaml", "--rehearse", "6", "--strict")[0] == 1
+
+
+def test_other_autonomies_are_rehearsed_beside_the_missions_own(yard: Path, program: Program) -> None:
+    code, out, _ = program("validate", "easy.yaml", "--rehearse", "1", "--autonomy", "waypoint", "--json")
+    rehearsals = json.loads(out)["missions"][0]["rehearsals"]
+    assert (code, [each["autonomy"] for each in rehearsals]) == (0, ["mission", "waypoint"])
+    assert program("validate", "easy.yaml", "--rehearse", "1", "--autonomy", "nobody")[0] == 2
+    assert program("validate", "easy.yaml", "--autonomy", "all")[0] == 2
+
+
+def test_a_rehearsal_that_is_interrupted_exits_with_130(yard: Path) -> None:
+    running = start(yard, "validate", "long.yaml", "--rehearse", "50", "--jobs", "1", stderr=subprocess.PIPE)
+    assert running.stderr is not None
+    assert b"of 50 flights" in running.stderr.readline()
+    running.send_signal(signal.SIGINT)
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert b"Traceback" not in err
+
+
+def test_a_dry_run_flies_and_leaves_no_log(yard: Path, program: Program) -> None:
+    code, out, _ = program("run", "--dry-run", "easy.yaml", "far.yaml", "--json")
+    outcomes = [each["rehearsals"][0]["each"][0]["outcome"] for each in json.loads(out)["missions"]]
+    assert (code, outcomes) == (1, ["success", "failure"])
+    assert program("run", "--dry-run", "easy.yaml")[0] == 0
+    assert not (yard / "logs").exists()

@@ -57,6 +57,7 @@ def run(
             metavar="FILE.xml", help="Write a JUnit report, a case a mission, in simulated seconds.", show_default=False
         ),
     ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Fly without a log, and print how it ends.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
 ) -> None:
     """Fly a mission, or several, and log it. Exit with 0 for success, 1 for failure, 130 if it was interrupted.
@@ -83,13 +84,22 @@ def run(
             "--seed": seed,
             "--out": out,
             "--force": force or None,
+            "--dry-run": dry_run or None,
         }
         refuse_beside_resume(anew)
         raise typer.Exit(resume_flight(Resumption(resume, rate, console, json)))
     if not missions:
         raise typer.BadParameter("name a mission file, or a log with --resume.", param_hint="MISSION.yaml")
+    if dry_run:
+        from waypointctl.cli.rehearsing import dry_run as fly_dry
+
+        _refuse_beside(
+            "--dry-run", {"--out": out, "--force": force, "--console": console, "--rate": rate, "--junit": junit}
+        )
+        raise typer.Exit(fly_dry([_mission(path, seed, policy) for path in missions], policy, as_json=json))
     if len(missions) > 1 or junit is not None:
-        _refuse_for_many(missions, {"--out": out if len(missions) > 1 else None, "--console": console, "--rate": rate})
+        beside = "several missions" if len(missions) > 1 else "--junit"
+        _refuse_beside(beside, {"--out": out if len(missions) > 1 else None, "--console": console, "--rate": rate})
         many = Many(tuple(missions), policy, out, force, junit, json)
         raise typer.Exit(run_many(many, lambda path: _mission(path, seed, policy)))
     mission_file = _mission(missions[0], seed, policy)
@@ -116,12 +126,11 @@ def run(
     raise typer.Exit(EXIT_CODES[recording.result.outcome])
 
 
-def _refuse_for_many(missions: list[Path], alone: dict[str, object]) -> None:
-    """Refuse the options that are for one mission, flown for somebody who looks on."""
-    for name, value in alone.items():
+def _refuse_beside(what: str, options: dict[str, object]) -> None:
+    """Refuse the options that cannot be used with `what`."""
+    for name, value in options.items():
         if value:
-            what = "several missions" if len(missions) > 1 else "--junit"
-            raise typer.BadParameter(f"is nothing for {what}.", param_hint=name)
+            raise typer.BadParameter(f"cannot be used with {what}.", param_hint=name)
 
 
 def _mission(path: Path, seed: int | None, policy: Path | None) -> MissionFile:

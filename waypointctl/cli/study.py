@@ -83,7 +83,7 @@ def delay(
     has been flown, whatever came of it; 130 if it was interrupted.
     """
     from waypointctl.cli.interruption import interruption
-    from waypointctl.cli.tui.study import study_progress
+    from waypointctl.cli.tui.progress import flights_progress
     from waypointctl.policy.bundle import load_policy
     from waypointctl.studies.autonomy import autonomies_of
     from waypointctl.studies.delay import delay_cases
@@ -100,7 +100,7 @@ def delay(
     cases, fine = delay_cases(list(routes), names, rtts_s, trials, find_joint_limit=find_joint_limit)
     folder = out or Path("runs/study-delay-quick" if quick else "runs/study-delay")
     loaded = load_policy(policy)
-    with interruption() as interrupted, study_progress() as watch:
+    with interruption() as interrupted, flights_progress() as show:
         found = study_delay(
             loaded,
             routes,
@@ -110,7 +110,7 @@ def delay(
             think_s=think,
             jobs=jobs or _cores(),
             keep_logs=keep_logs,
-            watch=watch,
+            watch=lambda progress: show(progress.flown, progress.total),
             interrupted=interrupted,
         )
     if found is None:

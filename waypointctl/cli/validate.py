@@ -1,10 +1,10 @@
-"""`waypointctl validate`: are these mission files right, and what may go wrong when they are flown."""
+"""`waypointctl validate`: are these mission files right, what may go wrong, and how do rehearsals go."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from waypointctl.flight.checks.finding import Finding
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
+    from waypointctl.studies.rehearsal import Rehearsal
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +40,20 @@ class _Checked:
     problems: tuple[Problem, ...]
     policy: Path | None = None  # that flies it
     warnings: tuple[_Warning, ...] = ()
-    fails: bool = False  # whether the mission cannot succeed
+    prevented: bool = False  # whether the mission cannot succeed
+    rehearsals: tuple[Rehearsal, ...] = ()  # the first under the mission's own autonomy
+
+    @property
+    def fails(self) -> bool:
+        return self.prevented or bool(self.rehearsals and not self.rehearsals[0].successes)
 
     @property
     def is_good(self) -> bool:
         return not self.problems and not self.fails
+
+    @property
+    def is_doubtful(self) -> bool:
+        return bool(self.warnings or (self.rehearsals and self.rehearsals[0].failures))
 
 
 def validate(
@@ -57,16 +67,36 @@ def validate(
             show_default=False,
         ),
     ] = None,
-    strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 if there is a warning.")] = False,
+    rehearse: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, max=10_000, help="Fly each mission N times, with N seeds.", show_default=False
+        ),
+    ] = None,
+    autonomy: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,...|all", help="Rehearse under these autonomies too.", show_default=False),
+    ] = None,
+    jobs: Annotated[int, typer.Option(min=0, max=1024, help="Rehearsals at a time; 0 is one a core.")] = 0,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if there is a warning, or a rehearsal that failed.")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Check mission files without flying them: list every problem, and warn of what may go wrong.
+    """Check mission files: list every problem, and warn of what may go wrong. Nothing is flown without --rehearse.
 
-    A mission is OK, or FAILS if it cannot succeed. Exit with 0 if all are OK, 1 if one fails, 2 if a file has problems
-    or its policy is not there.
+    --rehearse flies each mission headless, without a log, and prints successes, times, where and why flights failed,
+    and what the link did not deliver. The first flight has the mission's own seed.
+
+    A mission is OK, or FAILS if it cannot succeed or no rehearsal under its own autonomy does. Exit with 0 if all are
+    OK, 1 if one fails, 2 if a file has problems or its policy is not there, 130 if it was interrupted.
     """
+    if rehearse is None and autonomy is not None:
+        raise typer.BadParameter("needs --rehearse N.", param_hint="--autonomy")
     _refuse_missing(policy)
     checked = [_check(path, policy) for path in missions]
+    if rehearse is not None:
+        checked = _rehearsed(checked, rehearse, autonomy, jobs)
     if as_json:
         good = all(result.is_good for result in checked)
         typer.echo(json.dumps({"ok": good, "missions": [_record(result) for result in checked]}))
@@ -75,8 +105,18 @@ def validate(
             _show(result)
     if any(result.problems for result in checked):
         raise typer.Exit(2)
-    if any(result.fails or (strict and result.warnings) for result in checked):
+    if any(result.fails or (strict and result.is_doubtful) for result in checked):
         raise typer.Exit(1)
+
+
+def _rehearsed(checked: list[_Checked], flights: int, autonomy: str | None, jobs: int) -> list[_Checked]:
+    """Return what checking has found, with the rehearsals of the missions without problems."""
+    from waypointctl.cli.rehearsing import rehearse_files
+
+    sound = {at: result for at, result in enumerate(checked) if result.file is not None and not result.problems}
+    files = [(result.file, result.policy) for result in sound.values() if result.file and result.policy]
+    found = dict(zip(sound, rehearse_files(files, flights, autonomy, jobs), strict=True))
+    return [replace(result, rehearsals=found.get(at, ())) for at, result in enumerate(checked)]
 
 
 def _refuse_missing(policy: Path | None) -> None:
@@ -106,8 +146,9 @@ def _check(path: Path, policy: Path | None) -> _Checked:
     file = MissionFile(reading.model, source, path)
     flown_by = policy or file.policy_path
     findings = check_mission(file.mission, walking_speed(flown_by).mps)
-    fails = cannot_succeed(file.mission, findings)
-    return _Checked(path, file, _policy_problems(file, flown_by), flown_by, tuple(_warnings(file, findings)), fails)
+    prevented = cannot_succeed(file.mission, findings)
+    problems, warnings = _policy_problems(file, flown_by), tuple(_warnings(file, findings))
+    return _Checked(path, file, problems, flown_by, warnings, prevented)
 
 
 def _policy_problems(file: MissionFile, policy: Path) -> tuple[Problem, ...]:
@@ -144,6 +185,11 @@ def _show(result: _Checked) -> None:
         what = f"{mission.name}, {count}, {mission.path_length_m():.1f} m, {printable(link_text(mission.link))}"
         word = "FAILS" if result.fails else "OK"
         typer.echo(f"{word} {printable(result.path)}: {what}, autonomy {mission.autonomy}")
+    if result.rehearsals:
+        from waypointctl.cli.rehearsing import rehearsal_lines
+
+        for line in rehearsal_lines(result.rehearsals):
+            typer.echo(f"   {printable(line)}")
     for warning in result.warnings:
         typer.echo(f"warning: {printable(f'{warning.place}: {warning.path}: {warning.text}')}", err=True)
 
@@ -176,4 +222,5 @@ def _record(result: _Checked) -> dict[str, Any]:
         "policy": str(result.policy),
         "fails": result.fails,
         "warnings": [asdict(warning) for warning in result.warnings],
+        "rehearsals": [rehearsal.record() for rehearsal in result.rehearsals],
     }
