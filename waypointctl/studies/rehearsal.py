@@ -14,8 +14,8 @@ from waypointctl.flight.record import refuse_misfit
 from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkRecord, Message
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
+from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
-from waypointctl.sim.robots import load_robot
 from waypointctl.studies.engine import Interrupted, engine_for
 from waypointctl.units import seconds
 
