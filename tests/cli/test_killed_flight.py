@@ -18,10 +18,9 @@ from waypointctl.log.reader import open_log
 from waypointctl.policy.bundle import LoadedPolicy
 
 LIMIT_S = 300.0
-WAYPOINTS = 10
 REPOSITORY = Path(__file__).parents[2]
 
-# Ten waypoints under the robot's feet: it stands through the mission, whatever its policy does.
+# Waypoints under the robot's feet: it stands through the mission, whatever its policy does.
 STANDING = """\
 name: round
 seed: 4
@@ -29,7 +28,7 @@ policy: still
 defaults: {tolerance: 3 m, hold: 600 ms, observe: true}
 link: {delay: 0.5 s, jitter: 20 ms, loss: 5 %}
 waypoints:
-""" + "".join(f"  - {{name: stop-{number}, position: [0.{number} m, 0 m]}}\n" for number in range(WAYPOINTS))
+""" + "".join(f"  - {{name: stop-{number}, position: [0.{number} m, 0 m]}}\n" for number in range(3))
 
 ROUND_M = ((3, 1), (5, 3), (7, 5), (9, 5), (11, 7), (11, 9), (9, 11), (7, 11), (5, 9), (3, 7))
 WALKING = f"""\
@@ -49,18 +48,17 @@ class Uninterrupted:
     folder: Path
     data: bytes
     begin: int  # before this byte its log is none
-    flight_s: float
+    waypoints: int
 
 
 def fly_whole(folder: Path, mission: str) -> Uninterrupted:
     (folder / "round.yaml").write_text(mission)
-    began_s = time.monotonic()
     done = start(folder, "run", "round.yaml", "--out", "whole.mcap", stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     out, err = done.communicate(timeout=LIMIT_S)
     assert done.returncode == 0, (out, err)
     data = (folder / "whole.mcap").read_bytes()
-    begin = open_log(folder / "whole.mcap").contents.chunks[0].offset
-    return Uninterrupted(folder, data, begin, time.monotonic() - began_s)
+    begin = open_log(folder / "whole.mcap").index.chunks[0].offset
+    return Uninterrupted(folder, data, begin, mission.count("position:"))
 
 
 def kill_at(folder: Path, size: int, *arguments: str) -> bool:
@@ -108,18 +106,18 @@ def require_done_once(whole: Uninterrupted) -> None:
     events = [message for message in open_log(path).messages(("/event",)) if isinstance(message, Event)]
     for kind in (EventKind.WAYPOINT_REACHED, EventKind.HOLD_COMPLETED, EventKind.OBSERVATION_TAKEN):
         done = Counter(event.waypoint for event in events if event.kind is kind)
-        assert done == dict.fromkeys(range(WAYPOINTS), 1), kind
-    assert events[-1].text.startswith(f"success: {WAYPOINTS} of {WAYPOINTS} waypoints reached")
+        assert done == dict.fromkeys(range(whole.waypoints), 1), kind
+    assert events[-1].text.startswith(f"success: {whole.waypoints} of {whole.waypoints} waypoints reached")
     assert path.read_bytes() == whole.data
     assert sorted(each.name for each in whole.folder.glob("flight.mcap*")) == ["flight.mcap"]
 
 
-def test_a_flight_killed_three_times_in_a_row_does_each_thing_once(
+def test_a_flight_killed_twice_in_a_row_does_each_thing_once(
     tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
 ) -> None:
     make_policy(tmp_path / "still", gain=0.0)
     whole = fly_whole(tmp_path, STANDING)
-    assert survive(whole, random.Random(1), 3) >= 1
+    assert survive(whole, random.Random(1), 2) >= 1
     require_done_once(whole)
 
 

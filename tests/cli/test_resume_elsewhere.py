@@ -28,7 +28,7 @@ def killed(flown: Flown, folder: Path, metadata: dict[str, str], messages: Itera
     """Return the .part of the flight as another program would have left it."""
     whole = flown.rewritten(folder / "whole.mcap", messages, metadata=metadata)
     part = folder / "flight.mcap.part"
-    part.write_bytes(whole.read_bytes()[: open_log(whole).contents.chunks[-1].offset])
+    part.write_bytes(whole.read_bytes()[: open_log(whole).index.chunks[-1].offset])
     return part
 
 

@@ -187,7 +187,7 @@ def cut(yard: Path, *more: str) -> tuple[Path, bytes]:
 def open_log_end(data: bytes, yard: Path) -> int:
     whole = yard / "whole.mcap"
     whole.write_bytes(data)
-    offset = open_log(whole).contents.chunks[-1].offset
+    offset = open_log(whole).index.chunks[-1].offset
     whole.unlink()
     return offset + 10
 

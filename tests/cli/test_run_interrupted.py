@@ -11,8 +11,7 @@ import pytest
 
 from tests.cli.flying import start
 from waypointctl.log.messages import Event, EventKind
-from waypointctl.log.reader import open_log
-from waypointctl.replay.flight_log import summary_of
+from waypointctl.replay.flight_log import FlightLog
 
 LIMIT_S = 60.0
 
@@ -34,12 +33,12 @@ def test_the_first_signal_closes_the_log(yard: Path, number: signal.Signals, mor
     flight.send_signal(number)
     out, _ = flight.communicate(timeout=LIMIT_S)
     assert flight.returncode == 130
-    log = open_log(yard / "log.mcap")
+    log = FlightLog.open(yard / "log.mcap")
     assert log.is_complete
     *_, last = log.messages()
     assert isinstance(last, Event)
     assert (last.kind, last.text.partition(":")[0]) == (EventKind.MISSION_ENDED, "interrupted")
-    assert summary_of(log).outcome == "interrupted"
+    assert log.summary.outcome == "interrupted"
     assert b"interrupted: 1 of 1 waypoints known to be reached" in out
     assert not (yard / "log.mcap.part").exists()
 
@@ -72,9 +71,9 @@ def test_a_flight_that_is_killed_leaves_what_it_had(yard: Path) -> None:
     flight.kill()
     flight.communicate(timeout=LIMIT_S)
     assert not (yard / "log.mcap").exists()
-    log = open_log(yard / "log.mcap.part", allow_truncated=True)
-    assert summary_of(log).outcome == "unfinished"
-    assert summary_of(log).steps > 0
+    log = FlightLog.open(yard / "log.mcap.part", allow_truncated=True)
+    assert log.summary.outcome == "unfinished"
+    assert log.summary.steps > 0
 
 
 def test_interrupted_on_a_terminal_it_gives_the_cursor_back(yard: Path) -> None:

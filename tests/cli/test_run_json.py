@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.cli.flying import Program, start
-from waypointctl.log.reader import open_log
-from waypointctl.replay.flight_log import mission_name, summary_of
+from waypointctl.replay.flight_log import FlightLog
 from waypointctl.replay.summary_json import json_text, summary_json
 
 ROOT = Path(__file__).parents[2]
@@ -20,12 +19,12 @@ WALKING = "name: walking\npolicy: still\nwaypoints: [{name: away, position: [50 
 
 def told(path: Path) -> Any:
     """Return a log's summary, as `replay --json` has it."""
-    log = open_log(path)
-    return json.loads(json_text(summary_json(summary_of(log), mission_name(log))))
+    log = FlightLog.open(path)
+    return json.loads(json_text(summary_json(log.summary, log.mission_name)))
 
 
-def test_of_every_shipped_mission(yard: Path, program: Program) -> None:
-    missions = sorted(str(path) for path in (ROOT / "missions").glob("*.yaml"))
+def test_of_several_shipped_missions(yard: Path, program: Program) -> None:
+    missions = [str(ROOT / "missions" / f"{name}.yaml") for name in ("crater-detour", "lossy-link")]
     code, out, _ = program("run", *missions, "--json")
     flights = json.loads(out)["missions"]
     assert (code, [flight["file"] for flight in flights]) == (0, missions)

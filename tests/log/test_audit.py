@@ -13,12 +13,12 @@ from tests.log.forging import Forgery
 from waypointctl.errors import LogError
 from waypointctl.log.audit import audit
 from waypointctl.log.comparison import FileDiffers
-from waypointctl.log.reader import Log, open_log
+from waypointctl.log.reader import LogReader, open_log
 from waypointctl.log.same_readers import compare_readers
 from waypointctl.log.same_records import compare_records
 
 
-def check(log: Log) -> None:
+def check(log: LogReader) -> None:
     """Check a log as one of another program is."""
     audit(log)
     compare_records(log, header())

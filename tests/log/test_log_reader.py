@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.log.fake_flight import STEP_NS, UP_NS, bits, flight, header
@@ -87,3 +88,21 @@ def test_a_message_under_other_times_than_its_own_is_refused(
                 writer(message)
     with pytest.raises(LogError, match="a message on /ack stands under other times than its own"):
         list(open_log(path).messages())
+
+
+def test_a_topic_as_columns(log_path: Path) -> None:
+    states = [message for message in flight() if isinstance(message, State)]
+    with open_log(log_path) as log:
+        columns, rewards, commands = (log.arrays(topic) for topic in ("/state", "/reward", "/command"))
+    assert columns["time_ns"].tolist() == [state.time_ns for state in states]
+    assert columns["qpos"].shape == (len(states), len(states[0].qpos))
+    np.testing.assert_array_equal(columns["qpos"][3], states[3].qpos)
+    (terms,) = {tuple(name for name, _ in it.terms) for it in flight() if isinstance(it, Reward)}
+    assert {"total", *terms} <= rewards.keys()
+    assert commands["kind"].tolist() == [str(it.kind) for it in flight() if isinstance(it, Command)]
+    assert "waypoints" not in commands
+
+
+def test_columns_of_a_topic_that_holds_no_messages_are_refused(log_path: Path) -> None:
+    with pytest.raises(LogError, match="no messages are read"):
+        open_log(log_path).arrays("/tf")

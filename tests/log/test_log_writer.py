@@ -22,7 +22,7 @@ from tests.log.fake_flight import DOWN_NS, UP_NS, flight, header
 from waypointctl import __version__
 from waypointctl.errors import OutputError
 from waypointctl.log.channels import CHUNK_BYTES
-from waypointctl.log.header import Attachment
+from waypointctl.log.header import SCHEMA_VERSION, Attachment
 from waypointctl.log.messages import Checkpoint
 from waypointctl.log.reader import open_log
 from waypointctl.log.writer import LogWriter
@@ -168,7 +168,7 @@ def test_schema_version_is_the_writers(tmp_path: Path) -> None:
     path = tmp_path / "flight.mcap"
     LogWriter(path, header(schema_version="99", robot="another")).close()
     metadata = open_log(path).metadata
-    assert metadata == {"schema_version": "1", "robot": "fake", "seed": "7", "epoch": "mission start"}
+    assert metadata == {"schema_version": str(SCHEMA_VERSION), "robot": "fake", "seed": "7", "epoch": "mission start"}
 
 
 def test_layout_names_only_topics_and_frames_that_exist(log_path: Path) -> None:

@@ -13,7 +13,7 @@ from tests.log.mutations import mutated
 from waypointctl.errors import LogError
 from waypointctl.log.audit import audit
 from waypointctl.log.comparison import FileDiffers
-from waypointctl.log.reader import Log, open_log
+from waypointctl.log.reader import LogReader, open_log
 from waypointctl.log.same_readers import compare_readers
 from waypointctl.log.same_records import compare_records
 
@@ -57,6 +57,6 @@ def test_what_is_cut_short_is_read_as_far_as_it_is_whole(log_path: Path, tmp_pat
             assert all(message is not None for message in messages)
 
 
-def raw(log: Log) -> list[tuple[str, tuple[object, ...]]]:
+def raw(log: LogReader) -> list[tuple[str, tuple[object, ...]]]:
     """Return every message with its topic."""
     return [(topic, message[1:]) for topic, message in log.raw_messages()]

@@ -41,7 +41,7 @@ class Whole:
     @property
     def begin(self) -> int:
         """Where its first message stands; before that a log is none."""
-        return open_log(self.path).contents.chunks[0].offset
+        return open_log(self.path).index.chunks[0].offset
 
     def cut(self, folder: Path, size: int) -> Path:
         """Return the .part of a flight that was killed when it had written so many bytes."""
@@ -51,7 +51,7 @@ class Whole:
 
     def cut_at(self, folder: Path, time_s: float) -> Path:
         """Return the .part of a flight that was killed at about this time."""
-        chunks = open_log(self.path).contents.chunks
+        chunks = open_log(self.path).index.chunks
         return self.cut(folder, next(chunk.offset for chunk in chunks if chunk.first_ns >= time_s * 1e9))
 
 
@@ -244,7 +244,7 @@ def test_of_a_flight_killed_before_it_began_it_is_said_to_run_it_again(whole: Wh
 
 def test_a_flight_killed_just_before_its_first_message_is_flown(flown: Flown, tmp_path: Path) -> None:
     data = flown.path.read_bytes()
-    (tmp_path / "flight.mcap.part").write_bytes(data[: open_log(flown.path).contents.chunks[0].offset])
+    (tmp_path / "flight.mcap.part").write_bytes(data[: open_log(flown.path).index.chunks[0].offset])
     resumed(tmp_path / "flight.mcap.part")
     assert (tmp_path / "flight.mcap").read_bytes() == data
 

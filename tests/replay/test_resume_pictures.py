@@ -28,7 +28,7 @@ class Survey:
 
     def cut(self, folder: Path, share: float) -> Path:
         """Return the .part of the flight, killed when it had written such a share of its messages."""
-        begin = open_log(self.flown.path).contents.chunks[0].offset
+        begin = open_log(self.flown.path).index.chunks[0].offset
         part = folder / "flight.mcap.part"
         part.write_bytes(self.data[: round(begin + share * (len(self.data) - begin))])
         return part

@@ -12,10 +12,9 @@ from tests.replay.hand_made import event, frame, stage
 from waypointctl.flight.executive.rules import FLIGHT_ENDED
 from waypointctl.flight.record import record
 from waypointctl.log.messages import Ack, Command, CommandKind, EventKind, Message, Mode, Stage
-from waypointctl.log.reader import open_log
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.flight_log import summary_of
+from waypointctl.replay.flight_log import FlightLog
 from waypointctl.replay.return_home import ReturnEnding, ReturnHome
 from waypointctl.replay.summary_builder import summarize
 from waypointctl.units import ns
@@ -115,7 +114,7 @@ def test_of_a_flight(
     source = FLIGHT.replace("TOLERANCE", tolerance).encode()
     file = MissionFile(parse_mission(source, "m.yaml"), source, tmp_path / "m.yaml")
     path = record(file, make_policy(tmp_path / "policy", gain=0.0), tmp_path / "f.mcap").path
-    summary = summary_of(open_log(path))
+    summary = FlightLog.open(path).summary
     (way,) = summary.returns
     assert (way.cause, way.command_id) == ("timeout", None)
     assert way.began_ns > ns(1.0)

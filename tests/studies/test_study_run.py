@@ -10,9 +10,8 @@ import pytest
 
 from tests.studies.standing import here
 from waypointctl.errors import PolicyError
-from waypointctl.log.reader import open_log
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.flight_log import summary_of
+from waypointctl.replay.flight_log import FlightLog
 from waypointctl.studies.case import Case, grid
 from waypointctl.studies.delay import DelayStudy, delay_cases, read_study
 from waypointctl.studies.files import PICTURE, STUDY, TABLES, VALUES
@@ -122,7 +121,7 @@ def test_logs_are_kept_that_tell_the_same_story(tmp_path: Path, still: LoadedPol
     assert found is not None
     logs = sorted((tmp_path / LOGS).iterdir())
     assert [log.name for log in logs] == [f"here-short_range_goal-2.56s-{seed}.mcap" for seed in (0, 1)]
-    summaries = [summary_of(open_log(log)) for log in logs]
+    summaries = [FlightLog.open(log).summary for log in logs]
     assert [summary.outcome for summary in summaries] == ["success", "success"]
     assert found.cells[0].time_s is not None
     assert sum(summary.ended_ns for summary in summaries) / 2e9 == pytest.approx(found.cells[0].time_s.value)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from waypointctl.cli.tui.grid_view import GridView
     from waypointctl.evaluation.grid import Column
     from waypointctl.log.index import TopicSummary
-    from waypointctl.log.reader import Log
+    from waypointctl.log.reader import LogReader
 
 
 def info(
@@ -38,12 +38,12 @@ def info(
         _show(opened)
 
 
-def _record(log: Log) -> dict[str, Any]:
+def _record(log: LogReader) -> dict[str, Any]:
     return {
         "log": str(log.path),
         "complete": log.is_complete,
-        "size_bytes": log.contents.size_bytes,
-        "library": log.contents.library,
+        "size_bytes": log.index.size_bytes,
+        "library": log.index.library,
         "messages": log.message_count,
         "start_ns": log.start_ns,
         "end_ns": log.end_ns,
@@ -55,15 +55,12 @@ def _record(log: Log) -> dict[str, Any]:
     }
 
 
-def _outcome(log: Log) -> str | None:
+def _outcome(log: LogReader) -> str | None:
     """Return what the log says of the flight's end, None if it says nothing."""
-    from waypointctl.log.messages import Event, EventKind
+    from waypointctl.replay.flight_log import summary_of_events
 
-    outcome = None
-    for message in log.messages(("/event",)):
-        if isinstance(message, Event) and message.kind is EventKind.MISSION_ENDED:
-            outcome = message.text
-    return outcome
+    events = summary_of_events(log)
+    return events.ending if events.has_end else None
 
 
 def _topic_record(topic: TopicSummary) -> dict[str, Any]:
@@ -77,7 +74,7 @@ def _topic_record(topic: TopicSummary) -> dict[str, Any]:
     }
 
 
-def _show(log: Log) -> None:
+def _show(log: LogReader) -> None:
     from waypointctl.cli.console import console
 
     out = console()
@@ -88,14 +85,14 @@ def _show(log: Log) -> None:
         f"{printable(log.path)}: {log.duration_s:.3f} s of simulation, {log.message_count} messages", soft_wrap=unbroken
     )
     out.print(f"outcome: {unsaid if outcome is None else printable(outcome)}", soft_wrap=unbroken)
-    written = f"{log.contents.size_bytes:,} bytes, written by {printable(log.contents.library)}, {whole}"
+    written = f"{log.index.size_bytes:,} bytes, written by {printable(log.index.library)}, {whole}"
     out.print(written, soft_wrap=unbroken)
     for table in (_topic_table(log), _attachment_table(log), _metadata_table(log)):
         out.print()
         out.print(table)
 
 
-def _ending(log: Log) -> tuple[str, str]:
+def _ending(log: LogReader) -> tuple[str, str]:
     """Return what to say of an outcome that the log does not tell, and of the file's end."""
     from waypointctl.paths import is_being_written
 
@@ -109,7 +106,7 @@ def _ending(log: Log) -> tuple[str, str]:
     )
 
 
-def _topic_table(log: Log) -> GridView:
+def _topic_table(log: LogReader) -> GridView:
     from waypointctl.evaluation.grid import Column
     from waypointctl.units import seconds
 
@@ -129,14 +126,14 @@ def _topic_table(log: Log) -> GridView:
     return _view(columns, rows)
 
 
-def _attachment_table(log: Log) -> GridView:
+def _attachment_table(log: LogReader) -> GridView:
     from waypointctl.evaluation.grid import Column
 
     rows = [(name, f"{len(data):,}") for name, data in log.attachments.items()]
     return _view((Column("attachment", is_text=True), Column("bytes")), rows)
 
 
-def _metadata_table(log: Log) -> GridView:
+def _metadata_table(log: LogReader) -> GridView:
     from waypointctl.evaluation.grid import Column
 
     rows = [(name, text) for name, text in log.metadata.items()]

@@ -10,7 +10,7 @@ from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
     from waypointctl.flight.record import Recording
-    from waypointctl.log.reader import Log
+    from waypointctl.log.reader import LogReader
     from waypointctl.replay.pictures import PictureFile
 
 _PNG: Final = b"\x89PNG"
@@ -22,7 +22,7 @@ def say_missing(recording: Recording) -> None:
         print(f"no pictures: {printable(recording.no_pictures)}", file=sys.stderr, flush=True)
 
 
-def picture_files(log: Log, folder: Path) -> list[PictureFile]:
+def picture_files(log: LogReader, folder: Path) -> list[PictureFile]:
     """Return a log's pictures for a folder that they can be written to.
 
     Raises:

@@ -93,24 +93,23 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
 
 
 def _say_complete(asked: Resumption) -> int:
-    """Say that there is nothing to do."""
-    from waypointctl.cli.flight_answer import answer
+    """Say that there is nothing to do; return the exit code of the flight, as when it was flown."""
+    from waypointctl.cli.flight_answer import EXIT_CODES, answer
     from waypointctl.flight.outcome import FlightResult
     from waypointctl.flight.record import recording_of
     from waypointctl.log.opening import PART
-    from waypointctl.log.reader import open_log
-    from waypointctl.replay.flight_log import mission_name, summary_of
+    from waypointctl.replay.flight_log import FlightLog
 
     path = asked.log.with_name(asked.log.name.removesuffix(PART))
-    log = open_log(path)
-    summary = summary_of(log)
+    log = FlightLog.open(path)
+    summary = log.summary
     typer.echo(printable(f"{path} is complete: {summary.headline}"), err=True)
     if asked.json:
         reached, total, ended_ns = summary.known, len(summary.waypoints), summary.ended_ns
         result = FlightResult(summary.outcome, summary.reason, reached, total, ended_ns, ended_ns)
         recording = recording_of(result, path, int(log.metadata["seed"]), log.count("/camera"))
-        sys.stdout.write(answer(mission_name(log), recording, summary))
-    return 0
+        sys.stdout.write(answer(log.mission_name, recording, summary))
+    return EXIT_CODES.get(summary.outcome, 1)
 
 
 def _end_s(flight: Unfinished) -> float:

@@ -1,6 +1,7 @@
 """Standard output and error for as long as a command runs: what is printed can be shown, and printing never fails.
 
-A reader that goes away, a full disk, a stream that is closed or not UTF-8: none of these ends a flight.
+A reader that goes away, a full disk, a stream that is closed or not UTF-8: none of these ends a flight. An answer that
+could not be written, other than to a reader that has gone, is told by `DisplayStream.failure`.
 """
 
 from __future__ import annotations
@@ -59,7 +60,9 @@ class StyledStream(io.TextIOBase):
 
     def write(self, text: str) -> int:
         """Write a text, or drop it."""
-        if self._stream is not None and self.error is None:
+        if self._stream is None:
+            self.error = OSError(errno.EBADF, "the stream is closed")
+        elif self.error is None:
             encoding = self.encoding
             try:
                 self._stream.write(text.encode(encoding, self._unencodable).decode(encoding))

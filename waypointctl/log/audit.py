@@ -13,7 +13,7 @@ from waypointctl.log.chunk import encoded
 from waypointctl.log.comparison import FileDifference, FileDiffers, brief, kind_of
 from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.opening import DAMAGE, open_file
-from waypointctl.log.reader import Log
+from waypointctl.log.reader import LogReader
 from waypointctl.log.records import MAGIC, Record, body_stream, inner_records, raw_message, records, shown
 
 _HEAD_BYTES: Final = 9  # opcode and length of a record
@@ -46,7 +46,7 @@ _SUMMARY: Final = (
 )
 
 
-def audit(log: Log) -> None:
+def audit(log: LogReader) -> None:
     """Check every record of a log's file against every other.
 
     Allowed is what a writer of MCAP makes of a flight: a header, attachments with names of their own, one metadata
@@ -59,7 +59,7 @@ def audit(log: Log) -> None:
     """
     found = _Audit()
     with open_file(log.path) as stream:
-        for record in records(stream, len(MAGIC), log.contents.size_bytes):
+        for record in records(stream, len(MAGIC), log.index.size_bytes):
             try:
                 found.take(record)
             except DAMAGE as error:

@@ -11,7 +11,7 @@ from waypointctl.log.kinematics import Kinematics
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.log.setting import MissionSetting
 
-SCHEMA_VERSION: Final = 1  # of topics, schemas and metadata; a reader refuses logs of a newer one
+SCHEMA_VERSION: Final = 2  # of topics, schemas and metadata; a log of another one is refused
 METADATA_NAME: Final = "waypointctl"  # of the MCAP metadata record; a log without it is not ours
 LIBRARY: Final = f"waypointctl {__version__}"  # of the MCAP header
 LAYOUT_NAME: Final = "foxglove-layout.json"

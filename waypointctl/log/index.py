@@ -38,7 +38,7 @@ class ChunkPlace:
 
 
 @dataclass(frozen=True, slots=True)
-class Contents:
+class LogIndex:
     """What a log holds."""
 
     library: str  # that wrote it

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 from mcap.opcode import Opcode
+from numpy.typing import NDArray
 
 from waypointctl.errors import LogError
 from waypointctl.log.bounds import OverLimit
+from waypointctl.log.columns import columns
 from waypointctl.log.decompress import chunk_bytes
-from waypointctl.log.index import ChunkPlace, Contents, TopicSummary
+from waypointctl.log.index import ChunkPlace, LogIndex, TopicSummary
 from waypointctl.log.messages import Message
 from waypointctl.log.opening import DAMAGE, damaged, open_file
 from waypointctl.log.records import CutShort, RawMessage, Record, inner_records, raw_message, records
@@ -21,18 +23,18 @@ from waypointctl.log.topics import BY_NAME, Topic
 from waypointctl.units import NS_PER_S
 
 
-def open_log(path: Path, *, allow_truncated: bool = False) -> Log:
-    """Check the whole file, every checksum of it, and return the log.
+def open_log(path: Path, *, allow_truncated: bool = False) -> LogReader:
+    """Check the whole file, every checksum of it, and return its reader.
 
     Args:
         path: the .mcap file, or the .part of a flight that was killed.
         allow_truncated: read a file that is cut short up to where it is whole.
 
     Raises:
-        LogError: the file cannot be read, is damaged or cut short, is over a limit, is no log of waypointctl or of a
-            newer one.
+        LogError: the file cannot be read, is damaged or cut short, is over a limit, is no log of waypointctl or of
+            another schema version.
     """
-    return Log(path, scan(path, allow_truncated=allow_truncated))
+    return LogReader(path, scan(path, allow_truncated=allow_truncated))
 
 
 class EncodedMessage(NamedTuple):
@@ -59,7 +61,7 @@ class EncodedMessage(NamedTuple):
             raise damaged(self.path, self.offset, problem)
         return message
 
-    def says(self, message: Message) -> bool:
+    def matches(self, message: Message) -> bool:
         """Tell, without decoding it, whether it is this message as it is written here, to the last bit."""
         topic, raw = self.topic, self.raw
         return (
@@ -69,32 +71,42 @@ class EncodedMessage(NamedTuple):
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Log:
-    """A log that has been found whole, or read up to where it is."""
+@dataclass(frozen=True)
+class LogReader:
+    """A log that has been found whole, or read up to where it is.
+
+    The file is open only while messages are read, so that nothing has to be closed; a `with` block is allowed.
+    """
 
     path: Path
-    contents: Contents
+    index: LogIndex
+
+    def __enter__(self) -> Self:
+        """Return the log."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Leave the log as it is."""
 
     @property
     def metadata(self) -> Mapping[str, str]:
         """What the writer said of the flight."""
-        return self.contents.metadata
+        return self.index.metadata
 
     @property
     def attachments(self) -> Mapping[str, bytes]:
         """The files that travel in the log, by name."""
-        return self.contents.attachments
+        return self.index.attachments
 
     @property
     def is_complete(self) -> bool:
         """Whether the file has its end."""
-        return self.contents.is_complete
+        return self.index.is_complete
 
     @property
     def topics(self) -> dict[str, TopicSummary]:
         """Every topic, those for viewers too, with how many messages it has and from when to when."""
-        return {topic.name: topic for topic in self.contents.topics.values()}
+        return {topic.name: topic for topic in self.index.topics.values()}
 
     def count(self, topic: str) -> int:
         """Return how many messages there are on a topic, 0 where the log has no such topic."""
@@ -103,17 +115,17 @@ class Log:
     @property
     def message_count(self) -> int:
         """How many messages there are, those for viewers too."""
-        return sum(topic.count for topic in self.contents.topics.values())
+        return sum(topic.count for topic in self.index.topics.values())
 
     @property
     def start_ns(self) -> int | None:
         """The first log time in [ns], None in a log without messages."""
-        return min((chunk.first_ns for chunk in self.contents.chunks), default=None)
+        return min((chunk.first_ns for chunk in self.index.chunks), default=None)
 
     @property
     def end_ns(self) -> int | None:
         """The last log time in [ns], None in a log without messages."""
-        return max((chunk.last_ns for chunk in self.contents.chunks), default=None)
+        return max((chunk.last_ns for chunk in self.index.chunks), default=None)
 
     @property
     def duration_s(self) -> float:
@@ -136,9 +148,20 @@ class Log:
         """
         return self._messages(_decoders(self, topics), start_ns or 0, 1 << 64 if end_ns is None else end_ns)
 
+    def arrays(self, topic: str) -> dict[str, NDArray[Any]]:
+        """Return the messages of a topic as columns, such as {"time_ns": (n,), "step": (n,), "qpos": (n, nq)}.
+
+        Numbers and texts are columns (n,), and so is each named term of a reward; arrays of one length are stacked.
+        Waypoints, commands and what else has no fixed size is left out: `messages` has it.
+
+        Raises:
+            LogError: a topic that holds no messages; a message cannot be read.
+        """
+        return columns(list(self.messages((topic,))))
+
     def raw_messages(self) -> Iterator[tuple[str, RawMessage]]:
         """Return every message with its topic, those for viewers too, as it stands in the file."""
-        topics = self.contents.topics
+        topics = self.index.topics
         for chunk in self._chunks(0, 1 << 64):
             for opcode, body in inner_records(chunk_bytes(chunk)):
                 if opcode == Opcode.MESSAGE:
@@ -175,17 +198,17 @@ class Log:
             return place.last_ns >= start_ns and place.first_ns < end_ns
 
         with open_file(self.path) as stream:
-            for place in filter(wanted, self.contents.chunks):
+            for place in filter(wanted, self.index.chunks):
                 try:
-                    yield next(records(stream, place.offset, self.contents.size_bytes))
+                    yield next(records(stream, place.offset, self.index.size_bytes))
                 except (CutShort, OverLimit, StopIteration):
                     raise damaged(str(self.path), place.offset, "it was changed while it was read") from None
 
 
-def _decoders(log: Log, names: Collection[str] | None) -> dict[int, Topic]:
+def _decoders(log: LogReader, names: Collection[str] | None) -> dict[int, Topic]:
     wanted = BY_NAME.keys() if names is None else names
     for name in wanted:
         if name not in BY_NAME:
             raise LogError(f"no messages are read from the topic {name!r}; allowed are {', '.join(BY_NAME)}")
-    topics = log.contents.topics.items()
+    topics = log.index.topics.items()
     return {channel: BY_NAME[topic.name] for channel, topic in topics if topic.name in wanted}

@@ -11,7 +11,7 @@ from mcap.records import Channel, Schema
 
 from waypointctl.log.comparison import FileDifference, FileDiffers
 from waypointctl.log.opening import DAMAGE, open_file
-from waypointctl.log.reader import Log
+from waypointctl.log.reader import LogReader
 
 _BYTES: Final = 32  # of a hash
 
@@ -23,7 +23,7 @@ class _Digest(NamedTuple):
     total: int
 
 
-def compare_readers(log: Log) -> None:
+def compare_readers(log: LogReader) -> None:
     """Read a log with mcap's readers, every message with its channel and schema.
 
     Memory does not grow with the log: messages are compared as a number and a sum of hashes.
@@ -31,7 +31,7 @@ def compare_readers(log: Log) -> None:
     Raises:
         FileDiffers: one of them gives other messages, attachments or metadata.
     """
-    contents = log.contents
+    contents = log.index
     attached = [(name, contents.media_types[name], data) for name, data in log.attachments.items()]
     ours = (_of_log(log), attached, [dict(log.metadata)])
     with open_file(log.path) as stream:
@@ -53,9 +53,9 @@ def compare_readers(log: Log) -> None:
         raise _differ("mcap's seeking reader", f"{sought.messages} messages", f"{ours[0].messages} messages of the log")
 
 
-def _of_log(log: Log) -> _Digest:
-    channels = {it.topic: it for it in log.contents.channels.values()}
-    schemas = log.contents.schemas
+def _of_log(log: LogReader) -> _Digest:
+    channels = {it.topic: it for it in log.index.channels.values()}
+    schemas = log.index.schemas
     return _digest(
         (*_kind(channels[topic], schemas.get(channels[topic].schema_id)), *raw[1:]) for topic, raw in log.raw_messages()
     )

@@ -14,13 +14,13 @@ from waypointctl.log.chunk import Channel
 from waypointctl.log.comparison import FileDifference, FileDiffers
 from waypointctl.log.encoder import LogEncoder
 from waypointctl.log.header import Attachment, LogHeader
-from waypointctl.log.reader import Log
+from waypointctl.log.reader import LogReader
 from waypointctl.log.records import RawMessage, shown
 
 _ENCODING: Final = "protobuf"
 
 
-def compare_records(log: Log, header: LogHeader) -> int:
+def compare_records(log: LogReader, header: LogHeader) -> int:
     """Encode a log's messages again; return how many records were compared with those of the log.
 
     Raises:
@@ -38,7 +38,7 @@ def compare_records(log: Log, header: LogHeader) -> int:
 class _Comparison:
     """Holds what is to be written against what the log has, record by record."""
 
-    def __init__(self, log: Log) -> None:
+    def __init__(self, log: LogReader) -> None:
         self.count = 0
         self._log = log
         self._found = log.raw_messages()
@@ -48,7 +48,7 @@ class _Comparison:
 
     def attach(self, attachment: Attachment) -> None:
         name = attachment.name
-        found = self._log.attachments.get(name), self._log.contents.media_types.get(name)
+        found = self._log.attachments.get(name), self._log.index.media_types.get(name)
         if found != (attachment.data, attachment.media_type):
             here = "nothing" if found[0] is None else f"{found[1]}, {shown(found[0])}"
             self._refuse("attachment", name, here, f"{attachment.media_type}, {shown(attachment.data)}")
@@ -63,7 +63,7 @@ class _Comparison:
         self.count += 1
 
     def open(self, topic: str, schema: type[ProtobufMessage]) -> Channel:
-        contents = self._log.contents
+        contents = self._log.index
         channel = next((it for it in contents.channels.values() if it.topic == topic), None)
         if channel is None:
             self._refuse("file", f"channel of {topic}", "nothing", f"a channel of {schema.DESCRIPTOR.full_name}")
@@ -98,8 +98,8 @@ class _Comparison:
             self._refuse(more[0], "bytes", _named(more), "nothing", more[1].log_time_ns)
         for what, found, known in (
             ("attachment", self._log.attachments, self._attached),
-            ("channel of", {it.topic: it for it in self._log.contents.channels.values()}, set(self._topics)),
-            ("schema of no channel:", self._log.contents.schemas, self._schemas),
+            ("channel of", {it.topic: it for it in self._log.index.channels.values()}, set(self._topics)),
+            ("schema of no channel:", self._log.index.schemas, self._schemas),
         ):
             unknown = next((name for name in found if name not in known), None)
             if unknown is not None:

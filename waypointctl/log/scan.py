@@ -21,9 +21,10 @@ from waypointctl.errors import LogError
 from waypointctl.log.bounds import Bounds, OverLimit
 from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION
-from waypointctl.log.index import ChunkPlace, Contents, TopicSummary
+from waypointctl.log.index import ChunkPlace, LogIndex, TopicSummary
 from waypointctl.log.opening import DAMAGE, PART, check_magic, damaged, nothing_flown, open_file
 from waypointctl.log.records import MAGIC, CutShort, Record, body_stream, inner_spans, message_head, records
+from waypointctl.paths import is_being_written
 
 _VERSION: Final = re.compile("[0-9]{1,9}")  # Python reads no number of thousands of digits
 
@@ -50,7 +51,7 @@ class _Tally:
         return TopicSummary(name, schema, self.count, *times)
 
 
-def scan(path: Path, *, allow_truncated: bool) -> Contents:
+def scan(path: Path, *, allow_truncated: bool) -> LogIndex:
     """Read and check the whole file.
 
     Raises:
@@ -81,11 +82,16 @@ def _truncated(path: Path, size: int, survey: _Survey) -> LogError:
         return nothing_flown(path)
     last_ns = max((chunk.last_ns for chunk in survey.chunks), default=None)
     kept = "it has no message" if last_ns is None else f"its messages reach to {last_ns / 1e9:.3f} s"
+    if is_being_written(path):
+        return LogError(
+            f"is being written, {kept}: its flight is under way",
+            where=str(path),
+            hint="Wait for its end; `waypointctl info` shows what there is so far.",
+        )
     return LogError(
         f"is cut short at byte {size}, {kept}: its writer was killed, or it was not copied to its end",
         where=str(path),
-        hint="The flight was killed, is not over, or the file was cut: `waypointctl info` shows what there is, "
-        "`waypointctl run --resume` goes on with a flight that was killed.",
+        hint="`waypointctl info` shows what there is; `waypointctl run --resume` continues a flight that was killed.",
     )
 
 
@@ -121,7 +127,7 @@ class _Survey:
         else:
             self._crc = zlib.crc32(record.body, zlib.crc32(record.head, self._crc))
 
-    def contents(self, size: int, *, is_complete: bool) -> Contents:
+    def contents(self, size: int, *, is_complete: bool) -> LogIndex:
         """Return what was found, if it is a log of ours that this version can read."""
         if is_complete and not (self._ended and self._footed):
             raise damaged(self._path, size, "its end has no footer")
@@ -132,7 +138,7 @@ class _Survey:
                 raise LogError("is cut short before its metadata: nothing of it can be read", where=self._path)
             raise LogError("is an MCAP file, but not a log of waypointctl", where=self._path)
         _check_version(self._path, self._metadata.get("schema_version", ""))
-        return Contents(
+        return LogIndex(
             library=self._library,
             metadata=MappingProxyType(self._metadata),
             attachments=MappingProxyType(self._attachments),
@@ -220,9 +226,10 @@ def _check_version(path: str, text: str) -> None:
     if not _VERSION.fullmatch(text):
         shown = text if len(text) <= 20 else f"{text[:20]}..."
         raise LogError(f"has the schema version {shown!r} in its metadata; a whole number is expected", where=path)
-    if int(text) > SCHEMA_VERSION:
+    if int(text) != SCHEMA_VERSION:
+        age = "a newer" if int(text) > SCHEMA_VERSION else "an older"
         raise LogError(
-            f"has the schema version {text}; this waypointctl reads up to {SCHEMA_VERSION}",
+            f"has the schema version {int(text)}; this waypointctl reads {SCHEMA_VERSION}",
             where=path,
-            hint="It was written by a newer waypointctl: install that one.",
+            hint=f"It was written by {age} waypointctl: read it with that one.",
         )

@@ -68,7 +68,7 @@ class LogComparator:
         sealed = self._next
         if sealed is None:
             raise LogEnded
-        logged = replayed if sealed.says(replayed) else self._equal(sealed, replayed)
+        logged = replayed if sealed.matches(replayed) else self._equal(sealed, replayed)
         self.compared[sealed.topic.name] += 1
         self._next, self._opened = next(self._logged, None), None
         return logged

@@ -27,7 +27,7 @@ from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.record import refuse_misfit
 from waypointctl.log.comparison import brief
 from waypointctl.log.header import LIBRARY, LogHeader
-from waypointctl.log.reader import Log
+from waypointctl.log.reader import LogReader
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
@@ -79,15 +79,15 @@ class LogContents:
         """Return the header of a log of this flight that is made here."""
         return flight_header(self.mission_file, self.policy, self.robot)
 
-    def header_as_in(self, log: Log) -> LogHeader:
+    def header_as_in(self, log: LogReader) -> LogHeader:
         """Return the header of a log of this flight that names the program and processor that `log` names."""
         header, named = self.header(), log.metadata
         kept = {key: text for key, text in header.metadata.items() if key not in PROGRAM or key in named}
         metadata = {key: named[key] if key in PROGRAM else text for key, text in kept.items()}
-        return replace(header, metadata=metadata, library=log.contents.library)
+        return replace(header, metadata=metadata, library=log.index.library)
 
 
-def contents_of(log: Log) -> LogContents:
+def contents_of(log: LogReader) -> LogContents:
     """Return what a log carries.
 
     Raises:
@@ -107,16 +107,16 @@ def contents_of(log: Log) -> LogContents:
     return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
 
-def platform_differences(log: Log, facts: Mapping[str, str] = PROGRAM) -> list[str]:
+def platform_differences(log: LogReader, facts: Mapping[str, str] = PROGRAM) -> list[str]:
     """Return in what the program or processor that a log names differs from this one, in words with both values."""
     here = platform_facts()
     compared = [(name, log.metadata.get(key, "unknown"), here[key]) for key, name in facts.items()]
     if facts is PROGRAM:
-        compared.append(("the library", log.contents.library, LIBRARY))
+        compared.append(("the library", log.index.library, LIBRARY))
     return [f"{name} was {brief(was)} and is {now}" for name, was, now in compared if was != now]
 
 
-def unverifiable(log: Log) -> str:
+def unverifiable(log: LogReader) -> str:
     """Return why no replay of a log can be exact here; nothing if one can."""
     here = platform_facts()
     for key, name in _DECISIVE.items():
@@ -128,7 +128,7 @@ def unverifiable(log: Log) -> str:
     return f"the log does not carry {', '.join(missing)}" if missing else ""
 
 
-def altered(log: Log) -> Divergence | None:
+def altered(log: LogReader) -> Divergence | None:
     """Return what the log carries that is not what its metadata says, or not what its model's source compiles to."""
     for name, recorded in _recorded_hashes(log):
         found = hashlib.sha256(log.attachments.get(name, b"")).hexdigest()
@@ -139,7 +139,7 @@ def altered(log: Log) -> Divergence | None:
     return None if compiled == recorded else Divergence(-1, 0, "attachment", MJB, recorded, compiled)
 
 
-def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
+def _recorded_hashes(log: LogReader) -> Iterator[tuple[str, str]]:
     """Yield what was recorded of each attachment; that of the policy's manifest before those of its files."""
     for key, name in _HASHED.items():
         yield name, log.metadata.get(key, "no hash")
@@ -155,6 +155,6 @@ def _recorded_hashes(log: Log) -> Iterator[tuple[str, str]]:
         yield f"{POLICY_FOLDER}{name}", record.sha256
 
 
-def _robot(log: Log) -> Robot:
+def _robot(log: LogReader) -> Robot:
     """Return the robot whose folder a log carries."""
     return robot_of_files(files_within(ROBOT_FOLDER, log.attachments), f"{log.path}/{ROBOT_FOLDER}".rstrip("/"))

@@ -1,13 +1,18 @@
-"""The flight that a log holds: its name, its waypoints, its summary."""
+"""A flight's log, read: its mission, its messages, its summary."""
 
 from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import Self
 
 from waypointctl.errors import MissionError
 from waypointctl.flight.header import MISSION, MISSION_FOLDER, files_within
 from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.setting import setting_of
 from waypointctl.log.messages import PlannedWaypoint
-from waypointctl.log.reader import Log
+from waypointctl.log.reader import LogReader
+from waypointctl.log.scan import scan
 from waypointctl.log.setting import MissionSetting
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Mission
@@ -15,49 +20,66 @@ from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.summary_builder import summarize
 
 
-def mission_name(log: Log) -> str:
-    """Return the name of the mission that was flown."""
-    return log.metadata.get("mission") or log.path.stem
+class FlightLog(LogReader):
+    """The log of a flight: `messages()` and `arrays(topic)` of a LogReader, and the flight's mission and summary."""
+
+    @classmethod
+    def open(cls, path: Path | str, *, allow_truncated: bool = False) -> Self:
+        """Check the whole file, every checksum of it, and return the log.
+
+        Args:
+            path: the .mcap file, or the .part of a flight that was killed or is under way.
+            allow_truncated: read a file that is cut short, such as a .part, up to where it is whole.
+
+        Raises:
+            LogError: the file cannot be read, is damaged or cut short, is over a limit, is not a log of waypointctl, or
+                has another schema version.
+        """
+        return cls(Path(path), scan(Path(path), allow_truncated=allow_truncated))
+
+    @property
+    def mission_name(self) -> str:
+        """The name of the mission that was flown."""
+        return self.metadata.get("mission") or self.path.stem
+
+    @cached_property
+    def mission(self) -> Mission | None:
+        """The mission; None where the log carries none that can be read: `verify` says what is wrong with it."""
+        source = self.attachments.get(MISSION)
+        if source is None:
+            return None
+        try:
+            return parse_mission(source, f"{self.path}/{MISSION}", files_within(MISSION_FOLDER, self.attachments))
+        except MissionError:
+            return None
+
+    @property
+    def waypoints(self) -> tuple[PlannedWaypoint, ...]:
+        """The mission's waypoints; none without a mission."""
+        return () if self.mission is None else planned_waypoints(self.mission)
+
+    @cached_property
+    def setting(self) -> MissionSetting:
+        """What the mission has fixed: home, zones, contact windows; nothing without a mission."""
+        try:
+            return MissionSetting() if self.mission is None else setting_of(self.mission)
+        except MissionError:
+            return MissionSetting()
+
+    @cached_property
+    def summary(self) -> FlightSummary:
+        """The summary of the flight; without a mission, of the waypoints that were commanded.
+
+        Raises:
+            LogError: a message cannot be read.
+        """
+        return summarize(self.messages(), self.waypoints, self.setting)
 
 
-def waypoints_in(log: Log) -> tuple[PlannedWaypoint, ...]:
-    """Return the mission's waypoints; none where the log carries no mission that can be read."""
-    mission = _mission_in(log)
-    return () if mission is None else planned_waypoints(mission)
-
-
-def setting_in(log: Log) -> MissionSetting:
-    """Return what the mission had fixed; nothing where the log carries no mission that can be read."""
-    mission = _mission_in(log)
-    try:
-        return MissionSetting() if mission is None else setting_of(mission)
-    except MissionError:
-        return MissionSetting()
-
-
-def summary_of(log: Log) -> FlightSummary:
-    """Return the summary of a log's flight.
-
-    Raises:
-        LogError: a message cannot be read.
-    """
-    return summarize(log.messages(), waypoints_in(log), setting_in(log))
-
-
-def summary_of_events(log: Log) -> FlightSummary:
+def summary_of_events(log: LogReader) -> FlightSummary:
     """Return what a log's events alone say of its flight: outcome, end, console. Quick, and in any log.
 
     Raises:
         LogError: an event cannot be read.
     """
     return summarize(log.messages(("/event",)))
-
-
-def _mission_in(log: Log) -> Mission | None:
-    source = log.attachments.get(MISSION)
-    if source is None:
-        return None
-    try:
-        return parse_mission(source, f"{log.path}/{MISSION}", files_within(MISSION_FOLDER, log.attachments))
-    except MissionError:
-        return None  # the summary is then told of the waypoints that were commanded; the proof names what is wrong

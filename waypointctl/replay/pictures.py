@@ -9,7 +9,7 @@ from typing import Final
 
 from waypointctl.log.messages import Picture
 from waypointctl.log.png import TITLE, texts_of
-from waypointctl.log.reader import Log
+from waypointctl.log.reader import LogReader
 
 _UNSAFE: Final = re.compile(r"[^\w.-]+")
 _LONGEST: Final = 150  # bytes of a name; a file's may have 255, and some are for its number and for writing it
@@ -23,7 +23,7 @@ class PictureFile:
     data: bytes
 
 
-def pictures_in(log: Log) -> list[PictureFile]:
+def pictures_in(log: LogReader) -> list[PictureFile]:
     """Return the pictures of a log in the order in which they were taken.
 
     Raises:

@@ -24,7 +24,7 @@ from waypointctl.flight.shutter import Camera, with_pictures
 from waypointctl.flight.sink import Sink
 from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.opening import PART, open_file
-from waypointctl.log.reader import Log, open_log
+from waypointctl.log.reader import LogReader, open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.paths import lock
 from waypointctl.replay.comparator import Diverged, LogComparator, RecordedPolicy
@@ -49,7 +49,7 @@ class Unfinished:
         events: the summary of its events.
     """
 
-    log: Log
+    log: LogReader
     path: Path
     contents: LogContents
     events: FlightSummary
@@ -195,7 +195,7 @@ class _Lines:
         return self.is_open and not self._logged.has_closed
 
 
-def _contents(log: Log) -> LogContents:
+def _contents(log: LogReader) -> LogContents:
     where = str(log.path)
     if reason := unverifiable(log):
         raise LogError(f"cannot be gone on with: {reason}", where=where, hint=_KEPT)
@@ -215,7 +215,7 @@ def _require_all_seen(comparator: LogComparator, result: FlightResult) -> None:
         )
 
 
-def _not_the_same(log: Log, where: Divergence) -> LogError:
+def _not_the_same(log: LogReader, where: Divergence) -> LogError:
     """Return the error for a flight that is another one when it is flown again."""
     problem = (
         f"cannot be gone on with: flown again, the flight parts from it at step {where.step} on {where.topic}, "

@@ -202,12 +202,16 @@ class FlightSummary:
         return self.outcome != UNFINISHED
 
     @property
+    def ending(self) -> str:
+        """The outcome and why, as the operator knows it."""
+        return f"{self.outcome}: {self.reason}" if self.reason else self.outcome
+
+    @property
     def headline(self) -> str:
         """The outcome as the operator knows it; where the robot reached more waypoints than is known, both counts."""
-        text = f"{self.outcome}: {self.reason}"
         if not self.has_end or self.reached == self.known:
-            return text
-        return f"{text}; the robot reached {self.reached}, the operator knows of {self.known}"
+            return self.ending
+        return f"{self.ending}; the robot reached {self.reached}, the operator knows of {self.known}"
 
     @property
     def ended_at(self) -> Track:

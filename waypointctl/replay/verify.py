@@ -10,7 +10,7 @@ from waypointctl.flight.fly import fly
 from waypointctl.flight.header import platform_facts
 from waypointctl.flight.shutter import with_pictures
 from waypointctl.log.messages import Message
-from waypointctl.log.reader import Log, open_log
+from waypointctl.log.reader import LogReader, open_log
 from waypointctl.replay.comparator import Diverged, LogComparator, LogEnded, RecordedPolicy
 from waypointctl.replay.compared import Compared
 from waypointctl.replay.contents import KERNELS, LogContents, altered, contents_of, platform_differences, unverifiable
@@ -26,7 +26,7 @@ def verify(path: Path) -> Verification:
     return verify_log(open_log(path))
 
 
-def verify_log(log: Log) -> Verification:
+def verify_log(log: LogReader) -> Verification:
     """Fly the flight of a log again and compare the whole log.
 
     Everything comes from the log: mission, model, policy, seed. Physics is driven by the logged actions, each of
@@ -51,7 +51,7 @@ def verify_log(log: Log) -> Verification:
     return _fly_again(log, contents)
 
 
-def _fly_again(log: Log, contents: LogContents) -> Verification:
+def _fly_again(log: LogReader, contents: LogContents) -> Verification:
     other_kernels = platform_differences(log, KERNELS)
     comparator = LogComparator(log.encoded_messages(), bitwise=not other_kernels)
     policy = RecordedPolicy(contents.policy, comparator, bitwise=not other_kernels)
@@ -86,7 +86,7 @@ def _fly_again(log: Log, contents: LogContents) -> Verification:
     return compared.verification(comparator.compared["/action"])
 
 
-def _diverged(where: Divergence, comparator: LogComparator, log: Log) -> Verification:
+def _diverged(where: Divergence, comparator: LogComparator, log: LogReader) -> Verification:
     reason = f"diverged {where.place}"
     wrote, here = _software(log.metadata), _software(platform_facts())
     if wrote != here:

@@ -13,7 +13,7 @@ from waypointctl.log.comparison import FileComparison, FileDifference, FileDiffe
 from waypointctl.log.encoder import LogEncoder
 from waypointctl.log.messages import Message
 from waypointctl.log.opening import open_file
-from waypointctl.log.reader import Log
+from waypointctl.log.reader import LogReader
 from waypointctl.log.same_readers import compare_readers
 from waypointctl.log.same_records import compare_records
 from waypointctl.replay.comparator import Diverged
@@ -22,7 +22,7 @@ from waypointctl.replay.verdict import Divergence
 
 
 @contextmanager
-def whole_file(log: Log, contents: LogContents) -> Iterator[WholeFile]:
+def whole_file(log: LogReader, contents: LogContents) -> Iterator[WholeFile]:
     """Open the file of a log for the time of its comparison.
 
     Raises:
@@ -43,7 +43,7 @@ class WholeFile:
         not_compared: what was not, and why, a line each.
     """
 
-    def __init__(self, log: Log, contents: LogContents, stream: IO[bytes]) -> None:
+    def __init__(self, log: LogReader, contents: LogContents, stream: IO[bytes]) -> None:
         """Compare `log`, whose file is open at its start, with what is written of a flight of what it carries."""
         self.checks: tuple[str, ...] = ()
         others = ", ".join(platform_differences(log))

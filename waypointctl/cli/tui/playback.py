@@ -13,11 +13,10 @@ from waypointctl.cli.tui.pace import Pace
 from waypointctl.cli.tui.watch import Watch, watch
 from waypointctl.errors import InputError
 from waypointctl.log.messages import State
-from waypointctl.replay.flight_log import mission_name, setting_in, waypoints_in
 from waypointctl.units import NS_PER_S, ns
 
 if TYPE_CHECKING:
-    from waypointctl.log.reader import Log
+    from waypointctl.replay.flight_log import FlightLog
 
 _NAP_S: Final = 0.05
 _STEP_NS: Final = NS_PER_S // 10
@@ -42,7 +41,7 @@ class Playback:
     start_paused: bool = False
 
 
-def play(log: Log, playback: Playback, interrupted: Callable[[], bool]) -> None:
+def play(log: FlightLog, playback: Playback, interrupted: Callable[[], bool]) -> None:
     """Show the flight of a log on stderr, until it is over or interrupted; with a terminal, keys steer it.
 
     Raises:
@@ -55,7 +54,7 @@ def play(log: Log, playback: Playback, interrupted: Callable[[], bool]) -> None:
     if ns(playback.start_offset_s) > last_ns:
         problem = f"the flight is over at {last_ns / NS_PER_S:.2f} s"
         raise InputError(problem, where=str(log.path), hint="Give a smaller --start-offset.")
-    with keyboard, watch(mission_name(log), waypoints_in(log), setting_in(log)) as view:
+    with keyboard, watch(log.mission_name, log.waypoints, log.setting) as view:
         player = _Player(view, keyboard, playback, interrupted)
         player.show(log)
         while playback.loop and not player.is_over:
@@ -80,7 +79,7 @@ class _Player:
     def is_over(self) -> bool:
         return self._has_quit or self._interrupted() or has_failed(sys.stderr)
 
-    def show(self, log: Log) -> None:
+    def show(self, log: FlightLog) -> None:
         self._pace.restart(self._begin_ns)
         self._until_ns = self._begin_ns
         for message in log.messages():
