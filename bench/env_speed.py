@@ -26,14 +26,14 @@ import numpy as np
 from mujoco import rollout
 from numpy.typing import NDArray
 
+from waypointctl.mission.fields import Start
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course
-from waypointctl.task.start import Start
 
 FloatArray = NDArray[np.float64]
 
-TASK: Final = TaskConfig(course=Course("legs"), start=Start(heading_rad=None))
+TASK: Final = TaskConfig(course=Course(perimeter="legs"), start=Start(random_heading=True))
 PEERS: Final = 8  # processes, one robot each
 STATE: Final = mujoco.mjtState.mjSTATE_FULLPHYSICS
 

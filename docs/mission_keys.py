@@ -169,9 +169,10 @@ def _scalar(annotation: Any, metadata: tuple[Any, ...]) -> str:
         return "a probability: 0 to 1, or a share such as 2 %"
     if annotation is bool:
         return "`true` or `false`"
-    if annotation is int:
+    if annotation in (int, float):
         limits = {type(limit): limit for part in metadata for limit in (part, *getattr(part, "metadata", ()))}
-        return f"a whole number{_bounds(_of(limits, Gt), _of(limits, Ge), _of(limits, Lt), _of(limits, Le), '')}"
+        kind = "a whole number" if annotation is int else "a number"
+        return f"{kind}{_bounds(_of(limits, Gt), _of(limits, Ge), _of(limits, Lt), _of(limits, Le), '')}"
     longest = next((limit.max_length for limit in metadata if isinstance(limit, MaxLen)), None)
     assert annotation is str, annotation
     return "a text" if longest is None else f"a text of at most {longest:,} letters"

@@ -45,7 +45,7 @@ def test_every_recipe_is_one(block: str) -> None:
 def test_every_suite_is_one_and_its_paths_can_be_drawn(block: str) -> None:
     suite = read_model(block.encode(), "evaluation.md", Suite, SuiteError)
     for path in suite.walked:
-        assert path.draw(0, "test", 0).shape == (path.longest, 2)
+        assert path.trial_path(0, "test", 0, (0.0, 0.0)).shape == (path.longest, 2)
 
 
 def test_there_are_as_many_as_somebody_wrote() -> None:

@@ -7,8 +7,12 @@ shifts another.
 from __future__ import annotations
 
 import hashlib
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
+
+_WORD: Final = 2**64
 
 
 def stream(seed: int, name: str, *index: int) -> np.random.Generator:
@@ -22,3 +26,25 @@ def stream(seed: int, name: str, *index: int) -> np.random.Generator:
     digest = hashlib.sha256(name.encode()).digest()
     words = (int.from_bytes(digest[i : i + 4], "little") for i in (0, 4))
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(*words, *index))))
+
+
+def stream_words(rng: np.random.Generator) -> NDArray[np.uint64]:
+    """Return the state of a PCG64 stream as an array (6,), so that checkpoints can hold hundreds of them.
+
+    It has state and increment, the low half first, and a spare half word.
+    """
+    whole = rng.bit_generator.state
+    state, increment = whole["state"]["state"], whole["state"]["inc"]
+    halves = (state % _WORD, state // _WORD, increment % _WORD, increment // _WORD)
+    return np.array([*halves, whole["has_uint32"], whole["uinteger"]], np.uint64)
+
+
+def restore_stream(rng: np.random.Generator, words: NDArray[np.uint64]) -> None:
+    """Put a PCG64 stream into the state that `stream_words` returned."""
+    low, high, increment_low, increment_high, has_spare, spare = (int(word) for word in words)
+    rng.bit_generator.state = {
+        "bit_generator": "PCG64",
+        "state": {"state": high * _WORD + low, "inc": increment_high * _WORD + increment_low},
+        "has_uint32": has_spare,
+        "uinteger": spare,
+    }

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from tests.cli.flying import Program
-from waypointctl.evaluation.conditions import DeadlineSpec
 from waypointctl.evaluation.suite import load_suite
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.task.course import Deadline
 
 Make = Callable[..., LoadedPolicy]
 
@@ -52,7 +52,7 @@ def test_several_policies_are_one_table_and_one_list(place: Path, program: Progr
 def test_several_policies_on_the_papers_paths_are_its_tables(
     place: Path, program: Program, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    hurried = load_suite("paper").model_copy(update={"deadline": DeadlineSpec(first_s=0.1)})
+    hurried = load_suite("paper").model_copy(update={"deadline": Deadline(first_s=0.1)})
     monkeypatch.setattr("waypointctl.cli.evaluation_run.load_suite", lambda name: hurried)
     code, out, _ = program("eval", "still", "wild", "--trials", "1", "--markdown", "tables.md", "--plot", "paths.png")
     assert code == 0

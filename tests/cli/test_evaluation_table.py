@@ -9,8 +9,9 @@ import pytest
 from rich.console import Console
 
 from waypointctl.cli.tui.evaluation import evaluation_table
-from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec
 from waypointctl.evaluation.result import CaseResult, Evaluation
+from waypointctl.mission.fields import Acceptance
+from waypointctl.task.course import Deadline
 
 NUMBERS = ("100/100", "100.0%", "96.3-100.0", "97%", "112.35", "0.987")
 
@@ -34,8 +35,8 @@ def shown(width: int, name: str = "to-6-6") -> str:
         suite="paper",
         seed=7,
         cases=(case,),
-        acceptance=AcceptanceSpec(),
-        deadline=DeadlineSpec(),
+        acceptance=Acceptance(),
+        deadline=Deadline(),
         policy_sha256="",
         versions={},
     )

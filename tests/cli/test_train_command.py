@@ -12,10 +12,10 @@ import pytest
 
 from tests.training.tiny import RECIPE
 from waypointctl.cli.main import main
-from waypointctl.evaluation.conditions import DeadlineSpec
 from waypointctl.evaluation.result import read_evaluation
 from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.policy.bundle import load_policy
+from waypointctl.task.course import Deadline
 from waypointctl.training import train
 
 Command = Callable[..., tuple[int, str, str]]
@@ -26,7 +26,7 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Captu
     """Run `waypointctl train` in an empty folder with a tiny recipe, with next to no time for the paper's paths."""
 
     def hurried(name: str) -> Suite:
-        return load_suite(name).model_copy(update={"deadline": DeadlineSpec(first_s=0.1, further_s=0)})
+        return load_suite(name).model_copy(update={"deadline": Deadline(first_s=0.1, further_s=0)})
 
     monkeypatch.setattr(train, "load_suite", hurried)
     monkeypatch.chdir(tmp_path)

@@ -10,26 +10,27 @@ import numpy as np
 import pytest
 
 from waypointctl.errors import PolicyError
-from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, StartSpec
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.paths import Case, RandomPaths
 from waypointctl.evaluation.result import read_evaluation
 from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.saved import write_evaluation
 from waypointctl.evaluation.suite import Suite
+from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.task.course import Deadline
 
 Make = Callable[..., LoadedPolicy]
 
 NEAR = Case(name="near", waypoints=((0.2, 0.0), (0.3, 0.1)), paper=0.4)
 FAR = Case(name="far", waypoints=((50.0, 0.0),))
-WIDE = AcceptanceSpec(shape="box", size_m=2.0)
-SHORT = DeadlineSpec(first_s=0.5, further_s=0.1)
+WIDE = Acceptance(shape="box", size_m=2.0)
+SHORT = Deadline(first_s=0.5, further_s=0.1)
 SUITE = Suite(name="easy", acceptance=WIDE, deadline=SHORT, cases=(NEAR, FAR))
 TIGHT = Suite(
     name="tight",
-    acceptance=AcceptanceSpec(shape="radius", size_m=0.1),
-    deadline=DeadlineSpec(first_s=1.0, further_s=0.5),
+    acceptance=Acceptance(shape="radius", size_m=0.1),
+    deadline=Deadline(first_s=1.0, further_s=0.5),
     cases=(Case(name="a", waypoints=((0.12, 0.02),)), Case(name="b", waypoints=((0.1, 0.05), (0.2, 0.1)))),
 )
 
@@ -133,9 +134,9 @@ def test_another_observation_layout_is_refused(tmp_path: Path, make_policy: Make
 
 DRAWN = Suite(
     name="drawn",
-    acceptance=AcceptanceSpec(shape="radius", size_m=0.2),
-    deadline=DeadlineSpec(first_s=1.0, further_s=0.5),
-    start=StartSpec(heading="random"),
+    acceptance=Acceptance(shape="radius", size_m=0.2),
+    deadline=Deadline(first_s=1.0, further_s=0.5),
+    start=Start(random_heading=True),
     courses=(RandomPaths(name="near", perimeter="legs", count=3, leg_m=(0.1, 0.3)),),
 )
 
@@ -158,7 +159,7 @@ def test_a_trial_draws_the_same_and_goes_the_same_however_many_there_are(tmp_pat
 
 def test_another_acceptance_or_policy_draws_the_same_paths(tmp_path: Path, make_policy: Make) -> None:
     first = walked(make_policy(tmp_path / "a", seed=0), DRAWN, 4)
-    wider = DRAWN.accepting(AcceptanceSpec(shape="box", size_m=1.0))
+    wider = DRAWN.accepting(Acceptance(shape="box", size_m=1.0))
     other = walked(make_policy(tmp_path / "b", seed=1), wider, 4)
     np.testing.assert_array_equal(first.paths, other.paths)
     assert [way[0].tolist() for way in first.ways] == [way[0].tolist() for way in other.ways]

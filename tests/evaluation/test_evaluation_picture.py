@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tests.evaluation.found import paper_evaluation
 from waypointctl.errors import InputError
-from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec
+from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.key import draw_key, key_of, margin_in
 from waypointctl.evaluation.panels import Panel, Trial, panels, refuse_too_many
@@ -24,7 +24,9 @@ from waypointctl.evaluation.picture import _draw_regions, _write_over, draw
 from waypointctl.evaluation.plot_style import Regions
 from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.suite import Suite, load_suite
+from waypointctl.mission.fields import Acceptance
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.task.course import Deadline
 
 FloatArray = NDArray[np.float64]
 
@@ -46,20 +48,20 @@ def has(picture: FloatArray, color: tuple[int, int, int]) -> bool:
 
 
 def test_the_same_panels_are_the_same_bytes() -> None:
-    drawn = [draw([panel("success", "fall")], AcceptanceSpec(), "title") for _ in range(2)]
+    drawn = [draw([panel("success", "fall")], Acceptance(), "title") for _ in range(2)]
     assert drawn[0] == drawn[1]
 
 
 @pytest.mark.parametrize(("end", "color"), [("success", BLUE), ("fall", ORANGE), ("time-out", PURPLE)])
 def test_each_end_has_its_colour(end: str, color: tuple[int, int, int]) -> None:
-    picture = pixels(draw([panel(end)], AcceptanceSpec(), "title"))
+    picture = pixels(draw([panel(end)], Acceptance(), "title"))
     assert [c for c in (BLUE, ORANGE, PURPLE) if has(picture, c)] == [color]
     assert has(picture, GREEN)
 
 
 def test_regions_are_of_the_acceptances_size() -> None:
     def greenish(size_m: float) -> int:
-        picture = pixels(draw([panel("success")], AcceptanceSpec(shape="radius", size_m=size_m), "t"))
+        picture = pixels(draw([panel("success")], Acceptance(shape="radius", size_m=size_m), "t"))
         return int((picture[..., 1] > picture[..., 0] + 30).sum())
 
     key = greenish(1e-6)  # what the key has of it
@@ -68,27 +70,27 @@ def test_regions_are_of_the_acceptances_size() -> None:
 
 def test_the_hold_is_drawn_around_the_last_waypoint_alone() -> None:
     axes = Figure().subplots()
-    _draw_regions(axes, panel("success"), Regions(AcceptanceSpec(), HoldSpec(within_m=0.75)))
+    _draw_regions(axes, panel("success"), Regions(Acceptance(), Hold(within_m=0.75)))
     circles = [(patch.center, patch.radius) for patch in axes.patches if isinstance(patch, Circle)]
     assert circles == [((4.0, 4.0), 0.75)]
     assert len(axes.patches) == len(WAY[1:]) + 1
-    pictures = [draw([panel("success")], AcceptanceSpec(), "t", hold) for hold in (None, HoldSpec(within_m=0.75))]
+    pictures = [draw([panel("success")], Acceptance(), "t", hold) for hold in (None, Hold(within_m=0.75))]
     assert pictures[0] != pictures[1]
 
 
-def labels(hold: HoldSpec | None) -> list[str]:
-    return [str(handle.get_label()) for handle in key_of([panel("success")], Regions(AcceptanceSpec(), hold))]
+def labels(hold: Hold | None) -> list[str]:
+    return [str(handle.get_label()) for handle in key_of([panel("success")], Regions(Acceptance(), hold))]
 
 
 def test_the_key_names_the_hold_where_there_is_one() -> None:
     assert labels(None) == ["start", "acceptance region, box 0.5 m", "success"]
-    assert labels(HoldSpec(time_s=7.0))[2] == "to be held for 7 s within 0.5 m"
+    assert labels(Hold(time_s=7.0))[2] == "to be held for 7 s within 0.5 m"
 
 
 @pytest.mark.parametrize("width_in", [3.2, 6.1, 17.7])
 def test_the_key_stays_within_the_picture(width_in: float) -> None:
     shown = panel("success", "fall", "time-out", "strayed")
-    handles = key_of([shown], Regions(AcceptanceSpec(), HoldSpec()))
+    handles = key_of([shown], Regions(Acceptance(), Hold()))
     figure = Figure(figsize=(width_in, 5.0))
     FigureCanvasAgg(figure)
     draw_key(figure, handles, 0.5, is_sample=True)
@@ -111,7 +113,7 @@ def titles(name: str) -> list[str]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("waypointctl.evaluation.picture._write_over", keep)
-        draw([shown, shown], AcceptanceSpec(), "t")
+        draw([shown, shown], Acceptance(), "t")
     return made
 
 
@@ -122,21 +124,21 @@ def test_of_a_long_name_the_middle_is_left_out() -> None:
 
 def test_whole_groups_fill_the_rows() -> None:
     groups = ["a"] * 5 + ["b"] * 2 + ["c"] * 2
-    height, width, _ = pixels(draw([panel("success", group=g) for g in groups], AcceptanceSpec(), "t")).shape
+    height, width, _ = pixels(draw([panel("success", group=g) for g in groups], Acceptance(), "t")).shape
     assert width / height == pytest.approx(5 / 2, rel=0.25)
 
 
 def test_a_robot_that_walks_away_does_not_shrink_the_rest() -> None:
     near = panel("success")
     far = Panel("x", "g", "g", near.given, (*near.trials, Trial(WAY[1:], WAY * 1000, "time-out")))
-    blue = [int((np.abs(pixels(draw([p], AcceptanceSpec(), "t")) - BLUE).max(axis=2) < 20).sum()) for p in (near, far)]
+    blue = [int((np.abs(pixels(draw([p], Acceptance(), "t")) - BLUE).max(axis=2) < 20).sum()) for p in (near, far)]
     assert blue[1] > blue[0] / 3
 
 
 SUITE = Suite(
     name="s",
-    acceptance=AcceptanceSpec(size_m=2.0),
-    deadline=DeadlineSpec(first_s=0.2),
+    acceptance=Acceptance(size_m=2.0),
+    deadline=Deadline(first_s=0.2),
     cases=(Case(name="near", waypoints=((0.2, 0.0),)), Case(name="far", waypoints=((9.0, 0.0),))),
     courses=(RandomPaths(name="drawn", perimeter="legs", count=30, leg_m=(5.0, 6.0)),),
 )
@@ -166,7 +168,7 @@ def test_the_papers_suite_has_a_panel_for_each_table_and_policy(
 ) -> None:
     paper = load_suite("paper")
     walks: dict[str, Walks] = {}
-    quick = paper.model_copy(update={"deadline": DeadlineSpec(first_s=0.02)})
+    quick = paper.model_copy(update={"deadline": Deadline(first_s=0.02)})
     evaluate(make_policy(tmp_path / "s", gain=0.0), quick, 2, watch=lambda case, new: walks.update({case.name: new}))
     found = [paper_evaluation("1", "single point", "state", 0), paper_evaluation("x", None, "egocentric", 9)]
     drawn = panels(paper, found, [walks, walks])

@@ -1,12 +1,13 @@
 from __future__ import annotations
 
 from tests.evaluation.found import case_result, paper_evaluation
-from waypointctl.evaluation.conditions import AcceptanceSpec, HoldSpec
+from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.grid import Column, Grid
 from waypointctl.evaluation.paths import RandomPaths
 from waypointctl.evaluation.result import CaseResult, Evaluation
 from waypointctl.evaluation.results_grid import failures, results_grid
 from waypointctl.evaluation.tables import MARKDOWN_HEAD, to_markdown
+from waypointctl.mission.fields import Acceptance
 
 
 def evaluation(*cases: CaseResult, **changes: object) -> Evaluation:
@@ -34,9 +35,9 @@ def test_the_title_says_under_which_conditions() -> None:
     narrow = evaluation(
         case_result("a"),
         suite="station",
-        acceptance=AcceptanceSpec(shape="radius", size_m=0.2),
-        suite_acceptance=AcceptanceSpec(shape="radius", size_m=0.3),
-        hold=HoldSpec(),
+        acceptance=Acceptance(shape="radius", size_m=0.2),
+        suite_acceptance=Acceptance(shape="radius", size_m=0.3),
+        hold=Hold(),
     )
     assert results_grid([narrow]).title == (
         "walker in the suite station, seed 1, radius 0.2 m instead of the suite's radius 0.3 m, "

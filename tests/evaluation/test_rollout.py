@@ -9,20 +9,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from waypointctl.evaluation.conditions import HoldSpec
+from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.rollout import Walks, walk
+from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.robots.load import load_robot
 from waypointctl.robots.stance import stance_action
 from waypointctl.seeding import stream
 from waypointctl.sim.single import SingleRobot
-from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.body import body_of
-from waypointctl.task.config import TaskConfig
+from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.course import Deadline
 from waypointctl.task.observation import Goals, layout
-from waypointctl.task.start import Start
 
 FloatArray = NDArray[np.float64]
 
@@ -31,14 +30,16 @@ SIZE_M = 0.35
 FIRST_S, FURTHER_S = 1.5, 1.0
 WITHIN_M = 0.4
 HOLD_STEPS = 15
-HOLD = HoldSpec(time_s=0.3, within_m=WITHIN_M)
+HOLD = Hold(time_s=0.3, within_m=WITHIN_M)
 PATHS = [np.array([[0.1, 0.0], [0.45, 0.1]]), np.array([[0.1, 0.4]])] * (TRIALS // 2)
 
 
 def walked_together(
-    policy: LoadedPolicy, hold: HoldSpec | None = None, ended: Callable[[int], None] = lambda n: None
+    policy: LoadedPolicy, hold: Hold | None = None, ended: Callable[[int], None] = lambda n: None
 ) -> Walks:
-    config = TaskConfig(acceptance=Acceptance("radius", SIZE_M), deadline=Deadline(FIRST_S, FURTHER_S))
+    config = TaskConfig(
+        acceptance=Acceptance(shape="radius", size_m=SIZE_M), deadline=Deadline(first_s=FIRST_S, further_s=FURTHER_S)
+    )
     env = BatchedWaypointEnv(config, TRIALS, 0, threads=2, max_waypoints=3, autoreset=False)
     env.starts = [stream(0, "walk", i) for i in range(TRIALS)]
     return walk(env, policy, PATHS, ended, hold)
@@ -60,10 +61,10 @@ def held(distance: float, standing: int) -> str:
     return "strayed" if distance > WITHIN_M else "success" if standing == 1 + HOLD_STEPS else ""
 
 
-def walked_alone(policy: LoadedPolicy, trial: int, hold: HoldSpec | None = None) -> Alone:
+def walked_alone(policy: LoadedPolicy, trial: int, hold: Hold | None = None) -> Alone:
     robot, path = load_robot("ant"), PATHS[trial]
     world = SingleRobot(robot)
-    qpos, qvel = Start().draw(robot, stream(0, "walk", trial))
+    qpos, qvel = draw_start(Start(), robot, stream(0, "walk", trial))
     world.place(qpos[np.newaxis], qvel[np.newaxis])
     found, limit_s, standing = Alone("", way=[world.qpos[0, :2].copy()]), FIRST_S, 0
     for step in range(1, 10_000):
@@ -108,7 +109,7 @@ ENDS = ("success", "fell", "timed_out", "strayed")
 
 
 @pytest.mark.parametrize("hold", [None, HOLD])
-def test_side_by_side_each_trial_goes_as_it_goes_alone(policies: list[LoadedPolicy], hold: HoldSpec | None) -> None:
+def test_side_by_side_each_trial_goes_as_it_goes_alone(policies: list[LoadedPolicy], hold: Hold | None) -> None:
     seen: set[str] = set()
     for policy in policies:
         walks = walked_together(policy, hold)

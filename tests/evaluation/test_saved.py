@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 
 from waypointctl.errors import InputError, OutputError
-from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec
 from waypointctl.evaluation.result import CaseResult, Evaluation, read_evaluation
 from waypointctl.evaluation.saved import remove_outdated, write_evaluation, write_evaluations
+from waypointctl.mission.fields import Acceptance
+from waypointctl.task.course import Deadline
 
 CASE = CaseResult(
     name="a",
@@ -29,8 +30,8 @@ FOUND = Evaluation(
     suite="s",
     seed=1,
     cases=(CASE,),
-    acceptance=AcceptanceSpec(),
-    deadline=DeadlineSpec(),
+    acceptance=Acceptance(),
+    deadline=Deadline(),
     policy_sha256="0" * 64,
     versions={},
 )

@@ -50,7 +50,7 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
     )
     suite = load_suite(str(path))
     assert suite.name == "my-suite"
-    assert (suite.acceptance.to_task().shape, suite.acceptance.to_task().size_m) == ("radius", 0.3)
+    assert (suite.acceptance.shape, suite.acceptance.size_m) == ("radius", 0.3)
     assert suite.cases[0].path == ((7.0, 12.0), (14.0, 14.5))
     assert suite.cases[0].paper is None
 
@@ -66,9 +66,9 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
         ),
         (
             "name: x\ncourses: [{name: a, perimeter: legs, side: 3 m}]\n",
-            "courses[0].side: means nothing with 'perimeter: legs'",
+            "courses[0].side: is not used by 'perimeter: legs'",
         ),
-        ("name: x\ncourses: [{name: a, leg_m: [1, 2]}]\n", "courses[0].leg_m: means nothing with"),
+        ("name: x\ncourses: [{name: a, leg_m: [1, 2]}]\n", "courses[0].leg_m: is not used by"),
         (
             "name: x\ncourses: [{name: a, perimeter: disk}]\n",
             ":2:32: courses[0].perimeter: 'disk' is not 'square', 'disc'",
@@ -79,8 +79,8 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
         ("name: x\ntrials: 0\ncourses: [{name: a}]\n", ":2:9: trials: 0 is not > 0"),
         ("name: x\nhold: {within: 0 m}\ncourses: [{name: a}]\n", ":2:16: hold.within: 0 m is not > 0 m"),
         (
-            "name: x\nstart: {heading: north}\ncourses: [{name: a}]\n",
-            "start.heading: 'north' is not 'random' or 'along_x'",
+            "name: x\nstart: {heading: 90}\ncourses: [{name: a}]\n",
+            "start.heading: 90 has no unit",
         ),
         (
             "name: x\nacceptance: {size: 3}\ncourses: [{name: a}]\n",
@@ -159,9 +159,10 @@ def test_a_suite_that_is_not_there_is_refused_with_those_that_are(tmp_path: Path
 def test_what_the_built_in_suites_say() -> None:
     region, anywhere, station = (load_suite(name) for name in ("region", "anywhere", "station"))
     ways = [
-        (s.trials, s.courses[0].perimeter, s.courses[0].count, s.start.heading) for s in (region, anywhere, station)
+        (s.trials, s.courses[0].perimeter, s.courses[0].count, s.start.random_heading)
+        for s in (region, anywhere, station)
     ]
-    assert ways == [(1000, "square", 4, "along_x"), (200, "legs", 20, "random"), (1000, "legs", 1, "random")]
+    assert ways == [(1000, "square", 4, False), (200, "legs", 20, True), (1000, "legs", 1, True)]
     assert (region.courses[0].centre_m, region.courses[0].side_m) == ((10.0, 10.0), 10.0)
     assert anywhere.courses[0].leg_m == station.courses[0].leg_m == (1.0, 10.0)
     assert [str(s.acceptance) for s in (region, anywhere, station)] == ["box 0.5 m", "box 0.5 m", "radius 0.3 m"]
@@ -200,7 +201,7 @@ def test_the_perimeters_of_recipes_are_those_of_suites(tmp_path: Path) -> None:
         "name: x\ncourses:\n"
         "  - {name: a, perimeter: ring, count: 500, centre: [3 m, 4 m], inner_radius: 1 m, radius: 2 m}\n"
     )
-    drawn = load_suite(str(path)).courses[0].draw(0, "a", 0)
+    drawn = load_suite(str(path)).courses[0].trial_path(0, "a", 0, (0.0, 0.0))
     radii = np.hypot(*(drawn - [3.0, 4.0]).T)
     assert drawn.shape == (500, 2)
     assert 1.0 <= radii.min() < 1.05

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from tests.flight.flying import flown, mission_of, only
 from tests.sim.bare import BareWorld
 from waypointctl.log.messages import Action, Observation, Reward, State
+from waypointctl.mission.fields import Acceptance
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.protocol import Policy
-from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Deadline
 from waypointctl.task.env import WaypointEnv
@@ -36,8 +36,8 @@ def held_together(policy: Policy, waypoints: list[list[float]], size_m: float, s
     weights = RewardWeights(**policy.reward_weights)
     task = TaskConfig(
         observation=policy.observation_layout,
-        acceptance=Acceptance("box", size_m),
-        deadline=Deadline(60.0, 60.0),
+        acceptance=Acceptance(shape="box", size_m=size_m),
+        deadline=Deadline(first_s=60.0, further_s=60.0),
         reward=weights,
     )
     env = WaypointEnv(task)

@@ -12,8 +12,9 @@ from waypointctl.flight.link.logged import LoggedDirection
 from waypointctl.flight.reporter import Reporter
 from waypointctl.flight.vehicle import Vehicle
 from waypointctl.log.messages import Ack, Message, Mode, Telemetry
+from waypointctl.mission.fields import Start
 from waypointctl.robots.load import load_robot
-from waypointctl.task.start import Start
+from waypointctl.task.config import draw_start
 from waypointctl.units import NS_PER_S
 
 
@@ -23,7 +24,7 @@ def vehicle() -> Vehicle:
     robot = load_robot("ant")
     reporter = Reporter(downlink, NS_PER_S, NS_PER_S, every_state=True)
     made = Vehicle(robot, Scripted(STILL), messages.append, reporter, Rules())
-    made.place(*Start().draw(robot, np.random.default_rng(0)), np.zeros(4))
+    made.place(*draw_start(Start(), robot, np.random.default_rng(0)), np.zeros(4))
     return made
 
 

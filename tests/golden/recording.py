@@ -42,10 +42,9 @@ from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.body import body_of
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course
+from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
+from waypointctl.task.failure_replay import FailureReplay
 from waypointctl.task.observation import Goals, layout
-from waypointctl.task.retry import Retry
-from waypointctl.task.sensor_noise import SensorNoise
-from waypointctl.task.variation import Variation
 from waypointctl.training.recipe_file import load_recipe
 
 ROOT: Final = Path(__file__).parents[2]
@@ -161,7 +160,7 @@ def batched(**config: Any) -> str:
 
 def variations() -> dict[str, str]:
     """Hash the batched environment as the recipes can set it up."""
-    varied = Variation(
+    varied = DomainRandomization(
         mass_factor=(0.8, 1.2),
         friction_factor=(0.5, 1.5),
         gravity_mps2=(8.0, 10.0),
@@ -172,8 +171,10 @@ def variations() -> dict[str, str]:
         "plain": batched(),
         "legs": batched(course=Course(perimeter="legs", count=8, leg_m=(0.3, 2.0))),
         "ring": batched(observation="state_goal", course=Course(perimeter="ring", inner_radius_m=1.0)),
-        "varied": batched(variation=varied),
-        "retry": batched(course=Course(perimeter="legs", count=2, leg_m=(0.1, 1.0)), retry=Retry(probability=0.5)),
+        "varied": batched(domain_randomization=varied),
+        "retry": batched(
+            course=Course(perimeter="legs", count=2, leg_m=(0.1, 1.0)), failure_replay=FailureReplay(probability=0.5)
+        ),
     }
 
 

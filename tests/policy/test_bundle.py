@@ -167,9 +167,9 @@ def test_a_git_lfs_pointer_is_named_for_what_it_is(folder: Path, name: str) -> N
         ("[1, 2]", "must be an object with a whole number as schema_version"),
         ("{}", "must be an object with a whole number as schema_version"),
         ('{"schema_version": true}', "must be an object with a whole number as schema_version"),
-        ('{"schema_version": 7}', "schema_version is 7; this waypointctl reads 1"),
+        ('{"schema_version": 7}', "schema_version is 7; this waypointctl reads 2"),
         ('{"schema_version": 1, "name": "a", "name": "b"}', "not JSON: a key of schema_version, name is there twice"),
-        ('{"schema_version": 1}', "name: Field required"),
+        ('{"schema_version": 2}', "name: Field required"),
     ],
 )
 def test_a_manifest_of_the_wrong_shape_is_refused(folder: Path, text: str, message: str) -> None:

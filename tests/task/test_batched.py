@@ -8,16 +8,15 @@ from numpy.typing import NDArray
 
 from tests.sim.bare import BareWorld
 from waypointctl.errors import InputError
+from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
-from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.body import body_of, fallen
-from waypointctl.task.config import TaskConfig
+from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.observation import LAYOUTS, Goals, layout
 from waypointctl.task.reward import JointLimits, RewardWeights, progress_speed, reward_terms
-from waypointctl.task.start import Start
 
 FloatArray = NDArray[np.float64]
 
@@ -30,11 +29,11 @@ def busy(observation: str = "egocentric") -> TaskConfig:
     """Return a task whose episodes end often and in every way: falls, deadlines and successes."""
     return TaskConfig(
         observation=observation,
-        reward=RewardWeights(progress_cap_mps=1.0, tilt=0.5, wobble=0.01, fall=10.0),
-        course=Course("legs", count=3, leg_m=(0.1, 0.9)),
-        acceptance=Acceptance("radius", 0.45),
-        deadline=Deadline(0.5, 0.4),
-        start=Start(heading_rad=None, joint_spread_rad=0.3, speed_spread=1.5),
+        reward=RewardWeights(progress_cap_mps=1.0, orientation_penalty=0.5, angular_rate_penalty=0.01, fall=10.0),
+        course=Course(perimeter="legs", count=3, leg_m=(0.1, 0.9)),
+        acceptance=Acceptance(shape="radius", size_m=0.45),
+        deadline=Deadline(first_s=0.5, further_s=0.4),
+        start=Start(random_heading=True, joint_spread_rad=0.3, speed_spread=1.5),
     )
 
 
@@ -59,7 +58,7 @@ class Alone:
         self.begin()
 
     def begin(self) -> None:
-        qpos, qvel = self.config.start.draw(self.robot, self.starts)
+        qpos, qvel = draw_start(self.config.start, self.robot, self.starts)
         self.world.place(qpos, qvel)
         self.waypoints = self.config.course.draw(self.courses, qpos[:2])
         self.noise = self.courses.uniform(-1.0, 1.0, (1, 4))
@@ -153,7 +152,7 @@ def test_the_reward_is_the_sum_of_its_terms() -> None:
 
 
 def test_success_is_truncated_and_begins_a_new_episode() -> None:
-    env = BatchedWaypointEnv(TaskConfig(acceptance=Acceptance("box", 2.0)), 3, 0, max_waypoints=4)
+    env = BatchedWaypointEnv(TaskConfig(acceptance=Acceptance(shape="box", size_m=2.0)), 3, 0, max_waypoints=4)
     env.reset()
     env.begin([1], np.array([[1.0, 0.0], [0.0, 1.0]]))
     first, second = env.step(np.zeros((3, 8))), env.step(np.zeros((3, 8)))
@@ -169,7 +168,7 @@ def test_success_is_truncated_and_begins_a_new_episode() -> None:
 
 
 def test_without_autoreset_a_robot_that_has_ended_walks_on() -> None:
-    env = BatchedWaypointEnv(TaskConfig(deadline=Deadline(0.04, 1.0)), 2, 0, autoreset=False)
+    env = BatchedWaypointEnv(TaskConfig(deadline=Deadline(first_s=0.04, further_s=1.0)), 2, 0, autoreset=False)
     env.reset()
     env.step(np.zeros((2, 8)))
     late = env.step(np.zeros((2, 8)))
@@ -193,7 +192,7 @@ def test_a_robots_second_episode_does_not_depend_on_when_it_begins() -> None:
 
 
 def test_names_that_do_not_exist_are_refused() -> None:
-    with pytest.raises(InputError, match="there is no robot 'rover'"):
+    with pytest.raises(InputError, match="there is no robot called 'rover'"):
         BatchedWaypointEnv(TaskConfig(robot="rover"), 1, 0)
     with pytest.raises(InputError, match="there is no observation layout called 'pixels'"):
         BatchedWaypointEnv(TaskConfig(observation="pixels"), 1, 0)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,22 +14,21 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
+from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
-from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.task.config import TaskConfig
+from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.env import WaypointEnv
 from waypointctl.task.observation import LAYOUTS
 from waypointctl.task.register import ENV_ID, register
 from waypointctl.task.reward import TERMS
-from waypointctl.task.start import Start
 
 BUSY = TaskConfig(
-    course=Course("legs", count=3, leg_m=(0.1, 0.9)),
-    acceptance=Acceptance("radius", 0.45),
-    deadline=Deadline(0.8, 0.5),
+    course=Course(perimeter="legs", count=3, leg_m=(0.1, 0.9)),
+    acceptance=Acceptance(shape="radius", size_m=0.45),
+    deadline=Deadline(first_s=0.8, further_s=0.5),
     start=Start(joint_spread_rad=0.3, speed_spread=1.5),
 )
 
@@ -102,7 +102,8 @@ def test_options_say_where_to_begin_and_where_to_go_in_this_episode_alone(env: W
     options = {"waypoints": course, "position_m": [4.0, -2.0], "heading_rad": 1.25}
     _, info = env.reset(seed=9, options=options)
     np.testing.assert_array_equal(info["waypoints"], course)
-    expected, _ = Start((4.0, -2.0), 1.25, 0.3, 1.5).draw(load_robot("ant"), stream(9, "start", 0))
+    start = Start(position_m=(4.0, -2.0), heading_deg=math.degrees(1.25), joint_spread_rad=0.3, speed_spread=1.5)
+    expected, _ = draw_start(start, load_robot("ant"), stream(9, "start", 0))
     np.testing.assert_array_equal(env._env.batch.qpos[0], expected)
     _, info = env.reset()
     assert info["waypoints"].shape == (3, 2)
@@ -110,7 +111,7 @@ def test_options_say_where_to_begin_and_where_to_go_in_this_episode_alone(env: W
 
 
 def test_a_given_course_is_walked_to_its_end() -> None:
-    env = WaypointEnv(TaskConfig(acceptance=Acceptance("box", 3.0)))
+    env = WaypointEnv(TaskConfig(acceptance=Acceptance(shape="box", size_m=3.0)))
     env.reset(seed=0, options={"waypoints": [[0.1 * i, 0.0] for i in range(7)]})
     still = np.zeros(8, np.float32)
     for index in range(1, 7):

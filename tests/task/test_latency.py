@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from waypointctl.task.latency import ActuatorLatency
+from waypointctl.task.randomized_robots import ActuatorLatency
 
 FloatArray = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.task.uniformity import assert_even
-from waypointctl.task.perimeter import Ring, Square
+from waypointctl.task.course import Ring, Square
 
 
 def test_a_square_is_filled_evenly() -> None:

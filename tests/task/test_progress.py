@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from waypointctl.task.acceptance import Acceptance
+from waypointctl.mission.fields import Acceptance
 from waypointctl.task.course import Deadline
 from waypointctl.task.progress import Advance, CourseProgress
 
@@ -85,12 +85,12 @@ def test_one_step_reaches_one_waypoint_even_where_two_lie_together() -> None:
 def test_many_robots_advance_as_each_does_alone() -> None:
     rng = np.random.default_rng(0)
     courses = [rng.uniform(-3, 3, (rng.integers(1, 6), 2)) for _ in range(20)]
-    together = CourseProgress(20, 5, Deadline(0.4, 0.6), PERIOD_NS)
-    alone = [CourseProgress(1, 5, Deadline(0.4, 0.6), PERIOD_NS) for _ in courses]
+    together = CourseProgress(20, 5, Deadline(first_s=0.4, further_s=0.6), PERIOD_NS)
+    alone = [CourseProgress(1, 5, Deadline(first_s=0.4, further_s=0.6), PERIOD_NS) for _ in courses]
     for i, course in enumerate(courses):
         together.assign(i, course)
         alone[i].assign(0, course)
-    acceptance, counts = Acceptance("radius", 1.0), np.zeros(3, int)
+    acceptance, counts = Acceptance(shape="radius", size_m=1.0), np.zeros(3, int)
     for _ in range(120):
         positions = rng.uniform(-3, 3, (20, 2))
         step = together.advance(acceptance, positions)
@@ -120,6 +120,6 @@ def test_a_new_course_begins_from_nothing() -> None:
 
 @pytest.mark.parametrize(("first_s", "steps"), [(0.02, 1), (0.05, 2), (3.0, 150)])
 def test_a_deadline_is_counted_in_whole_steps(first_s: float, steps: int) -> None:
-    progress = CourseProgress(1, 1, Deadline(first_s, 1.0), PERIOD_NS)
+    progress = CourseProgress(1, 1, Deadline(first_s=first_s, further_s=1.0), PERIOD_NS)
     progress.assign(0, np.array([[5.0, 5.0]]))
     assert advance(progress, AWAY, steps).timed_out[0]

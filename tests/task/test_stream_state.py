@@ -2,8 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from waypointctl.seeding import stream
-from waypointctl.task.stream_state import restore_stream, stream_words
+from waypointctl.seeding import restore_stream, stream, stream_words
 
 
 def test_a_stream_goes_on_from_its_words_even_with_half_a_word_to_spare() -> None:

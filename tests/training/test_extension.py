@@ -16,7 +16,7 @@ from waypointctl.training.run_folder import checkpoints
 from waypointctl.training.selection import SELECTION, SelectionFile
 
 SELECTING = "selection: {suite: near.yaml, trials: 2, seed: 50, every: 300}\n"
-MORE = "  - {steps: 384, learning_rate: [2.0e-4, 1.0e-5], reward: {tilt: 3}, entropy: [0.01, 0.0]}\n"
+MORE = "  - {steps: 384, learning_rate: [2.0e-4, 1.0e-5], reward: {orientation_penalty: 3}, entropy: [0.01, 0.0]}\n"
 LONGER = RECIPE.replace("checkpoint_steps", f"{MORE}checkpoint_steps") + SELECTING
 
 

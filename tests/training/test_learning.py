@@ -11,7 +11,7 @@ from waypointctl.training.train import train
 EASY = """\
 name: easy
 course: {perimeter: legs, count: 2, leg: [2 m, 4 m]}
-start: {heading: random}
+start: {random_heading: true}
 deadline: {first: 2 s, further: 2 s}
 network: {hidden: [64, 64], initial_log_std: -1}
 ppo: {robots: 64, rollout_steps: 32, minibatch: 512, epochs: 5, gamma: 0.9, reward_scale: 1}

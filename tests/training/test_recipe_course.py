@@ -10,41 +10,44 @@ import pytest
 from tests.training.tiny import RECIPE, tiny_recipe
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_tree import read_tree
-from waypointctl.task.cases import Cases
 from waypointctl.task.course import PERIMETERS, Course
-from waypointctl.task.retry import Retry
+from waypointctl.task.failure_replay import FailureReplay
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.recipe_file import recipe_schema
 
 COURSE = "{perimeter: legs, count: 2, leg: [0.6 m, 1 m]}"  # as RECIPE has it
 
-RIGHT: list[tuple[str, Course | Cases]] = [
+
+def listed(cases: list[object]) -> Course:
+    return Course.model_validate({"cases": cases})
+
+
+RIGHT: list[tuple[str, Course]] = [
     ("{}", Course()),
     ("{min_distance: 2.5 m}", Course(min_distance_m=2.5)),
-    ("{perimeter: disc, radius: 3 m, centre: [1 m, 2 m]}", Course("disc", centre_m=(1.0, 2.0), radius_m=3.0)),
+    ("{perimeter: disc, radius: 3 m, centre: [1 m, 2 m]}", Course(perimeter="disc", centre_m=(1.0, 2.0), radius_m=3.0)),
     (
         "{perimeter: ring, count: 7, radius_m: 3, inner_radius: 150 cm, min_distance_m: 1}",
-        Course("ring", 7, radius_m=3.0, inner_radius_m=1.5, min_distance_m=1.0),
+        Course(perimeter="ring", count=7, radius_m=3.0, inner_radius_m=1.5, min_distance_m=1.0),
     ),
-    ("{perimeter: none, leg: [2 m, 3 m]}", Course("none", leg_m=(2.0, 3.0))),
-    ("{cases: [[[10, 10]]]}", Cases((((10.0, 10.0),),), (1.0,))),
-    ("{cases: [[[10 m, 10 m]]]}", Cases((((10.0, 10.0),),), (1.0,))),
+    ("{perimeter: legs, leg: [2 m, 3 m]}", Course(perimeter="legs", leg_m=(2.0, 3.0))),
+    ("{cases: [[[10, 10]]]}", listed([[[10.0, 10.0]]])),
+    ("{cases: [[[10 m, 10 m]]]}", listed([[[10.0, 10.0]]])),
     (
         "{cases: [[[7, 12], {position: [14 m, 14 m]}], {waypoints: [[10, 10]], weight: 2.5}]}",
-        Cases((((7.0, 12.0), (14.0, 14.0)), ((10.0, 10.0),)), (1.0, 2.5)),
+        listed([[[7.0, 12.0], [14.0, 14.0]], {"waypoints": [[10.0, 10.0]], "weight": 2.5}]),
     ),
 ]
 
 # What stands in place of COURSE, and the message about it, from the column on.
 WRONG = [
-    ("{perimeter: circle}", "21: course.perimeter: 'circle' is not 'square', 'disc', 'ring', 'legs' or 'none'"),
+    ("{perimeter: circle}", "21: course.perimeter: 'circle' is not 'square', 'disc', 'ring' or 'legs'"),
     (
         "{perimeter: disc, side: 5 m}",
-        "33: course.side: means nothing with 'perimeter: disc', which is drawn by count, centre, radius and "
-        "min_distance",
+        "33: course.side: is not used by 'perimeter: disc', which takes count, centre, radius and min_distance",
     ),
-    ("{radius_m: 3}", "20: course.radius_m: means nothing with 'perimeter: square', which is drawn by"),
-    ("{perimeter: legs, min_distance: 3 m}", "41: course.min_distance: means nothing with 'perimeter: legs'"),
+    ("{radius_m: 3}", "20: course.radius_m: is not used by 'perimeter: square', which takes"),
+    ("{perimeter: legs, min_distance: 3 m}", "41: course.min_distance: is not used by 'perimeter: legs'"),
     ("{perimeter: ring, radius: 3 m}", "21: course.perimeter: a ring needs 'inner_radius', too"),
     (
         "{perimeter: ring, radius: 3 m, inner_radius: 4 m}",
@@ -57,7 +60,7 @@ WRONG = [
     ("{perimeter: disc, radius: 3}", "35: course.radius: 3 has no unit; write 'radius: 3 m' or 'radius_m: 3'"),
     (
         "{side: 4 m, min_distance: 3 m}",
-        "35: course.min_distance: 3 m is not from 0 to 2 m (half its side), the most that this square has room for",
+        "35: course.min_distance: 3 m is not from 0 to 2 m (half its side), the most in this region",
     ),
     ("{min_distance: -1 m}", "24: course.min_distance: -1 m is not >= 0 m"),
     ("{cases: []}", "17: course.cases: has 0 entries; at least 1 are needed"),
@@ -69,11 +72,8 @@ WRONG = [
     ("{cases: [{waypoints: [[1, 1]], weight: 0}]}", "48: course.cases[0].weight: 0 is not > 0"),
     (
         "{cases: [[[10, 10]]], count: 2}",
-        "38: course.count: means nothing beside 'cases', which are the courses themselves: keep one of the two",
+        "38: course.count: cannot be used with 'cases', which are the courses themselves: keep one of the two",
     ),
-    ("{retry_failed: 1.3}", "24: course.retry_failed: 1.3 is not <= 1"),
-    ("{retry_tries: 2}", "23: course.retry_tries: means nothing without 'retry_failed', such as retry_failed: 0.3"),
-    ("{retry_failed: 0.3, retry_memory: 0}", "43: course.retry_memory: 0 is not > 0"),
 ]
 
 
@@ -87,10 +87,10 @@ def recipe_of(folder: Path, course: str) -> Recipe:
 
 
 @pytest.mark.parametrize(("text", "course"), RIGHT, ids=[text for text, _ in RIGHT])
-def test_what_is_written_is_what_is_drawn(tmp_path: Path, text: str, course: Course | Cases) -> None:
+def test_what_is_written_is_what_is_drawn(tmp_path: Path, text: str, course: Course) -> None:
     task = recipe_of(tmp_path, text).task(0)
     assert task.course == course
-    assert task.retry == Retry(), "nothing is walked again unless asked for"
+    assert task.failure_replay == FailureReplay(), "nothing is repeated by default"
     fastjsonschema.compile(recipe_schema())(read_tree(with_course(text).encode()).data)
 
 
@@ -102,14 +102,33 @@ def test_what_is_wrong_is_said_with_its_place(tmp_path: Path, text: str, message
 
 
 def test_all_that_means_nothing_is_said_at_once(tmp_path: Path) -> None:
-    with pytest.raises(RecipeError, match=r"2 problems\n.*:37: course\.side: means .*\n.*:47: course\.leg: means "):
+    with pytest.raises(RecipeError, match=r"2 problems\n.*:37: course\.side: .*\n.*:47: course\.leg: "):
         recipe_of(tmp_path, "{cases: [[[10, 10]]], side: 4 m, leg: [1 m, 2 m]}")
 
 
-def test_failed_courses_are_walked_again_as_the_recipe_says(tmp_path: Path) -> None:
-    assert recipe_of(tmp_path, "{retry_failed: 0.3}").task(1).retry == Retry(0.3, memory=8, tries=5)
-    text = "{cases: [[[10, 10]]], retry_failed: 0.2, retry_memory: 3, retry_tries: 1}"
-    assert recipe_of(tmp_path, text).task(0).retry == Retry(0.2, memory=3, tries=1)
+def replaying(folder: Path, text: str) -> Recipe:
+    return recipe_of(folder, f"{COURSE}\nfailure_replay: {text}")
+
+
+def test_failed_courses_are_repeated_as_the_recipe_says(tmp_path: Path) -> None:
+    expected = FailureReplay(probability=0.3, memory=8, tries=5)
+    assert replaying(tmp_path, "{probability: 0.3}").task(1).failure_replay == expected
+    text = "{probability: 0.2, memory: 3, tries: 1}"
+    assert replaying(tmp_path, text).task(0).failure_replay == FailureReplay(probability=0.2, memory=3, tries=1)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{probability: 1.3}", "4:31: failure_replay.probability: 1.3 is not <= 1"),
+        ("{tries: 2}", "4:25: failure_replay.tries: needs a 'probability' above 0"),
+        ("{probability: 0.3, memory: 0}", "4:44: failure_replay.memory: 0 is not > 0"),
+    ],
+)
+def test_what_is_wrong_with_a_replay_is_said_with_its_place(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(RecipeError) as caught:
+        replaying(tmp_path, text)
+    assert str(caught.value).startswith(f"{tmp_path}/recipe.yaml:{message}")
 
 
 @pytest.mark.parametrize("perimeter", PERIMETERS)
@@ -129,12 +148,12 @@ def test_a_recipe_draws_what_its_perimeter_says(tmp_path: Path, perimeter: str) 
 def test_the_schema_tells_editors_what_every_field_of_a_course_is() -> None:
     schema = recipe_schema()
     course = resolved(schema, schema["properties"]["course"])
-    names = ("perimeter", "radius", "inner_radius_m", "min_distance", "cases", "retry_failed", "retry_memory")
-    for name in (*names, "retry_tries"):
+    names = ("perimeter", "radius", "inner_radius_m", "min_distance", "cases")
+    for name in names:
         assert course["properties"][name]["description"]
     assert course["properties"]["perimeter"]["enum"] == list(PERIMETERS)
     check = fastjsonschema.compile(schema)
-    for wrong in ("{min_distance: 3}", "{cases: [[[1, 2, 3]]]}", "{cases: []}", "{retry_failed: 2}", "{radius: 0 s}"):
+    for wrong in ("{min_distance: 3}", "{cases: [[[1, 2, 3]]]}", "{cases: []}", "{radius: 0 s}"):
         with pytest.raises(fastjsonschema.JsonSchemaException):
             check(read_tree(with_course(wrong).encode()).data)
 

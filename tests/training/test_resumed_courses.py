@@ -15,9 +15,10 @@ from waypointctl.training.run_folder import newest_checkpoint
 # A robot gets through a dozen episodes, most of them too short for their course.
 HURRIED = RECIPE.replace("first: 0.4 s", "first: 0.1 s")
 COURSES = {
-    "drawn": "{perimeter: disc, centre: [0 m, 0 m], radius: 2 m, count: 2, min_distance: 0.6 m, retry_failed: 0.5, "
-    "retry_memory: 3, retry_tries: 2}",
-    "cases": "{cases: [[[0.55, 0]], {waypoints: [[1, 1], [0, 2], [3, 0]], weight: 2}], retry_failed: 0.9}",
+    "drawn": "{perimeter: disc, centre: [0 m, 0 m], radius: 2 m, count: 2, min_distance: 0.6 m}\n"
+    "failure_replay: {probability: 0.5, memory: 3, tries: 2}",
+    "cases": "{cases: [[[0.55, 0]], {waypoints: [[1, 1], [0, 2], [3, 0]], weight: 2}]}\n"
+    "failure_replay: {probability: 0.9}",
 }
 
 
@@ -39,7 +40,7 @@ def test_stopped_three_times_it_ends_in_the_weights_of_one_that_nobody_disturbed
         assert (remembered["failed.walking"] >= 0).any(), "some course is being walked again"
     trained(recipe_file, run, resume=True)
     assert weights_of(run) == weights_of(whole)
-    plain = tiny_recipe(tmp_path, recipe_with(COURSES[name].replace("retry_failed: 0.", "retry_failed: 0.000")))
+    plain = tiny_recipe(tmp_path, recipe_with(COURSES[name].replace("probability: 0.", "probability: 0.000")))
     trained(plain, tmp_path / "plain")
     assert weights_of(tmp_path / "plain") != weights_of(whole), "and courses walked again make another policy"
 

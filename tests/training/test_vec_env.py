@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecCheckNan, VecMonitor, VecNormalize, is_vecenv_wrapped
 
-from waypointctl.task.acceptance import Acceptance
+from waypointctl.mission.fields import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
@@ -23,9 +23,9 @@ SCALE = 0.25
 # Waypoints near enough to walk over by chance, little time, and a robot that is soon thrown over.
 TASK = TaskConfig(
     reward=RewardWeights(fall=50.0),
-    course=Course("square", count=2, centre_m=(0.0, 0.0), side_m=1.0),
-    acceptance=Acceptance("radius", 0.25),
-    deadline=Deadline(0.7, 0.3),
+    course=Course(perimeter="square", count=2, centre_m=(0.0, 0.0), side_m=1.0),
+    acceptance=Acceptance(shape="radius", size_m=0.25),
+    deadline=Deadline(first_s=0.7, further_s=0.3),
 )
 
 

@@ -16,7 +16,7 @@ RECIPE = """\
 name: tiny
 seed: 7
 course: {perimeter: legs, count: 2, leg: [0.6 m, 1 m]}
-start: {heading: random}
+start: {random_heading: true}
 deadline: {first: 0.4 s, further: 0.4 s}
 network: {hidden: [16, 16]}
 ppo: {robots: 16, rollout_steps: 8, minibatch: 64, epochs: 2}

@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from waypointctl.evaluation.conditions import AcceptanceSpec, parse_acceptance
+from waypointctl.evaluation.conditions import parse_acceptance
 from waypointctl.evaluation.evaluate import Progress, evaluate
 from waypointctl.evaluation.result import Evaluation
 from waypointctl.evaluation.rollout import Walks
 from waypointctl.evaluation.suite import Suite, Walked, load_suite
+from waypointctl.mission.fields import Acceptance
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.training.trained_on import trained_on
 
@@ -39,7 +40,7 @@ class ChosenSuite:
     walked: Suite
 
     @property
-    def other_acceptance(self) -> AcceptanceSpec | None:
+    def other_acceptance(self) -> Acceptance | None:
         """The region that takes the place of the suite's own, None where it is the suite's."""
         return None if self.own.acceptance == self.walked.acceptance else self.walked.acceptance
 

@@ -56,7 +56,7 @@ def evaluate(
         name = f"evaluation/{suite.name}/{case.name}"
         env.starts = [stream(seed, name, trial) for trial in range(trials)]
         env.courses = [stream(seed, f"{name}/course", trial) for trial in range(trials)]
-        paths = [case.draw(seed, f"{name}/path", trial) for trial in range(trials)]
+        paths = [case.trial_path(seed, f"{name}/path", trial, suite.start.position_m) for trial in range(trials)]
         walks = walk(env, policy, paths, partial(progress, case.name) if progress else _ignore, suite.hold)
         if watch is not None:
             watch(case, walks)
@@ -80,9 +80,9 @@ def _env(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, threads: in
     config = TaskConfig(
         robot=policy.robot,
         observation=policy.observation_layout,
-        acceptance=suite.acceptance.to_task(),
-        deadline=suite.deadline.to_task(),
-        start=suite.start.to_task(),
+        acceptance=suite.acceptance,
+        deadline=suite.deadline,
+        start=suite.start,
     )
     longest = max(case.longest for case in suite.walked)
     try:

@@ -11,18 +11,18 @@ from pydantic import Field, Strict
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.mission import Name, Position
 from waypointctl.seeding import stream
-from waypointctl.task.course_file import CourseFields, Point
+from waypointctl.task.course import Course, Point
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Rate: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1)]
 
 
 class Case(FileModel):
-    """One path, from the origin through its waypoints, that every trial walks."""
+    """One path, the same in every trial."""
 
     name: Name
     waypoints: Annotated[tuple[Point, ...], Field(min_length=1, max_length=1000)] = Field(
-        description="in the order in which they are to be reached; the robot starts at the origin"
+        description="in the order in which they are to be reached"
     )
     paper: Rate | None = Field(None, description="the published success rate")
 
@@ -36,21 +36,16 @@ class Case(FileModel):
         """The number of waypoints."""
         return len(self.waypoints)
 
-    def draw(self, seed: int, stream_name: str, trial: int) -> FloatArray:
+    def trial_path(self, seed: int, stream_name: str, trial: int, start_m: Position) -> FloatArray:
         """Return the waypoints (m, 2) [m], the same for every trial."""
         return np.array(self.path)
 
 
-class RandomPaths(CourseFields):
+class RandomPaths(Course):
     """Paths that are drawn, another for each trial."""
 
     name: Name
 
-    @property
-    def longest(self) -> int:
-        """The number of waypoints."""
-        return self.count
-
-    def draw(self, seed: int, stream_name: str, trial: int) -> FloatArray:
-        """Return the waypoints (count, 2) [m] of one trial, whatever the other trials are."""
-        return self.course.draw(stream(seed, stream_name, trial), np.zeros(2))
+    def trial_path(self, seed: int, stream_name: str, trial: int, start_m: Position) -> FloatArray:
+        """Return the waypoints (m, 2) [m] of one trial, whatever the other trials are."""
+        return self.draw(stream(seed, stream_name, trial), np.array(start_m))

@@ -15,11 +15,12 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from waypointctl.evaluation.conditions import AcceptanceSpec, HoldSpec
+from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.key import draw_key, key_of, margin_in
 from waypointctl.evaluation.panels import Panel
 from waypointctl.evaluation.plot_style import HOLD, LOOKS, Regions
 from waypointctl.figure import FAINT, GREEN, INK, picture
+from waypointctl.mission.fields import Acceptance
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ _STYLE: Final[dict[Any, Any]] = {
 }
 
 
-def draw(panels: Sequence[Panel], acceptance: AcceptanceSpec, title: str, hold: HoldSpec | None = None) -> bytes:
+def draw(panels: Sequence[Panel], acceptance: Acceptance, title: str, hold: Hold | None = None) -> bytes:
     """Return the picture of panels as PNG; the same panels give the same bytes.
 
     Args:
@@ -142,7 +143,7 @@ def _draw_regions(axes: Axes, panel: Panel, regions: Regions) -> None:
             axes.add_patch(Circle(place, regions.hold.within_m, **HOLD))
 
 
-def _region(place: tuple[float, float], acceptance: AcceptanceSpec, *, filled: bool) -> Patch:
+def _region(place: tuple[float, float], acceptance: Acceptance, *, filled: bool) -> Patch:
     (x, y), reach = place, acceptance.size_m
     region: Patch
     if acceptance.shape == "box":

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final
 
-from waypointctl.evaluation.conditions import AcceptanceSpec, HoldSpec
+from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.panels import End
 from waypointctl.figure import BLUE, INK, OCHRE, PURPLE, VERMILION
+from waypointctl.mission.fields import Acceptance
 
 # The colour of a way, and the mark at its end.
 LOOKS: Final[dict[End, tuple[str, str]]] = {
@@ -28,5 +29,5 @@ class Regions:
         hold: around the last one, where it is to be held.
     """
 
-    acceptance: AcceptanceSpec
-    hold: HoldSpec | None
+    acceptance: Acceptance
+    hold: Hold | None

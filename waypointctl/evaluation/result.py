@@ -10,11 +10,13 @@ from typing import Annotated, Final, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_serializer, model_validator
 
 from waypointctl.errors import InputError
-from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec, StartSpec
+from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.paper import Training
 from waypointctl.evaluation.paths import RandomPaths
 from waypointctl.evaluation.wilson import wilson_interval
 from waypointctl.input_file import RECORD_FILE, read_input
+from waypointctl.mission.fields import Acceptance, Start
+from waypointctl.task.course import Deadline
 
 EVALUATION: Final = "evaluation.json"  # its name in a policy's folder: what the paper's suite found
 
@@ -81,13 +83,13 @@ class Evaluation(_Record):
     suite: Name
     seed: int
     cases: Annotated[tuple[CaseResult, ...], Field(min_length=1)]
-    acceptance: AcceptanceSpec
-    deadline: DeadlineSpec
+    acceptance: Acceptance
+    deadline: Deadline
     policy_sha256: str
     versions: dict[str, str]
-    start: StartSpec = StartSpec()
-    hold: HoldSpec | None = None
-    suite_acceptance: AcceptanceSpec | None = None  # the suite's own, where another one was asked for
+    start: Start = Start()
+    hold: Hold | None = None
+    suite_acceptance: Acceptance | None = None  # the suite's own, where another one was asked for
     observation: str | None = None  # the policy's observation layout
     training: Training | None = None  # what the policy was trained on, where its recipe says so
 

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.evaluation.conditions import HoldSpec
+from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.track import TRACED, Track, is_orbiting, is_stuck
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.stance import stance_action
@@ -68,7 +68,7 @@ def walk(
     policy: Policy,
     paths: Sequence[FloatArray],
     ended: Callable[[int], None],
-    hold: HoldSpec | None = None,
+    hold: Hold | None = None,
 ) -> Walks:
     """Walk a path with each robot of `env`, made with autoreset off, until each trial has ended.
 
@@ -100,7 +100,7 @@ def walk(
 class _Trials:
     """The trials that are under way: who walks, who holds, and what has come of the others."""
 
-    def __init__(self, env: BatchedWaypointEnv, paths: Sequence[FloatArray], hold: HoldSpec | None) -> None:
+    def __init__(self, env: BatchedWaypointEnv, paths: Sequence[FloatArray], hold: Hold | None) -> None:
         n = env.num_robots
         self._env, self._paths, self._hold = env, tuple(paths), hold
         self._position: FloatArray = env.batch.qpos[:, :2].copy()
@@ -196,7 +196,7 @@ class _Trials:
         period_ns = self._env.robot.control_period_ns
         self._success |= holding & ~self._strayed & (self._held * period_ns >= ns(self._hold.time_s))
 
-    def _is_off(self, hold: HoldSpec) -> BoolArray:
+    def _is_off(self, hold: Hold) -> BoolArray:
         distance_m = np.linalg.norm(self._position - self._env.progress.goals[:, 0], axis=1)
         return np.asarray(distance_m > hold.within_m)
 

@@ -9,11 +9,11 @@ from typing import Final
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from waypointctl.errors import InputError, OutputError, SuiteError
-from waypointctl.evaluation.conditions import AcceptanceSpec
 from waypointctl.evaluation.result import EVALUATION, Evaluation, evaluations_json, read_evaluation
 from waypointctl.evaluation.suite import BUILT_IN, Suite, load_suite
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.mission.checks import file_name
+from waypointctl.mission.fields import Acceptance
 from waypointctl.paths import write_whole
 
 PATTERN: Final = "evaluation*.json"  # the files that evaluations are saved to beside a policy
@@ -46,7 +46,7 @@ def write_evaluations(evaluations: Sequence[Evaluation], path: Path) -> None:
     write_whole(path, evaluations_json(evaluations).encode(), "the evaluation")
 
 
-def saved_name(suite: str, other_acceptance: AcceptanceSpec | None = None) -> str:
+def saved_name(suite: str, other_acceptance: Acceptance | None = None) -> str:
     """Return the name of an evaluation's file in its policy's folder.
 
     There is one for each suite, and one more for each acceptance region that is not the suite's own.

@@ -10,12 +10,14 @@ from typing import Annotated, Any, Final, TypeAlias
 from pydantic import Field, Strict, model_validator
 
 from waypointctl.errors import SuiteError
-from waypointctl.evaluation.conditions import AcceptanceSpec, DeadlineSpec, HoldSpec, StartSpec
+from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.paper import PaperPolicy, PaperTable
 from waypointctl.evaluation.paths import Case, RandomPaths
+from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.mission import Name
 from waypointctl.mission.yaml_source import read_model, read_source
+from waypointctl.task.course import Deadline
 
 BUILT_IN: Final = ("paper", "region", "anywhere", "station")
 MOST_TRIALS: Final = 100_000
@@ -31,10 +33,10 @@ class Suite(FileModel):
     trials: Annotated[int, Strict(), Field(gt=0, le=MOST_TRIALS)] = Field(
         100, description="of each case, unless told otherwise"
     )
-    acceptance: AcceptanceSpec = AcceptanceSpec()
-    deadline: DeadlineSpec = DeadlineSpec()
-    start: StartSpec = StartSpec()
-    hold: HoldSpec | None = Field(None, description="to stand at the last waypoint; left out: reaching it is enough")
+    acceptance: Acceptance = Acceptance()
+    deadline: Deadline = Deadline()
+    start: Start = Start()
+    hold: Hold | None = Field(None, description="to stand at the last waypoint; left out: reaching it is enough")
     cases: Annotated[tuple[Case, ...], Field(min_length=1, max_length=1000)] = Field((), description="given paths")
     courses: Annotated[tuple[RandomPaths, ...], Field(min_length=1, max_length=1000)] = Field(
         (), description="random paths"
@@ -47,7 +49,7 @@ class Suite(FileModel):
         """The cases, given ones first."""
         return (*self.cases, *self.courses)
 
-    def accepting(self, acceptance: AcceptanceSpec) -> Suite:
+    def accepting(self, acceptance: Acceptance) -> Suite:
         """Return the suite with another acceptance region."""
         return self.model_copy(update={"acceptance": acceptance})
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 from waypointctl.flight.closing import Closing
@@ -24,8 +23,8 @@ from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
+from waypointctl.task.config import draw_start
 from waypointctl.task.observation import NOISE_SIZE
-from waypointctl.task.start import Start
 from waypointctl.units import NS_PER_S, ns
 
 CHECKPOINT_PERIOD_NS: Final = 10 * NS_PER_S
@@ -55,7 +54,7 @@ class Flight:
         reporter = _reporter(mission, self._downlink)
         self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission))
         self._closing = Closing(self._station, self._vehicle.executive, reporter.news, up, down, self._vehicle.is_still)
-        self._vehicle.place(*start_of(mission).draw(robot, stream(seed, "start", 0)), noise)
+        self._vehicle.place(*draw_start(mission.start, robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
         self._checkpoint_ns = 0
         self._ground_ns = 0  # when the operator last heard or did anything
@@ -206,9 +205,3 @@ def _reporter(mission: Mission, downlink: Downlink) -> Reporter:
     telemetry = mission.telemetry
     period_ns, beacon_ns = ns(1 / telemetry.rate_hz), ns(telemetry.beacon_s)
     return Reporter(downlink, period_ns, beacon_ns, every_state=mission.autonomy == "joint")
-
-
-def start_of(mission: Mission) -> Start:
-    """Return where the mission begins, as the task draws it."""
-    x_m, y_m = mission.start.position_m
-    return Start(position_m=(x_m, y_m), heading_rad=math.radians(mission.start.heading_deg))

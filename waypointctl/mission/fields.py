@@ -1,12 +1,13 @@
-"""What several parts of a mission are made of: names, places, and the bounds of times and lengths."""
+"""What missions, recipes and suites share: names, places, the bounds of times and lengths, acceptance and start."""
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Literal, TypeAlias
+from typing import Annotated, Final, Literal, TypeAlias, cast, get_args
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, Strict
 
 from waypointctl.mission.checks import line_of_text
+from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
 
 DAY_S: Final = 86_400.0
@@ -15,7 +16,40 @@ FURTHEST_M: Final = 10_000.0  # of a coordinate
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=60), AfterValidator(line_of_text)]
 Coordinate: TypeAlias = Annotated[float, Quantity("m", ge=-FURTHEST_M, le=FURTHEST_M)]
 Position: TypeAlias = tuple[Coordinate, Coordinate]
-Acceptance: TypeAlias = Literal["box", "radius"]
+AcceptanceShape: TypeAlias = Literal["box", "radius"]
+ACCEPTANCE_SHAPES: Final[tuple[str, ...]] = get_args(AcceptanceShape)
 Tolerance: TypeAlias = Annotated[float, Quantity("m", gt=0, le=100)]
 Timeout: TypeAlias = Annotated[float, Quantity("s", gt=0, le=DAY_S)]
 Hold: TypeAlias = Annotated[float, Quantity("s", ge=0, le=DAY_S)]
+
+
+class Acceptance(FileModel):
+    """The region around a waypoint that counts as having reached it."""
+
+    shape: AcceptanceShape = Field(
+        "box", description="box (the paper's): |dx| and |dy| below the size; radius: the distance below it"
+    )
+    size_m: Tolerance = Field(0.5, description="half the box's side, or the radius")
+
+    @classmethod
+    def of(cls, shape: str, size_m: float) -> Acceptance:
+        """Return the region of a command that has been checked on its arrival: nothing is checked again."""
+        return cls.model_construct(shape=cast("AcceptanceShape", shape), size_m=size_m)
+
+    def __str__(self) -> str:
+        """Return it for people: "box 0.5 m"."""
+        return f"{self.shape} {self.size_m:g} m"
+
+
+class Start(FileModel):
+    """Where the robot stands at the start, and how much its state is spread around the stance."""
+
+    position_m: Position = Field((0.0, 0.0), description="x and y in the world frame")
+    heading_deg: Annotated[float, Quantity("deg", ge=-360, le=360)] = Field(0.0, description="0 is along x, 90 along y")
+    random_heading: Annotated[bool, Strict()] = Field(False, description="draw the heading, in place of `heading`")
+    joint_spread_rad: Annotated[float, Quantity("rad", ge=0, le=1)] = Field(
+        0.1, description="joint angles are off the stance by up to this"
+    )
+    speed_spread: Annotated[float, Strict(), Field(ge=0, le=5)] = Field(
+        0.1, description="velocities are up to this, in m/s and rad/s"
+    )

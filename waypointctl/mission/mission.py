@@ -15,10 +15,11 @@ from pydantic import AfterValidator, Field, PrivateAttr, Strict, ValidationInfo,
 
 from waypointctl.mission.checks import expected_within, file_name, line_of_text, names_differ
 from waypointctl.mission.fields import DAY_S as DAY_S
-from waypointctl.mission.fields import Acceptance
+from waypointctl.mission.fields import AcceptanceShape
 from waypointctl.mission.fields import Hold as Hold
 from waypointctl.mission.fields import Name as Name
 from waypointctl.mission.fields import Position as Position
+from waypointctl.mission.fields import Start as Start
 from waypointctl.mission.fields import Timeout as Timeout
 from waypointctl.mission.fields import Tolerance as Tolerance
 from waypointctl.mission.file_model import FileModel
@@ -32,19 +33,12 @@ from waypointctl.mission.schedule import ScheduledCommand
 MOST_LEGS: Final = 10_000
 
 
-class Start(FileModel):
-    """Where the robot stands when the mission starts."""
-
-    position_m: Position = Field((0.0, 0.0), description="x and y in the world frame")
-    heading_deg: Annotated[float, Quantity("deg", ge=-360, le=360)] = Field(
-        0.0, description="0 looks along x, 90 along y"
-    )
-
-
 class Defaults(FileModel):
     """What holds for every waypoint that does not say otherwise."""
 
-    acceptance: Acceptance = Field("box", description="box: |dx| and |dy| within the tolerance; radius: the distance")
+    acceptance: AcceptanceShape = Field(
+        "box", description="box: |dx| and |dy| within the tolerance; radius: the distance"
+    )
     tolerance_m: Tolerance = Field(0.5, description="half the side of the box, or the radius")
     timeout_s: Timeout = Field(30.0, description="from the start of the leg until the waypoint must be reached")
     hold_s: Hold = Field(0.0, description="how long to stand at the waypoint")
@@ -58,7 +52,7 @@ class Waypoint(FileModel):
 
     name: Name | None = Field(None, description="WP1, WP2, ... where it is left out")
     position_m: Position = Field(description="x and y in the world frame")
-    acceptance: Acceptance | None = Field(
+    acceptance: AcceptanceShape | None = Field(
         None, description="box: |dx| and |dy| within the tolerance; radius: the distance"
     )
     tolerance_m: Tolerance | None = Field(None, description="half the side of the box, or the radius")
@@ -224,7 +218,7 @@ class Leg:
     name: str
     x_m: float
     y_m: float
-    acceptance: Acceptance
+    acceptance: AcceptanceShape
     tolerance_m: float  # half the side of the box, or the radius
     timeout_s: float  # from the start of the leg
     hold_s: float

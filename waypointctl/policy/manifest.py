@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal, TypeAlias
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-SCHEMA_VERSION: Final[Literal[1]] = 1
+SCHEMA_VERSION: Final[Literal[2]] = 2
 MANIFEST: Final = "manifest.json"
 NETWORK: Final = "policy.onnx"
 WEIGHTS: Final = "weights.safetensors"
@@ -110,7 +110,7 @@ class FileRecord(_Record):
 class PolicyDescription(_Record):
     """All that whoever trains a policy says of it."""
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Literal[2] = SCHEMA_VERSION
     name: Name
     robot: Name
     control_period_ns: Count

@@ -14,12 +14,12 @@ from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
 from waypointctl.sim.batch import RobotBatch
 from waypointctl.task.body import Body, body_of, fallen
-from waypointctl.task.config import TaskConfig
+from waypointctl.task.config import TaskConfig, draw_start
+from waypointctl.task.failure_replay import FailedCourses
 from waypointctl.task.observation import NOISE_SIZE, Goals, layout
 from waypointctl.task.progress import CourseProgress
-from waypointctl.task.retry import FailedCourses
+from waypointctl.task.randomized_robots import RandomizedRobots
 from waypointctl.task.reward import JointLimits, progress_speed, reward_terms
-from waypointctl.task.varied_robots import VariedRobots
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -115,7 +115,7 @@ class BatchedWaypointEnv:
             num_robots: how many.
             seed: of every random stream.
             threads: physics threads; 0 is one a core, 8 at most.
-            max_waypoints: the longest course that `begin` will be given; the config's count unless told.
+            max_waypoints: the longest course that `begin` will be given; that of the config unless given.
             autoreset: begin a new episode in the step that ends one; without it ended robots are left to walk on.
         """
         self.config = config
@@ -123,9 +123,9 @@ class BatchedWaypointEnv:
         self.layout = layout(config.observation)
         self.num_robots = num_robots
         self.batch = RobotBatch(self.robot, num_robots, threads)
-        self.varied = VariedRobots(config.variation, self.batch)
+        self.randomized = RandomizedRobots(config.domain_randomization, self.batch)
         self.progress = CourseProgress(
-            num_robots, max_waypoints or config.course.count, config.deadline, self.robot.control_period_ns
+            num_robots, max_waypoints or config.course.longest, config.deadline, self.robot.control_period_ns
         )
         self.noise: FloatArray = np.zeros((num_robots, NOISE_SIZE))
         self.seed(seed)
@@ -137,9 +137,9 @@ class BatchedWaypointEnv:
         """Begin every random stream anew, and forget the courses that failed."""
         self.starts = [stream(seed, "start", i) for i in range(self.num_robots)]
         self.courses = [stream(seed, "course", i) for i in range(self.num_robots)]
-        self.varied.seed(seed)
-        retry, count = self.config.retry, self.config.course.count
-        self.failed = FailedCourses(retry, self.num_robots, count, seed) if retry.probability else None
+        self.randomized.seed(seed)
+        replay, longest = self.config.failure_replay, self.config.course.longest
+        self.failed = FailedCourses(replay, self.num_robots, longest, seed) if replay.probability else None
 
     def reset(self) -> FloatArray:
         """Begin a new episode with every robot; return the observations (n, k)."""
@@ -148,11 +148,11 @@ class BatchedWaypointEnv:
 
     def begin(self, robots: Sequence[int] | NDArray[np.intp], waypoints: FloatArray | None = None) -> None:
         """Begin a new episode with some robots, on a given course (m, 2) or on one drawn for each."""
-        states = [self.config.start.draw(self.robot, self.starts[i]) for i in robots]
+        states = [draw_start(self.config.start, self.robot, self.starts[i]) for i in robots]
         qpos, qvel = (np.stack(part) for part in zip(*states, strict=True))
         ids = np.asarray(robots, np.intp)
         self.batch.place(ids, qpos, qvel)
-        self.varied.begin(ids)
+        self.randomized.begin(ids)
         for i, start in zip(robots, qpos, strict=True):
             rng = self.courses[i]
             self.progress.assign(i, self._course(i, start[:2]) if waypoints is None else waypoints)
@@ -172,7 +172,7 @@ class BatchedWaypointEnv:
         """
         actions = refuse_bad_action(actions, self.robot.num_actions, self.num_robots)
         before = self.batch.qpos[:, :2].copy()
-        applied = self.varied.step(clip_actions(actions))
+        applied = self.randomized.step(clip_actions(actions))
 
         body = self._body(slice(None))
         fell = fallen(body, self.robot.min_height_m, self.robot.min_up)
@@ -213,4 +213,4 @@ class BatchedWaypointEnv:
         return body_of(self.batch.qpos[robots].copy(order="F"), self.batch.qvel[robots].copy(order="F"))
 
     def _observation(self, body: Body, robots: Robots) -> FloatArray:
-        return self.layout.observe(self.varied.seen(body), Goals(self.progress.goals[robots], self.noise[robots]))
+        return self.layout.observe(self.randomized.seen(body), Goals(self.progress.goals[robots], self.noise[robots]))

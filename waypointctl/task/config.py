@@ -2,27 +2,43 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
-from waypointctl.task.acceptance import Acceptance
-from waypointctl.task.cases import Cases
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.mission.fields import Acceptance, Start
+from waypointctl.robots.robot import Robot
 from waypointctl.task.course import Course, Deadline
-from waypointctl.task.retry import Retry
+from waypointctl.task.domain_randomization import DomainRandomization
+from waypointctl.task.failure_replay import FailureReplay
 from waypointctl.task.reward import RewardWeights
-from waypointctl.task.start import Start
-from waypointctl.task.variation import Variation
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class TaskConfig:
-    """A waypoint task: which robot, what it sees, what it is paid, where it is to go, when it is there."""
+    """A waypoint task: the robot, its observation, its reward, its courses, and when a waypoint counts as reached."""
 
     robot: str = "ant"
     observation: str = "egocentric"
     reward: RewardWeights = field(default_factory=RewardWeights)
-    course: Course | Cases = field(default_factory=Course)
-    retry: Retry = field(default_factory=Retry)
+    course: Course = field(default_factory=Course)
+    failure_replay: FailureReplay = field(default_factory=FailureReplay)
     acceptance: Acceptance = field(default_factory=Acceptance)
     deadline: Deadline = field(default_factory=Deadline)
     start: Start = field(default_factory=Start)
-    variation: Variation = field(default_factory=Variation)
+    domain_randomization: DomainRandomization = field(default_factory=DomainRandomization)
+
+
+def draw_start(start: Start, robot: Robot, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    """Return a physics state to begin in: qpos (nq,) and qvel (nv,)."""
+    joints, speeds = len(robot.nominal), len(robot.nominal) + 6
+    heading = rng.uniform(-math.pi, math.pi) if start.random_heading else math.radians(start.heading_deg)
+    qpos = np.empty(7 + joints)
+    qpos[:3] = (*start.position_m, robot.nominal_height_m)
+    qpos[3:7] = (math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2))
+    qpos[7:] = robot.nominal + rng.uniform(-start.joint_spread_rad, start.joint_spread_rad, joints)
+    return qpos, rng.uniform(-start.speed_spread, start.speed_spread, speeds)

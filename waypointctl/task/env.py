@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
@@ -10,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
+from waypointctl.mission.fields import Start
 from waypointctl.task.batched import BatchedWaypointEnv, Step, refuse_bad_action
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.progress import CourseProgress
 from waypointctl.task.rendering import RENDER_MODES, Rendering, render_mode_of
 from waypointctl.task.reward import TERMS
-from waypointctl.task.start import Start
 
 try:
     import gymnasium
@@ -40,8 +41,8 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
     `info` of a step has `reward_<term>` for each term of the reward, `waypoint_index` (of the waypoint walked to, from
     0), `waypoint_reached` (in this step), `success`, `fell` and `timed_out`; that of the last step has `is_success`,
     which stable-baselines3's EvalCallback counts, and `end_reason`: "success", "fall" or "time_out". That of a reset
-    has `waypoint_index` and `waypoints` (m, 2) [m], and what was drawn of the config's variation under its name there,
-    such as `mass_factor`.
+    has `waypoint_index` and `waypoints` (m, 2) [m], and what domain randomization drew, under its name there, such as
+    `mass_factor`.
     """
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 50}  # noqa: RUF012  # as Gymnasium's
@@ -87,14 +88,14 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         start = _start(given, self._config.start)
         if seed is not None or not self._seeded:
             self._seed(int(self.np_random.integers(2**63)) if seed is None else seed)
-        count = self._config.course.count if waypoints is None else len(waypoints)
+        count = self._config.course.longest if waypoints is None else len(waypoints)
         self._make_room(count)
         self._env.config = replace(self._config, start=start)
         self._env.begin([0], waypoints)
         course = self._env.progress.waypoints[0, : self._env.progress.count[0]].copy()
         self._show()
-        varied = {name: float(value[0]) for name, value in self._env.varied.values(np.array([0])).items()}
-        return self._env.observe()[0], {"waypoint_index": 0, "waypoints": course, **varied}
+        drawn = {name: float(value[0]) for name, value in self._env.randomized.values(np.array([0])).items()}
+        return self._env.observe()[0], {"waypoint_index": 0, "waypoints": course, **drawn}
 
     def step(self, action: NDArray[np.float32]) -> tuple[FloatArray, float, bool, bool, dict[str, Any]]:
         """Walk one control period with action (nu,), clipped to [-1, 1].
@@ -176,12 +177,13 @@ def _start(options: Mapping[str, Any], start: Start) -> Start:
         position = _numbers("position_m", options["position_m"])
         if position.shape != (2,):
             raise InputError(f"options['position_m'] has the shape {position.shape}; it is to be (2,), x and y in m")
-        start = replace(start, position_m=(float(position[0]), float(position[1])))
+        start = start.model_copy(update={"position_m": (float(position[0]), float(position[1]))})
     if options.get("heading_rad") is not None:
         heading = _numbers("heading_rad", options["heading_rad"])
         if heading.shape != ():
             raise InputError(f"options['heading_rad'] has the shape {heading.shape}; it is to be one number in rad")
-        start = replace(start, heading_rad=float(heading))
+        degrees = math.degrees(float(heading))
+        start = start.model_copy(update={"heading_deg": degrees, "random_heading": False})
     return start
 
 

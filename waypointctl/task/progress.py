@@ -7,13 +7,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.task.acceptance import Acceptance, reached
+from waypointctl.mission.fields import Acceptance
 from waypointctl.task.course import Deadline
 from waypointctl.units import ns
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
+
+
+def reached(acceptance: Acceptance, position: FloatArray, goal: FloatArray) -> BoolArray:
+    """Return which of the positions (n, >= 2) are within acceptance of their goal (n, 2)."""
+    dx, dy = position[:, 0] - goal[:, 0], position[:, 1] - goal[:, 1]
+    if acceptance.shape == "box":
+        return (np.abs(dx) < acceptance.size_m) & (np.abs(dy) < acceptance.size_m)
+    return dx * dx + dy * dy < acceptance.size_m**2
 
 
 @dataclass(frozen=True, slots=True)

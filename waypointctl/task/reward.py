@@ -1,4 +1,4 @@
-"""What a policy is paid: named terms in units of walking speed, each a pure function of arrays.
+"""The reward: named terms in units of walking speed, each a pure function of arrays.
 
 The paper's R(G) = V_G - P: velocity towards the current waypoint, less penalties. The terms are Roboschool's
 (progress, electricity, joint limits, alive), and those that keep a fast ant from flipping over.
@@ -7,55 +7,51 @@ The paper's R(G) = V_G - P: velocity towards the current waypoint, less penaltie
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import Final
+from dataclasses import dataclass
+from typing import Annotated, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, Strict
 
-from waypointctl.errors import InputError
+from waypointctl.mission.file_model import FileModel
 from waypointctl.task.body import JOINT_RATE_SCALE, Body
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
+# A bound that no sound training comes near, and below which float32 does not overflow at the first step.
+Cost: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1e6, allow_inf_nan=False)]
 
 JOINT_LIMIT_MARGIN: Final = 0.01  # of the joint's range: within it a joint counts as at its limit
 
 
-@dataclass(frozen=True, slots=True)
-class RewardWeights:
-    """The weight of each term; a term with weight 0 is still computed and logged as 0.
+class RewardWeights(FileModel):
+    """The weight of each term in units of walking speed; a term with weight 0 is still computed and logged as 0."""
 
-    Attributes:
-        progress: for each [m/s] of approach to the current waypoint.
-        progress_cap_mps: approach faster than this pays no more.
-        alive: for each step not fallen.
-        power: against mean |action x scaled joint speed|.
-        torque: against mean action squared.
-        joint_limits: against each joint at its limit.
-        tilt: against 1 - up, 0 upright and 2 upside down.
-        wobble: against roll rate squared plus pitch rate squared [(rad/s)^2].
-        fall: against falling, once.
-    """
-
-    progress: float = 1.0
-    progress_cap_mps: float = math.inf
-    alive: float = 1.0
-    power: float = 2.0
-    torque: float = 0.1
-    joint_limits: float = 0.2
-    tilt: float = 0.0
-    wobble: float = 0.0
-    fall: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Refuse weights that are not numbers or would pay for what is meant as a cost."""
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if math.isnan(value) or value < 0:
-                raise InputError(f"reward.{field.name}: {value} is not a number >= 0; costs are subtracted as they are")
+    progress: Cost = Field(1.0, description="for each m/s of approach to the current waypoint")
+    progress_cap_mps: Annotated[float, Strict(), Field(gt=0)] = Field(
+        math.inf, description="a faster approach pays no more"
+    )
+    alive: Cost = Field(1.0, description="for each step not fallen")
+    power: Cost = Field(2.0, description="against mean |action x scaled joint speed|")
+    torque: Cost = Field(0.1, description="against mean action squared")
+    joint_limits: Cost = Field(0.2, description="against each joint at its limit")
+    orientation_penalty: Cost = Field(0.0, description="against 1 - up: 0 upright, 2 upside down")
+    angular_rate_penalty: Cost = Field(
+        0.0, description="against roll rate squared plus pitch rate squared, in (rad/s)^2"
+    )
+    fall: Cost = Field(0.0, description="against falling, once")
 
 
-TERMS: Final = ("progress", "alive", "power", "torque", "joint_limits", "tilt", "wobble", "fall")
+TERMS: Final = (
+    "progress",
+    "alive",
+    "power",
+    "torque",
+    "joint_limits",
+    "orientation_penalty",
+    "angular_rate_penalty",
+    "fall",
+)
 
 
 def progress_speed(before: FloatArray, after: FloatArray, goal: FloatArray, period_s: float) -> FloatArray:
@@ -114,8 +110,8 @@ def reward_terms(
     terms[:, 2] = (-weights.power * JOINT_RATE_SCALE * mean) * power
     terms[:, 3] = (-weights.torque * mean) * np.add.reduce(applied * applied, axis=1)
     terms[:, 4] = -weights.joint_limits * at_limit
-    terms[:, 5] = -weights.tilt * (1.0 - body.up)
+    terms[:, 5] = -weights.orientation_penalty * (1.0 - body.up)
     roll_pitch = body.rates[:, :2]
-    terms[:, 6] = -weights.wobble * np.add.reduce(roll_pitch * roll_pitch, axis=1)
+    terms[:, 6] = -weights.angular_rate_penalty * np.add.reduce(roll_pitch * roll_pitch, axis=1)
     terms[:, 7] = -weights.fall * fell
     return terms

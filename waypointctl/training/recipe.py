@@ -9,18 +9,17 @@ from typing import Annotated, Literal
 from pydantic import Field, Strict, ValidationError, ValidationInfo, field_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from waypointctl.errors import InputError
+from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.mission.file_model import FileModel
 from waypointctl.robots.load import load_robot
-from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.config import TaskConfig
-from waypointctl.task.course import Deadline
-from waypointctl.task.reward import RewardWeights
-from waypointctl.task.start import Start
-from waypointctl.training.recipe_course import AcceptanceRecipe, CourseRecipe, DeadlineRecipe, StartRecipe
+from waypointctl.task.course import Course, Deadline
+from waypointctl.task.domain_randomization import DomainRandomization
+from waypointctl.task.failure_replay import FailureReplay
 from waypointctl.training.recipe_fields import Count, Few
 from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe, PpoRecipe
 from waypointctl.training.recipe_selection import SelectionRecipe
-from waypointctl.training.recipe_variation import VariationRecipe
 
 
 class EvaluationRecipe(FileModel):
@@ -38,11 +37,14 @@ class Recipe(FileModel):
     seed: Annotated[int, Strict(), Field(ge=0, lt=2**32)] = 0
     robot: Literal["ant"] = "ant"
     observation: Literal["state", "state_noise", "state_goal", "egocentric"] = "egocentric"
-    course: CourseRecipe = CourseRecipe()
-    acceptance: AcceptanceRecipe = AcceptanceRecipe()
-    deadline: DeadlineRecipe = DeadlineRecipe()
-    start: StartRecipe = StartRecipe()
-    variation: VariationRecipe = Field(VariationRecipe(), description="how robots differ; they do not unless told")
+    course: Course = Field(Course(), description="where the waypoints of an episode come from")
+    failure_replay: FailureReplay = Field(FailureReplay(), description="repeat courses that failed lately")
+    acceptance: Acceptance = Acceptance()
+    deadline: Deadline = Deadline()
+    start: Start = Start()
+    domain_randomization: DomainRandomization = Field(
+        DomainRandomization(), description="how robots and episodes differ from the robot's model"
+    )
     network: NetworkRecipe = NetworkRecipe()
     ppo: PpoRecipe = PpoRecipe()
     phases: Annotated[tuple[PhaseRecipe, ...], Field(min_length=1)]
@@ -55,12 +57,15 @@ class Recipe(FileModel):
         None, description="choose the policy among the checkpoints; without it, it is the last"
     )
 
-    @field_validator("variation")
+    @field_validator("domain_randomization")
     @classmethod
-    def _fits_the_robot(cls, variation: VariationRecipe, info: ValidationInfo) -> VariationRecipe:
+    def _fits_the_robot(cls, randomization: DomainRandomization, info: ValidationInfo) -> DomainRandomization:
         if "robot" in info.data:
-            variation.check(load_robot(info.data["robot"]))
-        return variation
+            try:
+                randomization.latency_steps(load_robot(info.data["robot"]))
+            except InputError as error:
+                raise ValueError(error.problem) from error
+        return randomization
 
     @field_validator("selection")
     @classmethod
@@ -107,22 +112,16 @@ class Recipe(FileModel):
 
     def task(self, phase: int) -> TaskConfig:
         """Return the task as it is in a phase."""
-        heading_rad = None if self.start.heading == "random" else 0.0
         return TaskConfig(
             robot=self.robot,
             observation=self.observation,
-            reward=RewardWeights(**self.phases[phase].reward.model_dump()),
-            course=self.course.source,
-            retry=self.course.retry,
-            acceptance=Acceptance(**self.acceptance.model_dump()),
-            deadline=Deadline(**self.deadline.model_dump()),
-            start=Start(
-                position_m=self.start.position_m,
-                heading_rad=heading_rad,
-                joint_spread_rad=self.start.joint_spread_rad,
-                speed_spread=self.start.speed_spread,
-            ),
-            variation=self.variation.variation(),
+            reward=self.phases[phase].reward,
+            course=self.course,
+            failure_replay=self.failure_replay,
+            acceptance=self.acceptance,
+            deadline=self.deadline,
+            start=self.start,
+            domain_randomization=self.domain_randomization,
         )
 
     def stopping_at(self, rate: float) -> Recipe:

@@ -1,30 +1,14 @@
-"""What of a recipe says how it is learnt: reward, network, PPO, phases."""
+"""What of a recipe says how it is learnt: network, PPO, phases."""
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
 from waypointctl.mission.file_model import FileModel
-from waypointctl.training.recipe_fields import Cost, Count, Factor, Few, Fraction, Rate
-
-
-class RewardRecipe(FileModel):
-    """What the policy is paid, term by term, in units of walking speed."""
-
-    progress: Cost = Field(1.0, description="for each m/s of approach to the current waypoint")
-    progress_cap_mps: Annotated[float, Strict(), Field(gt=0)] = Field(
-        math.inf, description="a faster approach pays no more"
-    )
-    alive: Cost = Field(1.0, description="for each step not fallen")
-    power: Cost = Field(2.0, description="against mean |action x scaled joint speed|")
-    torque: Cost = Field(0.1, description="against mean action squared")
-    joint_limits: Cost = Field(0.2, description="against each joint at its limit")
-    tilt: Cost = Field(0.0, description="against 1 - up")
-    wobble: Cost = Field(0.0, description="against roll rate squared plus pitch rate squared")
-    fall: Cost = Field(0.0, description="against falling, once")
+from waypointctl.task.reward import RewardWeights
+from waypointctl.training.recipe_fields import Count, Factor, Few, Fraction, Rate
 
 
 class NetworkRecipe(FileModel):
@@ -60,11 +44,11 @@ class PpoRecipe(FileModel):
 
 
 class PhaseRecipe(FileModel):
-    """A stretch of the training with its own pay and learning rate."""
+    """A stretch of the training with its own reward weights and learning rate."""
 
     steps: Count = Field(description="control steps of all robots together")
     learning_rate: tuple[Rate, Rate] = Field((6e-4, 6e-5), description="at the phase's beginning and end")
     entropy: tuple[Fraction, Fraction] | None = Field(
         None, description="weight of the entropy bonus at the phase's beginning and end; ppo.entropy unless told"
     )
-    reward: RewardRecipe = RewardRecipe()
+    reward: RewardWeights = RewardWeights()

@@ -60,7 +60,7 @@ def take(learner: Learner) -> Snapshot:
     arrays |= {"learner.last_obs": _present(ppo._last_obs), "learner.starts": _present(ppo._last_episode_starts)}
     arrays |= {f"progress.{name}": array for name, array in _progress(learner).items()}
     arrays |= {"env.integration": env.batch.integration, "env.noise": env.noise}
-    arrays |= {f"varied.{name}": array for name, array in env.varied.state().items()}
+    arrays |= {f"randomized.{name}": array for name, array in env.randomized.state().items()}
     if env.failed is not None:
         arrays |= {f"failed.{name}": array for name, array in env.failed.state().items()}
     legacy = _legacy_state()
@@ -109,7 +109,7 @@ def _restore_env(learner: Learner, arrays: Arrays, facts: LearnerFacts) -> None:
     env = learner.env
     env.batch.integration[:] = arrays["env.integration"]
     env.noise[:] = arrays["env.noise"]
-    env.varied.restore(_section(arrays, "varied"))
+    env.randomized.restore(_section(arrays, "randomized"))
     if env.failed is not None:
         env.failed.restore(_section(arrays, "failed"))
     for name, array in _progress(learner).items():

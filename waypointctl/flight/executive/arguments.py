@@ -10,10 +10,9 @@ from waypointctl.flight.executive.fence import Fence
 from waypointctl.flight.executive.judgement import OBSERVE
 from waypointctl.flight.executive.rules import GEOFENCE
 from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
-from waypointctl.mission.fields import Coordinate, Hold, Timeout, Tolerance
+from waypointctl.mission.fields import ACCEPTANCE_SHAPES, Coordinate, Hold, Timeout, Tolerance
 from waypointctl.mission.mission import MOST_LEGS
 from waypointctl.mission.quantity import Quantity
-from waypointctl.task.acceptance import SHAPES
 from waypointctl.units import seconds
 
 FAILURE_WORDS: Final = ("", "abort", "skip", "hold", "return_home")
@@ -78,7 +77,7 @@ def _wrong_place(waypoint: PlannedWaypoint, fence: Fence) -> str:
     name = waypoint.name
     if not (is_coordinate(waypoint.x_m) and is_coordinate(waypoint.y_m)):
         return f"{name} at ({waypoint.x_m:g}, {waypoint.y_m:g}) is out of bounds"
-    if waypoint.acceptance not in SHAPES or not is_tolerance(waypoint.tolerance_m):
+    if waypoint.acceptance not in ACCEPTANCE_SHAPES or not is_tolerance(waypoint.tolerance_m):
         return f"{name}: acceptance {waypoint.acceptance!r:.40} within {waypoint.tolerance_m:g} m is out of bounds"
     if waypoint.timeout_ns < 1 or not is_timeout(seconds(waypoint.timeout_ns)):
         return f"{name}: a time-out of {seconds(waypoint.timeout_ns):g} s is out of bounds"

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from waypointctl.flight.executive.rules import Rules
 from waypointctl.log.messages import PlannedWaypoint
-from waypointctl.task.acceptance import Acceptance, reached
+from waypointctl.mission.fields import Acceptance
+from waypointctl.task.progress import reached
 
 FloatArray = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ class Leg:
     def aim(self, waypoint: PlannedWaypoint, following: PlannedWaypoint) -> None:
         """Change the waypoint, or the one after it, while the leg is under way."""
         self.waypoint, self.following = waypoint, following
-        self._acceptance = Acceptance(waypoint.acceptance, waypoint.tolerance_m)
+        self._acceptance = Acceptance.of(waypoint.acceptance, waypoint.tolerance_m)
         self.goals = np.array([[[waypoint.x_m, waypoint.y_m], [following.x_m, following.y_m]]])
 
     def begin_again(self, now_ns: int) -> None:

@@ -31,11 +31,12 @@ from waypointctl.log.messages import (
     Stage,
     Telemetry,
 )
+from waypointctl.mission.fields import Acceptance
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
-from waypointctl.task.acceptance import Acceptance, reached
 from waypointctl.task.body import body_of
 from waypointctl.task.observation import Goals, layout
+from waypointctl.task.progress import reached
 
 FloatArray = NDArray[np.float64]
 
@@ -104,7 +105,7 @@ class Pilot(Operator):
         waypoint = self._plan[self._leg]
         if frame.issued_ns <= self._since_ns:
             return []
-        acceptance = Acceptance(waypoint.acceptance, waypoint.tolerance_m)
+        acceptance = Acceptance.of(waypoint.acceptance, waypoint.tolerance_m)
         if reached(acceptance, frame.qpos[np.newaxis, :2], self._goals[:, 0])[0]:
             self._reached.append(waypoint.index)
             self._tell(now_ns, EventKind.WAYPOINT_REACHED, waypoint, "reached, as seen from the ground", Severity.INFO)

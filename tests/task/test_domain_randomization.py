@@ -4,17 +4,20 @@ import math
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from waypointctl.errors import InputError
 from waypointctl.robots.load import load_robot
-from waypointctl.task.variation import DRAWN, Range, Variation
+from waypointctl.task.domain_randomization import DRAWN, DomainRandomization
 
 ANT = load_robot("ant")
 
 
 def test_values_lie_evenly_between_their_bounds() -> None:
     drawn = np.random.default_rng(0).random((20_000, len(DRAWN)))
-    variation = Variation((0.0, 0.04), (0.5, 2.0), (0.2, 1.5), (1.62, 9.81))
+    variation = DomainRandomization(
+        latency_s=(0.0, 0.04), mass_factor=(0.5, 2.0), friction_factor=(0.2, 1.5), gravity_mps2=(1.62, 9.81)
+    )
     values = variation.values(drawn, ANT)
     assert list(values) == ["latency_s", "mass_factor", "friction_factor", "gravity_mps2"]
     for name in ("mass_factor", "friction_factor", "gravity_mps2"):
@@ -27,7 +30,7 @@ def test_values_lie_evenly_between_their_bounds() -> None:
 
 def test_every_latency_between_the_bounds_and_both_of_them_come_equally_often() -> None:
     drawn = np.random.default_rng(1).random((20_000, len(DRAWN)))
-    latency_s = Variation(latency_s=(0.01, 0.04)).values(drawn, ANT)["latency_s"]
+    latency_s = DomainRandomization(latency_s=(0.01, 0.04)).values(drawn, ANT)["latency_s"]
     values, counts = np.unique(latency_s, return_counts=True)
     np.testing.assert_allclose(values, [0.01, 0.02, 0.03, 0.04])
     np.testing.assert_allclose(counts, 5000, atol=300)
@@ -35,44 +38,44 @@ def test_every_latency_between_the_bounds_and_both_of_them_come_equally_often() 
 
 def test_equal_bounds_are_that_value_and_what_does_not_vary_is_left_out() -> None:
     drawn = np.array([[0.0] * 4, [np.nextafter(1.0, 0.0)] * 4])
-    values = Variation((0.03, 0.03), gravity_mps2=(1.62, 1.62)).values(drawn, ANT)
+    values = DomainRandomization(latency_s=(0.03, 0.03), gravity_mps2=(1.62, 1.62)).values(drawn, ANT)
     assert {name: value.tolist() for name, value in values.items()} == {
         "latency_s": [0.03, 0.03],
         "gravity_mps2": [1.62, 1.62],
     }
-    assert Variation().values(drawn, ANT) == {}
-    assert not Variation().any_drawn
+    assert DomainRandomization().values(drawn, ANT) == {}
+    assert not DomainRandomization().any_drawn
 
 
 def test_the_largest_draw_is_the_longest_latency_and_not_beyond() -> None:
     drawn = np.full((1, 4), np.nextafter(1.0, 0.0))
     for longest in range(100):
-        variation = Variation(latency_s=(0.0, longest / 100))
+        variation = DomainRandomization(latency_s=(0.0, longest / 100))
         assert variation.values(drawn, ANT)["latency_s"][0] == pytest.approx(longest / 100)
         assert variation.latency_steps(ANT) == (0, longest)
 
 
 @pytest.mark.parametrize(
-    ("name", "bounds", "allowed"),
+    ("name", "bounds"),
     [
-        ("latency_s", (-0.01, 0.04), "a shortest and a longest time >= 0 s"),
-        ("latency_s", (0.04, 0.0), "a shortest and a longest time"),
-        ("latency_s", (0.0, math.inf), "a shortest and a longest time"),
-        ("mass_factor", (0.0, 1.0), "a smallest and a largest factor > 0"),
-        ("mass_factor", (2.0, 1.0), "a smallest and a largest factor"),
-        ("friction_factor", (math.nan, 1.0), "a smallest and a largest factor"),
-        ("gravity_mps2", (1.0, math.nan), "a smallest and a largest value >= 0 m/s"),
-        ("gravity_mps2", (-9.81, 0.0), "a smallest and a largest value >= 0 m/s"),
+        ("latency_s", (-0.01, 0.04)),
+        ("latency_s", (0.04, 0.0)),
+        ("latency_s", (0.0, math.inf)),
+        ("mass_factor", (0.0, 1.0)),
+        ("mass_factor", (2.0, 1.0)),
+        ("friction_factor", (math.nan, 1.0)),
+        ("gravity_mps2", (1.0, math.nan)),
+        ("gravity_mps2", (-9.81, 0.0)),
     ],
 )
-def test_bounds_that_make_no_sense_are_refused(name: str, bounds: Range, allowed: str) -> None:
-    with pytest.raises(InputError, match=rf"variation\.{name}: \[.*\] is not {allowed}"):
-        Variation(**{name: bounds})  # type: ignore[arg-type]
+def test_bounds_that_make_no_sense_are_refused(name: str, bounds: tuple[float, float]) -> None:
+    with pytest.raises(ValidationError):
+        DomainRandomization.model_validate({name: bounds})
 
 
 def test_a_latency_that_is_no_whole_number_of_physics_steps_is_refused() -> None:
     with pytest.raises(
         InputError,
-        match=r"25 ms is no whole number of the ant's physics steps of 10 ms; the nearest are 20 ms and 30 ms",
+        match=r"25 ms is not a whole number of the ant's physics steps of 10 ms; the nearest are 20 ms and 30 ms",
     ):
-        Variation(latency_s=(0.0, 0.025)).latency_steps(ANT)
+        DomainRandomization(latency_s=(0.0, 0.025)).latency_steps(ANT)

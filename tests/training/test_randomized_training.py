@@ -13,15 +13,16 @@ import numpy as np
 import pytest
 from safetensors.numpy import load
 
-from tests.training.test_recipe_variation import BARE
+from tests.training.test_recipe_randomization import BARE
 from tests.training.tiny import RECIPE, new_learner, tiny_recipe, trained, weights_of
 from waypointctl.training.checkpoint import ARRAYS, load_checkpoint
 from waypointctl.training.run_folder import newest_checkpoint
 
 ONE_BY_ONE = {
-    "latency": "variation: {latency: [0 ms, 40 ms]}\n",
-    "bodies": "variation: {mass_factor: [0.5, 2], friction_factor: [0.5, 1.5], gravity_mps2: [1.62, 9.81]}\n",
-    "sensors": "variation: {sensor_noise: {joint_angle: 1 deg, gyroscope_radps: 0.5}}\n",
+    "latency": "domain_randomization: {latency: [0 ms, 40 ms]}\n",
+    "bodies": "domain_randomization: {mass_factor: [0.5, 2], "
+    "friction_factor: [0.5, 1.5], gravity_mps2: [1.62, 9.81]}\n",
+    "sensors": "domain_randomization: {sensor_noise: {joint_angle: 1 deg, gyroscope_radps: 0.5}}\n",
     "all": BARE,
 }
 KEPT = {
@@ -48,7 +49,7 @@ def test_a_checkpoint_holds_what_varies_and_nothing_where_nothing_does(tmp_path:
     recipe_file = tiny_recipe(tmp_path, RECIPE + ONE_BY_ONE.get(option or "", ""))
     checkpoint = trained(recipe_file, tmp_path / "run", rollouts=2).folder
     arrays = load((checkpoint / ARRAYS).read_bytes())
-    kept = {name.removeprefix("varied.") for name in arrays if name.startswith("varied.")}
+    kept = {name.removeprefix("randomized.") for name in arrays if name.startswith("randomized.")}
     assert kept == KEPT.get(option or "", set())
 
 
@@ -64,7 +65,7 @@ def test_a_learner_loaded_from_a_checkpoint_has_robots_that_go_and_see_alike(tmp
         first, second = (learner.env.step(action) for learner in learners)
         np.testing.assert_array_equal(first.observation, second.observation)
         np.testing.assert_array_equal(first.terms, second.terms)
-    assert (learners[0].env.varied.state()["drawn"] > 0).all()
+    assert (learners[0].env.randomized.state()["drawn"] > 0).all()
 
 
 PATIENCE_S = 300.0  # only a machine with much else to do needs more than a few

@@ -1,17 +1,17 @@
-"""Courses that failed lately are walked again: each robot remembers its own."""
+"""Failure replay: courses that failed lately are repeated; each robot remembers its own."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Annotated, Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, Strict, ValidationError, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from waypointctl.errors import InputError
-from waypointctl.seeding import stream
+from waypointctl.mission.file_model import FileModel
+from waypointctl.seeding import restore_stream, stream, stream_words
 from waypointctl.task.progress import CourseProgress
-from waypointctl.task.stream_state import restore_stream, stream_words
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -20,26 +20,30 @@ _NEW: Final = -1  # a course just drawn
 _NOT_MINE: Final = -2  # none that may be remembered: it was given, or its episode has ended
 
 
-@dataclass(frozen=True, slots=True)
-class Retry:
-    """How often a new episode walks a course again that failed: by a fall or by its deadline.
+class FailureReplay(FileModel):
+    """How often a new episode repeats a course that failed: by a fall or by its deadline."""
 
-    Attributes:
-        probability: that an episode does so, if a failed course is remembered; 0 remembers none.
-        memory: failed courses that a robot remembers; the oldest is forgotten for a new one.
-        tries: how often a remembered course is tried; it is forgotten when it is walked to its end, or after these.
-    """
+    probability: Annotated[float, Strict(), Field(ge=0, le=1)] = Field(
+        0.0,
+        description="that an episode repeats a failed course, if one is remembered; the success that training shows "
+        "counts these, too",
+    )
+    memory: Annotated[int, Strict(), Field(gt=0, le=256)] = Field(
+        8, description="failed courses that a robot remembers, its latest"
+    )
+    tries: Annotated[int, Strict(), Field(gt=0, le=65_536)] = Field(
+        5, description="how often a failed course is repeated before it is forgotten; after a success, at once"
+    )
 
-    probability: float = 0.0
-    memory: int = 8
-    tries: int = 5
-
-    def __post_init__(self) -> None:
-        """Refuse what is no probability and what is no number of courses or tries."""
-        if not 0 <= self.probability <= 1:
-            raise InputError(f"retry.probability: {self.probability} is not from 0 to 1")
-        if self.memory < 1 or self.tries < 1:
-            raise InputError(f"retry: memory {self.memory} and tries {self.tries} are not both >= 1")
+    @model_validator(mode="after")
+    def _has_a_probability(self) -> Self:
+        unused = sorted(self.model_fields_set & {"memory", "tries"})
+        if unused and not self.probability:
+            error = PydanticCustomError("failure_replay", "needs a 'probability' above 0, such as probability: 0.3")
+            raise ValidationError.from_exception_data(
+                "failure_replay", [InitErrorDetails(type=error, loc=(name,), input=None) for name in unused]
+            )
+        return self
 
 
 class FailedCourses:
@@ -57,20 +61,20 @@ class FailedCourses:
         walking: (n,) which of them is being walked; negative: none.
     """
 
-    def __init__(self, retry: Retry, num_robots: int, max_waypoints: int, seed: int) -> None:
+    def __init__(self, replay: FailureReplay, num_robots: int, max_waypoints: int, seed: int) -> None:
         """Remember nothing yet."""
-        self.retry = retry
+        self.replay = replay
         self.streams = [stream(seed, "retry", i) for i in range(num_robots)]
-        self.waypoints: FloatArray = np.zeros((num_robots, retry.memory, max_waypoints, 2))
-        self.count: IntArray = np.ones((num_robots, retry.memory), np.int64)
-        self.tries: IntArray = np.zeros((num_robots, retry.memory), np.int64)
+        self.waypoints: FloatArray = np.zeros((num_robots, replay.memory, max_waypoints, 2))
+        self.count: IntArray = np.ones((num_robots, replay.memory), np.int64)
+        self.tries: IntArray = np.zeros((num_robots, replay.memory), np.int64)
         self.size: IntArray = np.zeros(num_robots, np.int64)
         self.walking: IntArray = np.full(num_robots, _NOT_MINE)
 
     def choose(self, robot: int) -> FloatArray | None:
         """Return the failed course (m, 2) [m] that a robot is to walk now, or None for a new one."""
         rng, size = self.streams[robot], int(self.size[robot])
-        again = rng.random() < self.retry.probability and size > 0
+        again = rng.random() < self.replay.probability and size > 0
         self.walking[robot] = slot = int(rng.integers(size)) if again else _NEW
         return self.waypoints[robot, slot, : self.count[robot, slot]].copy() if again else None
 
@@ -88,7 +92,7 @@ class FailedCourses:
                 self._remember(robot, progress.waypoints[robot, : progress.count[robot]])
             elif slot >= 0:
                 self.tries[robot, slot] += 1
-                if walked or self.tries[robot, slot] >= self.retry.tries:
+                if walked or self.tries[robot, slot] >= self.replay.tries:
                     self._forget(robot, slot)
 
     def state(self) -> dict[str, NDArray[Any]]:
@@ -110,7 +114,7 @@ class FailedCourses:
         return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def _remember(self, robot: int, course: FloatArray) -> None:
-        if self.size[robot] == self.retry.memory:
+        if self.size[robot] == self.replay.memory:
             self._forget(robot, 0)
         slot = self.size[robot]
         self.waypoints[robot, slot, : len(course)] = course

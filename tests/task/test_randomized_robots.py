@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -11,47 +11,54 @@ from numpy.typing import NDArray
 
 from tests.sim.bare import BareWorld
 from waypointctl.errors import InputError
+from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
-from waypointctl.task.acceptance import Acceptance
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.body import body_of, fallen
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
+from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
 from waypointctl.task.env import WaypointEnv
 from waypointctl.task.observation import LAYOUTS, Goals, layout
 from waypointctl.task.reward import JointLimits, RewardWeights, progress_speed, reward_terms
-from waypointctl.task.sensor_noise import SensorNoise
-from waypointctl.task.start import Start
-from waypointctl.task.variation import Range, Variation
 
 FloatArray = NDArray[np.float64]
 
 SEED = 21
 STEPS = 120
 ROBOTS = 6
-NOISE = SensorNoise(0.02, 0.2, 0.03, 0.1, 0.03, 0.2)
-BODIES = Variation((0.0, 0.04), (0.4, 2.5), (0.2, 2.0), (1.62, 12.0))
-ALL = replace(BODIES, sensor_noise=NOISE)
-ALONE: dict[str, Variation] = {
-    "latency": Variation(latency_s=(0.0, 0.04)),
-    "mass": Variation(mass_factor=(0.4, 2.5)),
-    "friction": Variation(friction_factor=(0.2, 2.0)),
-    "gravity": Variation(gravity_mps2=(1.62, 12.0)),
+NOISE = SensorNoise(
+    joint_angle_rad=0.02,
+    joint_speed_radps=0.2,
+    position_m=0.03,
+    velocity_mps=0.1,
+    attitude_rad=0.03,
+    gyroscope_radps=0.2,
+)
+BODIES = DomainRandomization(
+    latency_s=(0.0, 0.04), mass_factor=(0.4, 2.5), friction_factor=(0.2, 2.0), gravity_mps2=(1.62, 12.0)
+)
+ALL = BODIES.model_copy(update={"sensor_noise": NOISE})
+ALONE: dict[str, DomainRandomization] = {
+    "latency": DomainRandomization(latency_s=(0.0, 0.04)),
+    "mass": DomainRandomization(mass_factor=(0.4, 2.5)),
+    "friction": DomainRandomization(friction_factor=(0.2, 2.0)),
+    "gravity": DomainRandomization(gravity_mps2=(1.62, 12.0)),
     "all": BODIES,
 }
 
 
-def task(variation: Variation, observation: str = "egocentric") -> TaskConfig:
+def task(randomization: DomainRandomization, observation: str = "egocentric") -> TaskConfig:
     """Return a task whose episodes end often and in every way."""
     return TaskConfig(
         observation=observation,
-        reward=RewardWeights(tilt=0.5, wobble=0.01, fall=10.0),
-        course=Course("legs", count=2, leg_m=(0.1, 0.9)),
-        acceptance=Acceptance("radius", 0.45),
-        deadline=Deadline(0.4, 0.3),
-        start=Start(heading_rad=None, joint_spread_rad=0.3, speed_spread=1.5),
-        variation=variation,
+        reward=RewardWeights(orientation_penalty=0.5, angular_rate_penalty=0.01, fall=10.0),
+        course=Course(perimeter="legs", count=2, leg_m=(0.1, 0.9)),
+        acceptance=Acceptance(shape="radius", size_m=0.45),
+        deadline=Deadline(first_s=0.4, further_s=0.3),
+        start=Start(random_heading=True, joint_spread_rad=0.3, speed_spread=1.5),
+        domain_randomization=randomization,
     )
 
 
@@ -67,7 +74,7 @@ def walked(config: TaskConfig, robots: int = ROBOTS, threads: int = 0) -> tuple[
     return [env.step(action) for action in wild(robots)], env
 
 
-def between(bounds: Range | None, share: float, otherwise: float) -> float:
+def between(bounds: tuple[float, float] | None, share: float, otherwise: float) -> float:
     return otherwise if bounds is None else bounds[0] + (bounds[1] - bounds[0]) * share
 
 
@@ -75,7 +82,7 @@ def between(bounds: Range | None, share: float, otherwise: float) -> float:
 class Alone:
     """The oracle: one robot in a bare world that is made anew for each episode."""
 
-    variation: Variation
+    randomization: DomainRandomization
     number: int
     actions: list[FloatArray] = field(default_factory=list)
 
@@ -85,7 +92,7 @@ class Alone:
     def begin(self, qpos: FloatArray, qvel: FloatArray) -> None:
         latency, mass, friction, gravity = self.drawing.random(4)
         self.world = BareWorld()
-        model, told = self.world.model, self.variation
+        model, told = self.world.model, self.randomization
         factor = between(told.mass_factor, mass, 1.0)
         model.body_mass *= factor
         model.body_inertia *= factor
@@ -116,12 +123,12 @@ def paid(config: TaskConfig, alone: Alone, before: FloatArray, goal: FloatArray,
     return terms
 
 
-@pytest.mark.parametrize("variation", ALONE.values(), ids=ALONE)
-def test_every_robot_goes_and_is_paid_as_in_a_bare_world_of_its_own(variation: Variation) -> None:
-    config = task(variation)
+@pytest.mark.parametrize("randomization", ALONE.values(), ids=ALONE)
+def test_every_robot_goes_and_is_paid_as_in_a_bare_world_of_its_own(randomization: DomainRandomization) -> None:
+    config = task(randomization)
     env = BatchedWaypointEnv(config, ROBOTS, SEED)
     env.reset()
-    worlds = [Alone(variation, i) for i in range(ROBOTS)]
+    worlds = [Alone(randomization, i) for i in range(ROBOTS)]
     for i, alone in enumerate(worlds):
         alone.begin(env.batch.qpos[i], env.batch.qvel[i])
     episodes = 0
@@ -170,7 +177,9 @@ GIVEN = {"current.x", "current.y", "next.x", "next.y", "noise.0", "noise.1", "no
 
 def test_noise_has_its_deviation_in_the_observation() -> None:
     robots = 3000
-    env = BatchedWaypointEnv(TaskConfig(observation="state", variation=Variation(sensor_noise=NOISE)), robots, 0)
+    env = BatchedWaypointEnv(
+        TaskConfig(observation="state", domain_randomization=DomainRandomization(sensor_noise=NOISE)), robots, 0
+    )
     off = env.reset() - layout("state").observe(
         body_of(env.batch.qpos.copy(), env.batch.qvel.copy()), Goals(env.progress.goals, env.noise)
     )
@@ -179,17 +188,17 @@ def test_noise_has_its_deviation_in_the_observation() -> None:
 
 
 def test_letting_one_thing_vary_shifts_nothing_else_that_is_drawn() -> None:
-    def drawn(variation: Variation) -> dict[str, FloatArray]:
-        env = BatchedWaypointEnv(task(variation), ROBOTS, SEED)
+    def drawn(randomization: DomainRandomization) -> dict[str, FloatArray]:
+        env = BatchedWaypointEnv(task(randomization), ROBOTS, SEED)
         for _ in range(3):
             env.reset()
         every = {"start": env.batch.qpos.copy(), "course": env.progress.waypoints.copy(), "noise": env.noise.copy()}
-        return every | env.varied.values(np.arange(ROBOTS))
+        return every | env.randomized.values(np.arange(ROBOTS))
 
     everything = drawn(ALL)
     assert len(everything) == 7
-    for variation in (Variation(), *ALONE.values(), Variation(sensor_noise=NOISE)):
-        for name, values in drawn(variation).items():
+    for randomization in (DomainRandomization(), *ALONE.values(), DomainRandomization(sensor_noise=NOISE)):
+        for name, values in drawn(randomization).items():
             np.testing.assert_array_equal(values, everything[name])
 
 
@@ -198,30 +207,36 @@ def test_a_robot_draws_the_same_whatever_the_others_do_and_anew_for_each_episode
     seen = []
     for env, late in ((few, 0), (many, 30)):
         env.reset()
-        first = env.varied.values(np.array([1]))
+        first = env.randomized.values(np.array([1]))
         for action in wild(env.num_robots)[:late]:
             env.step(action)
         env = BatchedWaypointEnv(task(BODIES), env.num_robots, SEED, autoreset=False)
         env.reset()
         env.begin([1])
-        second = env.varied.values(np.array([1]))
+        second = env.randomized.values(np.array([1]))
         assert all(first[name] != second[name] for name in ("mass_factor", "friction_factor", "gravity_mps2"))
         seen.append((first, second))
     assert seen[0] == seen[1]
 
 
-NOTHING_NEW = Variation((0.0, 0.0), (1.0, 1.0), (1.0, 1.0), (9.81, 9.81), SensorNoise())
+NOTHING_NEW = DomainRandomization(
+    latency_s=(0.0, 0.0),
+    mass_factor=(1.0, 1.0),
+    friction_factor=(1.0, 1.0),
+    gravity_mps2=(9.81, 9.81),
+    sensor_noise=SensorNoise(),
+)
 
 
 def test_bounds_at_the_models_own_values_change_no_bit() -> None:
-    for plain, varied in zip(walked(task(Variation()))[0], walked(task(NOTHING_NEW))[0], strict=True):
+    for plain, varied in zip(walked(task(DomainRandomization()))[0], walked(task(NOTHING_NEW))[0], strict=True):
         same(plain, varied, seen=True)
 
 
 def test_where_nothing_varies_nothing_is_drawn_kept_or_changed() -> None:
-    _, env = walked(task(Variation()))
-    assert env.varied.state() == {}
-    assert env.varied.values(np.arange(ROBOTS)) == {}
+    _, env = walked(task(DomainRandomization()))
+    assert env.randomized.state() == {}
+    assert env.randomized.values(np.arange(ROBOTS)) == {}
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -229,7 +244,7 @@ def test_a_batch_put_into_the_state_of_another_goes_on_bit_for_bit(threads: int)
     _, env = walked(task(ALL), threads=threads)
     other = BatchedWaypointEnv(task(ALL), ROBOTS, SEED + 1, threads=threads)
     other.reset()
-    other.varied.restore({name: array.copy() for name, array in env.varied.state().items()})
+    other.randomized.restore({name: array.copy() for name, array in env.randomized.state().items()})
     other.batch.integration[:] = env.batch.integration
     other.noise[:] = env.noise
     for name, array in vars(env.progress).items():
@@ -250,7 +265,7 @@ def test_the_gymnasium_env_is_the_batch_of_one_and_says_what_was_drawn() -> None
     for seed in (5, None, None):
         observation, info = env.reset(seed=seed)
         np.testing.assert_array_equal(observation, batched.reset()[0])
-        drawn = batched.varied.values(np.array([0]))
+        drawn = batched.randomized.values(np.array([0]))
         assert {name: info[name] for name in drawn} == {name: value[0] for name, value in drawn.items()}
         assert set(drawn) == {"latency_s", "mass_factor", "friction_factor", "gravity_mps2"}
         for action in wild(1)[:20]:
@@ -267,22 +282,22 @@ PATH = np.array([[0.5, 0.2], [0.7, -0.5], [-0.6, 0.1]])
 
 
 def test_a_given_path_is_walked_to_its_end_and_beyond_by_robots_that_differ() -> None:
-    def places(variation: Variation) -> FloatArray:
-        env = BatchedWaypointEnv(task(variation), ROBOTS, SEED, max_waypoints=3, autoreset=False)
+    def places(randomization: DomainRandomization) -> FloatArray:
+        env = BatchedWaypointEnv(task(randomization), ROBOTS, SEED, max_waypoints=3, autoreset=False)
         env.begin(range(ROBOTS), PATH)
-        drawn = env.varied.values(np.arange(ROBOTS))
+        drawn = env.randomized.values(np.arange(ROBOTS))
         ended = np.concatenate([env.step(action).ended for action in wild()])
         assert set(ended) == set(range(ROBOTS))
         np.testing.assert_array_equal(env.progress.waypoints, np.stack([PATH] * ROBOTS))
-        for name, value in env.varied.values(np.arange(ROBOTS)).items():
+        for name, value in env.randomized.values(np.arange(ROBOTS)).items():
             np.testing.assert_array_equal(value, drawn[name])
         return env.batch.qpos[:, :2].copy()
 
-    plain, varied, again = places(Variation()), places(ALL), places(ALL)
+    plain, varied, again = places(DomainRandomization()), places(ALL), places(ALL)
     np.testing.assert_array_equal(varied, again)
     assert not np.isclose(plain, varied).any()
 
 
 def test_a_latency_that_the_robot_cannot_have_is_refused() -> None:
-    with pytest.raises(InputError, match=r"variation\.latency_s: 5 ms is no whole number of the ant's physics steps"):
-        BatchedWaypointEnv(task(Variation(latency_s=(0.005, 0.04))), 1, 0)
+    with pytest.raises(InputError, match=r"domain_randomization: latency: 5 ms is not a whole number"):
+        BatchedWaypointEnv(task(DomainRandomization(latency_s=(0.005, 0.04))), 1, 0)

@@ -6,29 +6,29 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
-from waypointctl.errors import InputError
-from waypointctl.task.acceptance import Acceptance
+from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.task.cases import Cases
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.env import WaypointEnv
-from waypointctl.task.retry import Retry
-from waypointctl.task.start import Start
+from waypointctl.task.failure_replay import FailureReplay
 
 ROBOTS = 16
 
 # Every episode is over after two control steps, too early for its far waypoints.
-HOPELESS = TaskConfig(course=Course("legs", count=2, leg_m=(5.0, 9.0)), deadline=Deadline(0.04, 1.0))
+HOPELESS = TaskConfig(
+    course=Course(perimeter="legs", count=2, leg_m=(5.0, 9.0)), deadline=Deadline(first_s=0.04, further_s=1.0)
+)
 
 # Episodes end soon and in every way: falls, deadlines and successes.
 BUSY = TaskConfig(
-    course=Course("legs", count=2, leg_m=(0.1, 0.7)),
-    retry=Retry(0.5, memory=3, tries=3),
-    acceptance=Acceptance("radius", 0.45),
-    deadline=Deadline(0.5, 0.2),
-    start=Start(heading_rad=None, joint_spread_rad=0.3, speed_spread=1.5),
+    course=Course(perimeter="legs", count=2, leg_m=(0.1, 0.7)),
+    failure_replay=FailureReplay(probability=0.5, memory=3, tries=3),
+    acceptance=Acceptance(shape="radius", size_m=0.45),
+    deadline=Deadline(first_s=0.5, further_s=0.2),
+    start=Start(random_heading=True, joint_spread_rad=0.3, speed_spread=1.5),
 )
 
 
@@ -98,7 +98,7 @@ def test_what_is_walked_again_failed_lately_and_was_not_walked_since() -> None:
 
 
 def test_failed_courses_are_as_large_a_share_as_asked() -> None:
-    task = replace(HOPELESS, retry=Retry(0.3, memory=50, tries=1000))
+    task = replace(HOPELESS, failure_replay=FailureReplay(probability=0.3, memory=50, tries=1000))
     env = BatchedWaypointEnv(task, 60, 2, threads=1)
     episodes = [[course for course, _ in robot] for robot in walk(env, 80)]
     later = [course in robot[:number] for robot in episodes for number, course in enumerate(robot) if number]
@@ -107,7 +107,7 @@ def test_failed_courses_are_as_large_a_share_as_asked() -> None:
 
 
 def test_every_failed_course_is_as_likely_as_the_others() -> None:
-    task = replace(HOPELESS, retry=Retry(0.5, memory=4, tries=1000))
+    task = replace(HOPELESS, failure_replay=FailureReplay(probability=0.5, memory=4, tries=1000))
     ages: Counter[int] = Counter()
     for robot in walk(BatchedWaypointEnv(task, 40, 3, threads=1), 100):
         latest: list[bytes] = []
@@ -122,28 +122,28 @@ def test_every_failed_course_is_as_likely_as_the_others() -> None:
 
 
 def test_a_course_is_given_up_after_so_many_tries() -> None:
-    task = replace(HOPELESS, retry=Retry(0.9, memory=50, tries=2))
+    task = replace(HOPELESS, failure_replay=FailureReplay(probability=0.9, memory=50, tries=2))
     for robot in walk(BatchedWaypointEnv(task, 10, 4, threads=1), 120):
         times = Counter(course for course, _ in robot)
         assert max(times.values()) == 1 + 2
 
 
 def test_with_certainty_only_what_never_failed_is_new() -> None:
-    task = replace(HOPELESS, retry=Retry(1.0, memory=1, tries=1000))
+    task = replace(HOPELESS, failure_replay=FailureReplay(probability=1.0, memory=1, tries=1000))
     for robot in walk(BatchedWaypointEnv(task, 5, 5, threads=1), 40):
         assert len({course for course, _ in robot}) == 1
 
 
 def test_the_start_is_drawn_anew_and_from_the_stream_it_always_was() -> None:
     def second_start(task: TaskConfig) -> NDArray[np.float64]:
-        env = BatchedWaypointEnv(replace(task, start=Start(heading_rad=None)), 5, 6, threads=1)
+        env = BatchedWaypointEnv(replace(task, start=Start(random_heading=True)), 5, 6, threads=1)
         first = env.reset()
         for _ in range(2):
             observation = env.step(np.zeros((5, 8))).observation
         assert not np.allclose(first, observation)
         return env.batch.qpos.copy()
 
-    again, new = replace(HOPELESS, retry=Retry(1.0)), HOPELESS
+    again, new = replace(HOPELESS, failure_replay=FailureReplay(probability=1.0)), HOPELESS
     np.testing.assert_array_equal(second_start(again), second_start(new))
 
 
@@ -159,7 +159,9 @@ def test_a_robot_remembers_the_same_however_many_there_are_and_on_however_many_t
 
 
 def test_a_course_that_was_given_is_not_remembered() -> None:
-    env = BatchedWaypointEnv(replace(HOPELESS, retry=Retry(1.0)), 3, 8, threads=1, autoreset=False)
+    env = BatchedWaypointEnv(
+        replace(HOPELESS, failure_replay=FailureReplay(probability=1.0)), 3, 8, threads=1, autoreset=False
+    )
     for _ in range(3):
         env.begin(range(3), np.array([[50.0, 0.0]]))
         for _ in range(4):
@@ -170,7 +172,9 @@ def test_a_course_that_was_given_is_not_remembered() -> None:
 
 
 def test_who_is_left_to_walk_on_failed_once() -> None:
-    env = BatchedWaypointEnv(replace(HOPELESS, retry=Retry(1.0)), 3, 8, threads=1, autoreset=False)
+    env = BatchedWaypointEnv(
+        replace(HOPELESS, failure_replay=FailureReplay(probability=1.0)), 3, 8, threads=1, autoreset=False
+    )
     env.reset()
     for _ in range(6):
         env.step(np.zeros((3, 8)))
@@ -180,14 +184,18 @@ def test_who_is_left_to_walk_on_failed_once() -> None:
 
 def test_courses_of_a_list_keep_their_length() -> None:
     courses = (((5.0, 0.0),), ((5.0, 1.0), (9.0, 9.0)), ((5.0, 2.0), (7.0, 7.0), (9.0, 9.0)))
-    task = replace(HOPELESS, course=Cases(courses), retry=Retry(0.5))
+    task = replace(
+        HOPELESS,
+        course=Course.model_validate({"cases": [list(course) for course in courses]}),
+        failure_replay=FailureReplay(probability=0.5),
+    )
     known = {np.array(course).tobytes() for course in courses}
     env = BatchedWaypointEnv(task, 20, 9, threads=1)
     assert {course for robot in walk(env, 40) for course, _ in robot} == known
 
 
 def test_one_robots_env_forgets_with_a_new_seed() -> None:
-    env = WaypointEnv(replace(HOPELESS, retry=Retry(1.0)))
+    env = WaypointEnv(replace(HOPELESS, failure_replay=FailureReplay(probability=1.0)))
     seen = []
     for _ in range(2):
         course = env.reset(seed=3)[1]["waypoints"]
@@ -220,14 +228,15 @@ def test_going_on_from_a_state_is_going_on() -> None:
 
 
 @pytest.mark.parametrize(
-    ("retry", "message"),
+    "replay",
     [
-        ({"probability": 1.5}, "probability: 1.5 is not from 0 to 1"),
-        ({"probability": np.nan}, "probability: nan is not from 0 to 1"),
-        ({"memory": 0}, "memory 0 and tries 5 are not both >= 1"),
-        ({"tries": 0}, "memory 8 and tries 0 are not both >= 1"),
+        {"probability": 1.5},
+        {"probability": np.nan},
+        {"probability": 0.5, "memory": 0},
+        {"probability": 0.5, "tries": 0},
+        {"tries": 3},
     ],
 )
-def test_what_is_no_probability_and_no_number_is_refused(retry: dict[str, float], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        Retry(**retry)  # type: ignore[arg-type]
+def test_what_is_no_probability_and_no_number_is_refused(replay: dict[str, float]) -> None:
+    with pytest.raises(ValidationError):
+        FailureReplay.model_validate(replay)

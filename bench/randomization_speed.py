@@ -1,10 +1,10 @@
 """What each way in which robots can differ costs: the batched env with it, against the same env without.
 
-Run: python bench/variation_speed.py [--robots 256] [--steps 100] [--rounds 11] [--threads 1] [--json]
+Run: python bench/randomization_speed.py [--robots 256] [--steps 100] [--rounds 11] [--threads 1] [--json]
 
 All envs take the same actions from the same starts, in turns, and ratios are taken per turn. Time is the processor's,
 of all threads together, so that a machine with other things to do disturbs little; "twice without" is the env without
-variation a second time and says how much. One step is one robot's control period.
+randomization a second time and says how much. One step is one robot's control period.
 """
 
 from __future__ import annotations
@@ -20,27 +20,39 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.mission.fields import Start
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course
-from waypointctl.task.sensor_noise import SensorNoise
-from waypointctl.task.start import Start
-from waypointctl.task.variation import Variation
+from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
 
 FloatArray = NDArray[np.float64]
 
-TASK: Final = TaskConfig(course=Course("legs"), start=Start(heading_rad=None))
-NOISE: Final = SensorNoise(0.01, 0.1, 0.01, 0.05, 0.01, 0.1)
+TASK: Final = TaskConfig(course=Course(perimeter="legs"), start=Start(random_heading=True))
+NOISE: Final = SensorNoise(
+    joint_angle_rad=0.01,
+    joint_speed_radps=0.1,
+    position_m=0.01,
+    velocity_mps=0.05,
+    attitude_rad=0.01,
+    gyroscope_radps=0.1,
+)
 # Bounds close to the model's own values: what robots do, and so what the physics costs, stays nearly the same.
 WAYS: Final = {
-    "without": Variation(),
-    "twice without": Variation(),
-    "latency": Variation(latency_s=(0.0, 0.04)),
-    "mass": Variation(mass_factor=(0.95, 1.05)),
-    "friction": Variation(friction_factor=(0.95, 1.05)),
-    "gravity": Variation(gravity_mps2=(9.7, 9.9)),
-    "sensor noise": Variation(sensor_noise=NOISE),
-    "all": Variation((0.0, 0.04), (0.95, 1.05), (0.95, 1.05), (9.7, 9.9), NOISE),
+    "without": DomainRandomization(),
+    "twice without": DomainRandomization(),
+    "latency": DomainRandomization(latency_s=(0.0, 0.04)),
+    "mass": DomainRandomization(mass_factor=(0.95, 1.05)),
+    "friction": DomainRandomization(friction_factor=(0.95, 1.05)),
+    "gravity": DomainRandomization(gravity_mps2=(9.7, 9.9)),
+    "sensor noise": DomainRandomization(sensor_noise=NOISE),
+    "all": DomainRandomization(
+        latency_s=(0.0, 0.04),
+        mass_factor=(0.95, 1.05),
+        friction_factor=(0.95, 1.05),
+        gravity_mps2=(9.7, 9.9),
+        sensor_noise=NOISE,
+    ),
 }
 
 
@@ -56,7 +68,8 @@ def time_of(env: BatchedWaypointEnv, actions: FloatArray) -> float:
 def measure(robots: int, steps: int, rounds: int, threads: int) -> dict[str, dict[str, float]]:
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (steps, robots, 8))
     envs = {
-        name: BatchedWaypointEnv(replace(TASK, variation=way), robots, 0, threads=threads) for name, way in WAYS.items()
+        name: BatchedWaypointEnv(replace(TASK, domain_randomization=way), robots, 0, threads=threads)
+        for name, way in WAYS.items()
     }
     times = [{name: time_of(env, actions) for name, env in envs.items()} for _ in range(rounds + 1)]
     counted = times[1:]  # the first round warms caches and threads up
