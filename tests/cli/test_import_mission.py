@@ -83,8 +83,8 @@ def test_an_origin_is_taken_from_the_command_line(line: Path, program: Program) 
     ("arguments", "problem"),
     [
         (["line.geojson", "--origin", "47"], "--origin: '47' is not two numbers"),
-        (["line.geojson", "--origin", "97,8"], "--origin: '97,8' is not a latitude within -89 and 89"),
-        (["line.geojson", "--origin", "nan,8"], "--origin: 'nan,8' is not a latitude within -89 and 89"),
+        (["line.geojson", "--origin", "97,8"], "--origin: '97,8' is not a latitude within -90 and 90"),
+        (["line.geojson", "--origin", "nan,8"], "--origin: 'nan,8' is not a latitude within -90 and 90"),
         (["line.geojson", "--out", "no/such/m.yaml"], "no/such/m.yaml: the mission cannot be written"),
         (["missing.plan"], "missing.plan: there is no such file"),
         (["line.kml"], "line.kml: there is no such file"),

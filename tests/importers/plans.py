@@ -169,7 +169,7 @@ SHAPES: Final = (
     Shape("waits for a person", plan(A | {"autoContinue": False}, B), AB, ("1 x wait for a person",)),
     Shape("mission without a version", (lambda made: made | {"mission": {
         key: value for key, value in made["mission"].items() if key != "version"}})(plan(A, B)), AB),
-    Shape("an unset home", plan(A, B, home=[0, 0, 0]), refused=r"mission\.plannedHomePosition \(0, 0\): some 6,600 km"),
+    Shape("an unset home", plan(A, B, home=[0, 0, 0]), refused=r"mission\.plannedHomePosition \(0, 0\): some 7,000 km"),
     # Standing still.
     Shape("a loiter for a time", plan(A, there(19, 2, 4, 30, 0, 50)), ((2, 0), At(2, 4, 30)),
           ("1 x loiter radius",)),

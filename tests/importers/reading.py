@@ -6,11 +6,11 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from waypointctl.importers.importer import ImportedMission
 from waypointctl.importers.local_frame import Body, Place
 from waypointctl.importers.mission_text import mission_text
 from waypointctl.importers.placed import Placed
-from waypointctl.importers.read import read_survey
-from waypointctl.importers.survey import Survey
+from waypointctl.importers.registry import read_imported
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Leg, Mission
 
@@ -21,7 +21,7 @@ class Imported:
 
     mission: Mission
     text: str
-    survey: Survey
+    source: ImportedMission
     placed: Placed
 
     @property
@@ -51,6 +51,6 @@ def imported(
     folder: Path, content: object, name: str = "yard.plan", origin: Place | None = None, body: Body | None = None
 ) -> Imported:
     """Import what a file holds."""
-    survey = read_survey(write(folder / name, content))
-    text, placed = mission_text(survey, name, "p", origin, body)
-    return Imported(parse_mission(text.encode(), "mission"), text, survey, placed)
+    source = read_imported(write(folder / name, content))
+    text, placed = mission_text(source, name, "p", origin, body)
+    return Imported(parse_mission(text.encode(), "mission"), text, source, placed)

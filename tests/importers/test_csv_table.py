@@ -47,14 +47,14 @@ def test_metres_stay_what_they_are(tmp_path: Path) -> None:
     assert (first.name, first.hold_s, first.acceptance, first.tolerance_m) == ("pit", 10, "radius", 1.5)
     assert (second.name, second.hold_s, second.acceptance, second.tolerance_m) == ("WP2", 0, "box", 0.5)
     assert found.text.startswith("# From 'yard.csv'. x and y are those of the file, in metres.\n")
-    assert found.survey.remarks == ()
+    assert found.source.remarks == ()
 
 
 def test_x_and_y_without_a_unit_are_said_to_be_metres(tmp_path: Path) -> None:
     assert imported(tmp_path, "Easting (m),Northing (m)\n25,60\n26,61\n", "yard.csv").legs == [(26.0, 61.0)]
     found = imported(tmp_path, "X,Y\n25,60\n25.1,60\n", "yard.csv")
     assert (found.mission.start.position_m, found.legs) == ((25, 60), [(25.1, 60.0)])
-    assert found.survey.remarks == ("has x and y without a unit: they are read as metres",)
+    assert found.source.remarks == ("has x and y without a unit: they are read as metres",)
 
 
 @pytest.mark.parametrize(

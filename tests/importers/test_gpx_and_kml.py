@@ -66,12 +66,12 @@ POLYGON = placemark(
                 )
             ),
             "yard",
-            ("1 x gap between segments of a track: the robot walks straight across",),
+            ("1 x gap between segments of a track: the robot goes straight across",),
         ),
         (
             gpx(ROUTE.replace("<ele>3</ele>", "<extensions><x:E xmlns:x='x'><x:rpt/><x:rpt/></x:E></extensions>", 1)),
             "the-yard",
-            ("2 x shaping point (rpt) of a route: the robot walks straight between route points",),
+            ("2 x shaping point (rpt) of a route: the robot goes straight between route points",),
         ),
         (gpx(ROUTE).replace("<?xml version", "\ufeff<?xml version"), "the-yard", ()),
         (gpx(ROUTE).replace('version="1.0"?>', 'version="1.0" encoding="latin-1"?>'), "the-yard", ()),
@@ -83,7 +83,7 @@ POLYGON = placemark(
         (
             kml(placemark(f"<gx:MultiTrack>{track(*PLACES[:1])}{track()}{track(*PLACES[1:])}</gx:MultiTrack>")),
             "yard",
-            ("1 x gap between segments of a track: the robot walks straight across",),
+            ("1 x gap between segments of a track: the robot goes straight across",),
         ),
         (kml(placemark(f"<MultiGeometry><LineString>{coordinates(*PLACES)}</LineString></MultiGeometry>")), "yard", ()),
         (
@@ -158,7 +158,7 @@ FETCH = '<!DOCTYPE gpx [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
         (kml(), "m.kml", "has no LineString; a mission is one LineString, or 2 Points and more"),
         (kml(POLYGON), "m.kml", "has no LineString and 1 Polygon; a mission is one"),
         (kml(LINE, GX_TRACK), "m.kml", r"has 2 lines \('the yard', line 3 \(Track\)\)"),
-        (kml(LINE.replace(",60.0,", ",")), "m.kml", r"position 1: 0, 25 is not|some 6,600 km away"),
+        (kml(LINE.replace(",60.0,", ",")), "m.kml", r"position 1: 0, 25 is not|some 6,700 km away"),
         (
             kml(LINE.replace("25.0,60.0,0", "25.0")),
             "m.kml",

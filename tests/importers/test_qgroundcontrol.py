@@ -11,7 +11,10 @@ import pytest
 from tests.importers.plans import YARD, A, B, box, circle, fence, item, landing, plan, there, wp
 from tests.importers.reading import imported
 from waypointctl.errors import MissionError
-from waypointctl.importers.mavlink import FOLLOWED, INSTEAD, LEFT_OUT
+from waypointctl.importers.mavlink import FOLLOWED, other_commands
+
+LEFT_OUT = {number: command for number, command in other_commands().items() if command.is_left_out}
+REFUSED = {number: command for number, command in other_commands().items() if not command.is_left_out}
 
 
 def test_commands_that_change_no_way_are_left_out_and_counted(tmp_path: Path) -> None:
@@ -19,15 +22,15 @@ def test_commands_that_change_no_way_are_left_out_and_counted(tmp_path: Path) ->
     found = imported(tmp_path, plan(A, *at_places, B, *[item(command, 1) for command in LEFT_OUT]))
     assert found.legs == [(0.0, 22.28), (22.32, 22.28)]
     assert found.left_out == tuple(
-        f"2 x {name} (command {command}): {why}" for command, (name, why) in LEFT_OUT.items()
+        f"2 x {command.name} (command {number}): {command.reason}" for number, command in LEFT_OUT.items()
     )
 
 
-@pytest.mark.parametrize("command", [*sorted(INSTEAD), 1, 99, 65_000, -16])
+@pytest.mark.parametrize("command", [*REFUSED, 1, 99, 65_000, -16])
 def test_a_command_that_changes_the_way_is_refused_with_its_name_and_place(tmp_path: Path, command: int) -> None:
     with pytest.raises(MissionError) as caught:
         imported(tmp_path, plan(A, there(command, 9, 9, 1), B))
-    name = INSTEAD[command][0] if command in INSTEAD else "not a mission command of MAVLink that is known"
+    name = REFUSED[command].name if command in REFUSED else "not a mission command of MAVLink that is known"
     assert f"mission.items[1].command: {command} is {name}" in str(caught.value)
 
 
@@ -37,9 +40,7 @@ def test_a_device_or_a_setting_changes_no_way(command: int) -> None:
 
 
 def test_a_command_is_of_one_kind_alone() -> None:
-    assert not FOLLOWED.keys() & LEFT_OUT.keys()
-    assert not FOLLOWED.keys() & INSTEAD.keys()
-    assert not LEFT_OUT.keys() & INSTEAD.keys()
+    assert not FOLLOWED.keys() & other_commands().keys()
 
 
 def changed(*path: str | int, to: Any) -> dict[str, Any]:
@@ -63,7 +64,7 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
         (changed("mission", "version", to="2"), r"mission\.version: '2' is not 2"),
         (
             changed("mission", "plannedHomePosition", to=[95, 0]),
-            r"plannedHomePosition: 95, 0 is not a latitude within -89 and 89",
+            r"plannedHomePosition: 95, 0 is not a latitude within -90 and 90",
         ),
         (
             changed("mission", "plannedHomePosition", to=[1]),
@@ -73,9 +74,9 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
             changed("mission", "plannedHomePosition", to=[None, None, None]),
             r"mission\.plannedHomePosition is missing\n  Give the place of the start: --origin 60\.0002000,25\.0000",
         ),
-        (changed("mission", "items", to=[]), "has no waypoint to walk to"),
-        (changed("mission", "items", to=[item(22, frame=3)]), "has no waypoint to walk to"),
-        (changed("mission", "items", to=[there(22, 0, 0)]), "has no waypoint to walk to"),
+        (changed("mission", "items", to=[]), "has no waypoint to go to"),
+        (changed("mission", "items", to=[item(22, frame=3)]), "has no waypoint to go to"),
+        (changed("mission", "items", to=[there(22, 0, 0)]), "has no waypoint to go to"),
         (changed("mission", "items", to=[A] * 20_001), "items: has 20,001 entries; at most 20,000 are read"),
         (changed("mission", "items", to=[A] * 1001), "items: leads to more than the 1,000 waypoints"),
         (changed("mission", "items", 0, "type", to="ComplexItem"), r"items\[0\]: is a ComplexItem \(of no type\) with"),
@@ -125,7 +126,7 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
         ),
         (
             plan(*[wp(2, at) for at in range(86)], home=[47.4, 8.5, 400]),
-            r"mission\.plannedHomePosition \(47\.4, 8\.5\): some 1,400 km away from the other places",
+            r"mission\.plannedHomePosition \(47\.4, 8\.5\): some 1,800 km away from the other places",
         ),
         (plan(A, B, wp(2000, 0)), r"mission\.items\[2\] \(60\.2, 25\): some 22 km away from the other places"),
         (changed("geoFence", to=[1]), r"geoFence: a list of 1 is not a mapping"),

@@ -74,7 +74,7 @@ def test_a_file_without_a_home_starts_at_the_origin(tmp_path: Path) -> None:
 
 def test_a_home_that_is_not_set_is_named_and_gives_way_to_an_origin(tmp_path: Path) -> None:
     unset = wpl(HOME.replace("60.0 25.0", "0 0"), NORTH, EAST)
-    with pytest.raises(MissionError, match=r"line 2 \(the home\) \(0, 0\): some 6,600 km away from the other places"):
+    with pytest.raises(MissionError, match=r"line 2 \(the home\) \(0, 0\): some 7,000 km away from the other places"):
         imported(tmp_path, unset, "yard.waypoints")
     assert imported(tmp_path, unset, "yard.waypoints", origin=(60.0, 25.0)).legs == ON_THE_WAY
 
@@ -83,8 +83,8 @@ def test_a_home_that_is_not_set_is_named_and_gives_way_to_an_origin(tmp_path: Pa
     ("content", "problem"),
     [
         ("QGC WPL 120\n" + HOME, r"yard\.waypoints:1: begins with 'QGC WPL 120'; 'QGC WPL 110' is read"),
-        (wpl(HOME), "has no waypoint to walk to: at least one item of command 16 beside the home"),
-        (wpl(), "has no waypoint to walk to"),
+        (wpl(HOME), "has no waypoint to go to: at least one item of command 16 beside the home"),
+        (wpl(), "has no waypoint to go to"),
         (wpl(HOME, NORTH[:-2]), "line 3: has 11 values; an item has 12"),
         (
             wpl(HOME, *[NORTH[:-2]] * 86),

@@ -15,7 +15,7 @@ from waypointctl.mission.policy_name import FLAGSHIP, policies_there_are, policy
 if TYPE_CHECKING:
     from waypointctl.importers.local_frame import Place
 
-_MAX_LATITUDE: Final = 89.0
+_MAX_LATITUDE: Final = 90.0
 
 
 def import_mission(
@@ -45,17 +45,17 @@ def import_mission(
     """Make a mission of a plan: latitudes and longitudes become x (east) and y (north) in metres around an origin."""
     from waypointctl.importers.local_frame import body_of
     from waypointctl.importers.mission_text import mission_text
-    from waypointctl.importers.read import read_survey
+    from waypointctl.importers.registry import read_imported
     from waypointctl.paths import write_whole
 
     _refuse_taken(out, force)
     ground, center = (None if body is None else body_of(body)), (None if origin is None else origin_of(origin))
-    survey = read_survey(file)
-    if survey.is_metric and (ground or center):
+    imported = read_imported(file)
+    if imported.is_metric and (ground or center):
         problem = "has x and y in metres; --origin and --body are for latitudes and longitudes"
         raise InputError(problem, where=str(file), hint="Leave them out.")
-    text, placed = mission_text(survey, str(file), policy_reference(policy, out and out.parent), center, ground)
-    for remark in survey.remarks:
+    text, placed = mission_text(imported, str(file), policy_reference(policy, out and out.parent), center, ground)
+    for remark in imported.remarks:
         typer.echo(f"note: {printable(f'{file} {remark}')}", err=True)
     for note in placed.left_out:
         typer.echo(f"left out: {printable(note)}", err=True)
@@ -102,6 +102,6 @@ def origin_of(text: str) -> Place:
     except ValueError:
         raise InputError(f"--origin: {text!r} is not two numbers with a comma between them", hint=hint) from None
     if not (-_MAX_LATITUDE <= latitude <= _MAX_LATITUDE and -360 <= longitude <= 360):
-        problem = f"--origin: {text!r} is not a latitude within -89 and 89 and a longitude within -360 and 360"
+        problem = f"--origin: {text!r} is not a latitude within -90 and 90 and a longitude within -360 and 360"
         raise InputError(problem, hint=hint)
     return latitude, longitude

@@ -14,10 +14,10 @@ from itertools import islice
 from typing import Final
 
 from waypointctl.errors import MissionError
+from waypointctl.importers.importer import MOST_STOPS, ImportedMission, Importer, ImportOptions, Stop, mission_name
 from waypointctl.importers.local_frame import Place
-from waypointctl.importers.report import Report, number_of
-from waypointctl.importers.survey import MOST_STOPS, Stop, Survey, mission_name
-from waypointctl.importers.text_source import text_of
+from waypointctl.importers.report import Report, number_of, text_of
+from waypointctl.mission.file_kind import kind_of
 from waypointctl.mission.wording import counted, shown
 
 # What a column is called, in small letters and without a unit at its end.
@@ -41,24 +41,18 @@ _MOST_COORDINATE_M: Final = 10_000.0
 _MOST_TOLERANCE_M: Final = 100.0
 
 
-def is_table(text: str) -> bool:
+def is_table(source: bytes) -> bool:
     """Tell whether a text begins with a row of column names, two of which are coordinates."""
+    if kind_of(source) is not None:
+        return False
+    text = source.decode("utf-8-sig", errors="replace")
     header = next((line for line in text.splitlines() if line.strip() and not _COMMENT.match(line)), "")[:_MOST_HEADER]
     columns = _columns(next(csv.reader([header], delimiter=_delimiter(header)), []))
     return any(set(keys) <= columns.keys() for keys in _COORDINATES)
 
 
-def read_csv(source: bytes, report: Report, name: str) -> Survey:
-    """Read a table.
-
-    Args:
-        source: the file's bytes.
-        report: what is wrong with it goes there.
-        name: of the mission.
-
-    Raises:
-        MissionError: it has no columns of coordinates, or something is wrong with its rows.
-    """
+def _read(source: bytes, options: ImportOptions) -> ImportedMission:
+    report = Report(options.where)
     header, rows, delimiter = _rows(text_of(source, report), report)
     if len(header) > _MOST_COLUMNS:
         raise MissionError(f"has {len(header):,} columns; at most {_MOST_COLUMNS:,} are read", where=report.where)
@@ -78,8 +72,8 @@ def read_csv(source: bytes, report: Report, name: str) -> Survey:
     unread = [title for place, title in enumerate(header) if place not in {table.columns[key] for key in read}]
     is_metric = table.keys == ("x", "y")
     is_bare = is_metric and {header[table.columns[key]].strip().lower() for key in ("x", "y")} == {"x", "y"}
-    return Survey(
-        mission_name(name),
+    return ImportedMission(
+        mission_name(options.name),
         start.place,
         tuple(stop for stop in stops if stop is not None),
         start_at=start.at,
@@ -168,3 +162,6 @@ def _columns(header: list[str]) -> dict[str, int]:
 
 def _delimiter(header: str) -> str:
     return max(_DELIMITERS, key=header.count)
+
+
+CSV: Final = Importer("CSV", (".csv", ".tsv"), is_table, _read)

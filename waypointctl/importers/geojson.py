@@ -7,10 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from typing import Any, Final
 
+from waypointctl.importers.importer import MOST_POSITIONS, ImportedMission, Importer, ImportOptions, of_kind
 from waypointctl.importers.json_source import Part, read_json
 from waypointctl.importers.report import Report, number_of
-from waypointctl.importers.shapes import Shapes, Spot, too_many
-from waypointctl.importers.survey import MOST_POSITIONS, Survey
+from waypointctl.importers.shapes import Line, Shapes, Spot
+from waypointctl.mission.file_kind import FileKind
 from waypointctl.mission.wording import counted, shown
 
 # Latitude and longitude by the names that GeoServer, GDAL and others give them; of other bodies those of
@@ -30,23 +31,14 @@ _GEOMETRIES: Final = ("Point", "MultiPoint", "LineString", "MultiLineString", "P
 _COLLECTION: Final = "GeometryCollection"
 
 
-def read_geojson(source: bytes, report: Report, name: str) -> Survey:
-    """Read a geometry, a Feature or a FeatureCollection.
-
-    Args:
-        source: the file's bytes.
-        report: what is wrong with it goes there.
-        name: of the mission, where the file gives none.
-
-    Raises:
-        MissionError: it has not one line, and no points instead, with all that is wrong.
-    """
+def _read(source: bytes, options: ImportOptions) -> ImportedMission:
+    report = Report(options.where)
     root = read_json(source, report)
     reader = _Reader(Shapes(report, "LineString", "Point", _ORDER))
     reader.take_frame(root)
     reader.take_root(root)
     own = root.value.get("name") if isinstance(root.value, dict) else None
-    return reader.shapes.survey(own if isinstance(own, str) and own else name)
+    return reader.shapes.imported(own if isinstance(own, str) and own else options.name)
 
 
 class _Reader:
@@ -134,10 +126,9 @@ class _Reader:
         counts = [len(part.value) if isinstance(part.value, list) else MOST_POSITIONS for part in parts]
         if (least := min(counts)) < 2:
             parts[counts.index(least)].add_problem(f"has {counted(least, 'positions')}; a line has 2 and more")
-        elif sum(counts) > MOST_POSITIONS:
-            parts[0].add_problem(too_many(sum(counts), "positions"))
         else:
-            self.shapes.add_line(name, parts[0].at_text, lambda: self._spots(parts))
+            line = Line("LineString", name, parts[0].at_text)
+            self.shapes.add_line(line, sum(counts), "positions", lambda: self._spots(parts))
 
     def _spots(self, parts: Sequence[Part]) -> Iterator[Spot]:
         for part in parts:
@@ -189,3 +180,6 @@ def _goes_on(before: Any, after: Any) -> bool:
         return False
     longitude, latitude, other_longitude, other_latitude = (number or 0.0 for number in numbers)
     return latitude == other_latitude and (longitude - other_longitude) % 360 == 0
+
+
+GEOJSON: Final = Importer("GeoJSON", (".geojson", ".json"), of_kind(FileKind.GEOJSON), _read)

@@ -4,46 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import chain
+from typing import Final
 
+from waypointctl.importers.importer import ImportedMission, Importer, ImportOptions, of_kind
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Shapes, Spot, note_gaps, too_many
-from waypointctl.importers.survey import MOST_POSITIONS, Survey
+from waypointctl.importers.shapes import Line, Shapes, Spot, note_gaps
 from waypointctl.importers.xml_source import Element, read_xml
+from waypointctl.mission.file_kind import FileKind
 
 
-def read_gpx(source: bytes, report: Report, name: str) -> Survey:
-    """Read a route or a track, or the waypoints of a file without one.
-
-    Args:
-        source: the file's bytes.
-        report: what is wrong with it goes there.
-        name: of the mission, where the file gives none.
-
-    Raises:
-        MissionError: it has not one route or track, and no waypoints instead, with all that is wrong.
-    """
+def _read(source: bytes, options: ImportOptions) -> ImportedMission:
+    report = Report(options.where)
     root = read_xml(source, report)
     shapes = Shapes(report, "route or track", "waypoint")
     for route in root.each("rte"):
         points = list(route.each("rtept"))
         if shaping := sum(map(_shaping_count, points)):
-            report.left_out["shaping point (rpt) of a route: the robot walks straight between route points"] += shaping
+            report.left_out["shaping point (rpt) of a route: the robot goes straight between route points"] += shaping
         _add(shapes, route, points)
     for track in root.each("trk"):
         segments = [list(segment.each("trkpt")) for segment in track.each("trkseg")]
         note_gaps(report, segments)
         _add(shapes, track, list(chain.from_iterable(segments)))
     shapes.points += _spots(report, list(root.each("wpt")))
-    return shapes.survey(name)
+    return shapes.imported(options.name)
 
 
-def _add(shapes: Shapes, line: Element, points: list[Element]) -> None:
-    if not points:
-        shapes.report.left_out[f"{line.name} without points"] += 1
-    elif len(points) > MOST_POSITIONS:
-        shapes.report.add_problem(line.at, too_many(len(points), "points"))
-    else:
-        shapes.add_line(line.text_of("name"), line.at, lambda: _spots(shapes.report, points))
+def _add(shapes: Shapes, element: Element, points: list[Element]) -> None:
+    line = Line(element.name, element.text_of("name"), element.at)
+    shapes.add_line(line, len(points), "points", lambda: _spots(shapes.report, points))
 
 
 def _shaping_count(point: Element) -> int:
@@ -57,3 +46,6 @@ def _spots(report: Report, points: Iterable[Element]) -> Iterable[Spot]:
         latitude, longitude = (point.attributes.get(key, "") for key in ("lat", "lon"))
         if (place := report.place(point.at, latitude, longitude)) is not None:
             yield Spot(place, point.text_of("name"), point.at)
+
+
+GPX: Final = Importer("GPX", (".gpx",), of_kind(FileKind.GPX), _read)

@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from itertools import chain
 from typing import Final
 
+from waypointctl.importers.importer import ImportedMission, Importer, ImportOptions, of_kind
 from waypointctl.importers.local_frame import BODIES
 from waypointctl.importers.report import Report
-from waypointctl.importers.shapes import Shapes, Spot, note_gaps, too_many
-from waypointctl.importers.survey import MOST_POSITIONS, Survey
+from waypointctl.importers.shapes import Line, Shapes, Spot, note_gaps
 from waypointctl.importers.xml_source import Element, read_xml
+from waypointctl.mission.file_kind import FileKind
 from waypointctl.mission.wording import shown
 
 _ORDER: Final = "KML is longitude,latitude"
@@ -22,17 +23,8 @@ _TARGET: Final = re.compile(r"\btarget=(\w+)")  # of the hint that names the bod
 _COMMA: Final = re.compile(r"\s{0,9},\s*")  # bounded: long runs of white space stay linear
 
 
-def read_kml(source: bytes, report: Report, name: str) -> Survey:
-    """Read a LineString or a gx:Track, or the Points of a file without one. Nothing that it links to is fetched.
-
-    Args:
-        source: the file's bytes.
-        report: what is wrong with it goes there.
-        name: of the mission, where the file gives none.
-
-    Raises:
-        MissionError: it has not one line, and no points instead, with all that is wrong.
-    """
+def _read(source: bytes, options: ImportOptions) -> ImportedMission:
+    report = Report(options.where)
     root = read_xml(source, report)
     shapes = Shapes(report, "LineString", "Point", _ORDER, _body(root, report))
     for placemark in _placemarks(root, report):
@@ -41,7 +33,7 @@ def read_kml(source: bytes, report: Report, name: str) -> Survey:
             _take(shapes, geometry, placemark.text_of("name"))
         if not geometries:
             report.left_out["Placemark without a geometry"] += 1
-    return shapes.survey(name)
+    return shapes.imported(options.name)
 
 
 def _body(root: Element, report: Report) -> str:
@@ -85,14 +77,12 @@ def _take(shapes: Shapes, geometry: Element, name: str) -> None:
         texts = list(chain.from_iterable(parts))
     else:
         texts = _COMMA.sub(",", geometry.text_of("coordinates")).split()
-    if not texts:
-        report.left_out[f"{geometry.name} without coordinates"] += 1
-    elif len(texts) > MOST_POSITIONS:
-        report.add_problem(geometry.at, too_many(len(texts), "positions"))
-    elif geometry.name == "Point":
+    if geometry.name == "Point" and texts:
         shapes.points += _spots(report, texts[:1], separator, geometry, name)
     else:
-        shapes.add_line(name, geometry.at, lambda: _spots(report, texts, separator, geometry, ""))
+        line = Line(geometry.name, name, geometry.at)
+        things = "positions" if texts else "coordinates"
+        shapes.add_line(line, len(texts), things, lambda: _spots(report, texts, separator, geometry, ""))
 
 
 def _spots(report: Report, texts: list[str], separator: str | None, geometry: Element, name: str) -> Iterator[Spot]:
@@ -103,3 +93,6 @@ def _spots(report: Report, texts: list[str], separator: str | None, geometry: El
             report.add_problem(at, f"{shown(text)} is not longitude,latitude", "not longitude,latitude")
         elif (place := report.place(at, others[0], longitude, _ORDER)) is not None:
             yield Spot(place, name, at)
+
+
+KML: Final = Importer("KML", (".kml",), of_kind(FileKind.KML), _read)

@@ -1,4 +1,4 @@
-"""Where a list of MAVLink mission items leads a robot that walks.
+"""Where a list of MAVLink mission items leads a robot on the ground.
 
 Altitudes are not used, and where latitude and longitude are both 0 or not a number the item is about where the vehicle
 is. A jump is done as often as it says, from its own place, as ArduPilot and PX4 do it.
@@ -11,6 +11,7 @@ from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from waypointctl.importers.importer import MOST_STOPS, Stop
 from waypointctl.importers.mavlink import (
     DELAY,
     ENDS,
@@ -18,11 +19,9 @@ from waypointctl.importers.mavlink import (
     GLOBAL_FRAMES,
     HERE,
     HOLDS,
-    INSTEAD,
     JUMP,
     JUMPS,
     LANDINGS,
-    LEFT_OUT,
     LOITER_TIME,
     NOT_DONE,
     PICTURE,
@@ -31,9 +30,9 @@ from waypointctl.importers.mavlink import (
     TAG,
     TAKEOFFS,
     WAYPOINT,
+    other_commands,
 )
 from waypointctl.importers.report import Report
-from waypointctl.importers.survey import MOST_STOPS, Stop
 
 PARAMETERS: Final = 7
 _HOLD: Final = 0
@@ -81,8 +80,8 @@ def follow(items: Sequence[Item], report: Report) -> tuple[Stop, ...]:
     """Return the stops that items lead to; what cannot be followed and what is left out goes into the report."""
     way = _Way(report)
     for item in items:
-        way.look_at(item)
-    return way.walked(items) if report.is_clean else ()
+        way.check(item)
+    return way.stops_of(items) if report.is_clean else ()
 
 
 @dataclass(slots=True)
@@ -90,20 +89,21 @@ class _Way:
     report: Report
     stops: list[Stop] = field(default_factory=list)
 
-    def look_at(self, item: Item) -> None:
-        """Report an item that cannot be followed, count one that does not matter."""
+    def check(self, item: Item) -> None:
+        """Report an item that cannot be followed; count one that is left out."""
         number = item.command
-        if number in LEFT_OUT:
-            name, why = LEFT_OUT[number]
-            self._leave_out(f"{name} (command {number}): {why}")
-        elif number in INSTEAD:
-            name, why = INSTEAD[number]
-            self.report.add_problem(f"{item.at}.command", f"{number} is {name}: {why}")
-        elif number not in FOLLOWED:
+        if number in FOLLOWED:
+            return
+        other = other_commands().get(number)
+        if other is None:
             problem = f"{number} is not a mission command of MAVLink that is known"
             self.report.add_problem(f"{item.at}.command", problem, "unknown command")
+        elif other.is_left_out:
+            self._leave_out(f"{other.name} (command {number}): {other.reason}")
+        else:
+            self.report.add_problem(f"{item.at}.command", f"{number} is {other.name}: {other.reason}")
 
-    def walked(self, items: Sequence[Item]) -> tuple[Stop, ...]:
+    def stops_of(self, items: Sequence[Item]) -> tuple[Stop, ...]:
         """Return the stops of items that can be followed, their jumps unrolled."""
         backwards = list(enumerate(items))[::-1]  # of two with one number the first counts
         places = {float(item.number): place for place, item in backwards}
@@ -144,7 +144,7 @@ class _Way:
         number, times = item.params[0], item.params[_TIMES]
         what = f"is a {FOLLOWED[item.command]} (command {item.command})"
         if times is not None and times < 0:
-            self.report.add_problem(item.at, f"{what} without end: the mission's 'repeat' walks the whole of it again")
+            self.report.add_problem(item.at, f"{what} without end: the mission's 'repeat' repeats the whole of it")
             return None
         target = None if number is None else place_of(number)
         if target is None:
@@ -169,9 +169,9 @@ class _Way:
         elif item.is_here:
             self._stay(item)
         else:
-            self._walk(item)
+            self._go_to(item)
 
-    def _walk(self, item: Item) -> None:
+    def _go_to(self, item: Item) -> None:
         """Take an item with a place."""
         if item.frame not in GLOBAL_FRAMES:
             allowed = ", ".join(map(str, GLOBAL_FRAMES))
@@ -234,7 +234,7 @@ class _Way:
 
     def _note_what_is_not_done(self, item: Item) -> None:
         if item.command == WAYPOINT and item.params[_LOITER_RADIUS]:
-            self._leave_out("passing radius of a waypoint: the robot walks to the waypoint")
+            self._leave_out("passing radius of a waypoint: the robot goes to the waypoint")
         if item.command == LOITER_TIME and item.params[_LOITER_RADIUS]:
             self._leave_out("loiter radius: the robot stands at the centre")
         if item.command in (WAYPOINT, *LANDINGS, *TAKEOFFS) and item.params[_YAW]:

@@ -10,9 +10,9 @@ from typing import Final
 
 from waypointctl.display_text import printable
 from waypointctl.errors import MissionError
+from waypointctl.importers.importer import ImportedMission, Stop, Zone
 from waypointctl.importers.local_frame import BODIES, EARTH, Body, Place, Point
 from waypointctl.importers.placed import Placed, placed
-from waypointctl.importers.survey import Stop, Survey, Zone
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.format import quoted
 
@@ -25,12 +25,12 @@ _MOST_NAME: Final = 60  # characters of a waypoint's name
 
 
 def mission_text(
-    survey: Survey, where: str, policy: str, origin: Place | None = None, body: Body | None = None
+    imported: ImportedMission, where: str, policy: str, origin: Place | None = None, body: Body | None = None
 ) -> tuple[str, Placed]:
     """Return the mission file made from what another tool's file says, and its places in metres.
 
     Args:
-        survey: what it says.
+        imported: what it says.
         where: the file, for messages and for the comment at the top.
         policy: the policy's folder, relative to the mission file.
         origin: where x and y are 0; where the robot starts if it is left out.
@@ -39,10 +39,10 @@ def mission_text(
     Raises:
         MissionError: it is no mission: too wide, or beyond what a mission may have.
     """
-    ground = placed(survey, where, origin, body or BODIES[survey.body])
+    ground = placed(imported, where, origin, body or BODIES[imported.body])
     if not ground.stops:
-        raise MissionError("has no waypoint to walk to: all it holds is where the robot starts", where=where)
-    text = "".join(f"{line}\n" for line in _lines(survey.name, ground, where, policy))
+        raise MissionError("has no waypoint to go to: all it holds is where the robot starts", where=where)
+    text = "".join(f"{line}\n" for line in _lines(imported.name, ground, where, policy))
     parse_mission(text.encode(), f"{where} as a mission")
     return text, ground
 
@@ -70,7 +70,6 @@ def _head(ground: Placed, where: str) -> Iterator[str]:
         (latitude, longitude), body = ground.frame.origin, ground.frame.body
         on = "" if body == EARTH else f" on {body.name}"
         yield f"From {where!r}. x is east and y is north of {latitude:.7f}, {longitude:.7f}{on}."
-        yield f"An equirectangular frame: no place is off by more than {_error_text(ground.error_m)}."
     for note in ground.left_out:
         yield f"Left out: {note}"
 
@@ -88,7 +87,7 @@ def _fence(ground: Placed) -> Iterator[str]:
     if ground.return_to is not None:
         yield "    do: return_home"
         reached = [ground.start, *(point for _, point in ground.stops)]
-        timeout_s = _walk_s(max(math.dist(ground.return_to, point) for point in reached))
+        timeout_s = _leg_timeout_s(max(math.dist(ground.return_to, point) for point in reached))
         timeout = f", timeout: {timeout_s:g} s" if timeout_s > _HOME_TIMEOUT_S else ""
         yield f"  home: {{position: {_pair(ground.return_to)}{timeout}}}"
 
@@ -133,17 +132,13 @@ def _names(ground: Placed) -> Iterator[str]:
 def _timeout_s(ground: Placed) -> float:
     """Return the time that the longest leg gets."""
     points = [ground.start, *(point for _, point in ground.stops)]
-    return _walk_s(max(math.dist(a, b) for a, b in itertools.pairwise(points)))
+    return _leg_timeout_s(max(math.dist(a, b) for a, b in itertools.pairwise(points)))
 
 
-def _walk_s(way_m: float) -> float:
-    """Return what a way takes at a slow walk and a half, in whole tens of seconds."""
+def _leg_timeout_s(way_m: float) -> float:
+    """Return one and a half times what a way takes at 1 m/s, in whole tens of seconds."""
     return min(math.ceil(1.5 * way_m / _SLOWEST_MPS / 10) * 10.0, _MOST_TIMEOUT_S)
 
 
 def _pair(point: Point) -> str:
     return f"[{point[0]:.10g} m, {point[1]:.10g} m]"
-
-
-def _error_text(error_m: float) -> str:
-    return f"{max(math.ceil(error_m * 1000), 1)} mm" if error_m < 0.1 else f"{math.ceil(error_m * 100) / 100:g} m"

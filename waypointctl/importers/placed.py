@@ -1,4 +1,4 @@
-"""A survey in metres: where its places are in the local frame, and which of them are too far away."""
+"""A imported in metres: where its places are in the local frame, and which of them are too far away."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import Final
 from pydantic import ValidationError
 
 from waypointctl.errors import MissionError
+from waypointctl.importers.importer import MOST_STOPS, ImportedMission, Stop, Zone
 from waypointctl.importers.local_frame import Body, LocalFrame, Place, Point, span_m
 from waypointctl.importers.report import Report
-from waypointctl.importers.survey import MOST_STOPS, Stop, Survey, Zone
 from waypointctl.importers.thinning import thinned
 from waypointctl.mission.onboard import Area
 
@@ -22,7 +22,7 @@ _HERE_M: Final = 0.5  # as near as a waypoint is reached: a take-off this near i
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A survey's places in metres.
+    """A imported's places in metres.
 
     Attributes:
         frame: that they are in; None where the file has metres itself.
@@ -30,7 +30,6 @@ class Placed:
         stops: with their places.
         zones: with their corners.
         return_to: where the robot goes when it breaks the fence.
-        error_m: by how much the frame puts a place wrong, at most.
         left_out: what is left out, in words.
     """
 
@@ -39,15 +38,14 @@ class Placed:
     stops: tuple[tuple[Stop, Point], ...]
     zones: tuple[tuple[Zone, tuple[Point, ...]], ...]
     return_to: Point | None
-    error_m: float
     left_out: tuple[str, ...]
 
 
-def placed(survey: Survey, where: str, origin: Place | None, body: Body) -> Placed:
-    """Return a survey in metres.
+def placed(imported: ImportedMission, where: str, origin: Place | None, body: Body) -> Placed:
+    """Return a imported in metres.
 
     Args:
-        survey: what a file says.
+        imported: what a file says.
         where: the file, for messages.
         origin: of the frame; where the robot starts if it is left out.
         body: that the places are on.
@@ -55,52 +53,51 @@ def placed(survey: Survey, where: str, origin: Place | None, body: Body) -> Plac
     Raises:
         MissionError: its places are too far apart, or it says neither where the robot starts nor is there an origin.
     """
-    if survey.is_metric:
-        return _in_frame(survey, where, None)
-    if survey.start is None and origin is None:
-        hint = _origin_hint(survey)
-        raise MissionError(f"{survey.start_at} is missing", where=where, hint=f"Give the place of the start: {hint}.")
-    center = origin or survey.start
+    if imported.is_metric:
+        return _in_frame(imported, where, None)
+    if imported.start is None and origin is None:
+        hint = _origin_hint(imported)
+        raise MissionError(f"{imported.start_at} is missing", where=where, hint=f"Give the place of the start: {hint}.")
+    center = origin or imported.start
     assert center is not None
     frame = LocalFrame(center, body)
-    if origin is not None and survey.is_home and not _is_near(survey.start, frame):
-        survey = _started_at(survey, origin)
-    _refuse_too_wide(survey, where, frame, origin)
-    return _in_frame(survey, where, frame)
+    if origin is not None and imported.is_home and not _is_near(imported.start, frame):
+        imported = _started_at(imported, origin)
+    _refuse_too_wide(imported, where, frame, origin)
+    return _in_frame(imported, where, frame)
 
 
 def _is_near(place: Place | None, frame: LocalFrame) -> bool:
     return place is not None and span_m([(0.0, 0.0), frame.point(place)]) <= frame.max_span_m
 
 
-def _started_at(survey: Survey, origin: Place) -> Survey:
-    """Return a survey whose robot starts at the origin in place of a home that is missing or far away."""
+def _started_at(imported: ImportedMission, origin: Place) -> ImportedMission:
+    """Return a imported whose robot starts at the origin in place of a home that is missing or far away."""
     note: tuple[str, ...] = ()
-    if survey.start is not None:
-        note = (f"{survey.start_at} {_text(survey.start)}: far from --origin; the robot starts at --origin",)
-    return replace(survey, start=origin, left_out=(*survey.left_out, *note))
+    if imported.start is not None:
+        note = (f"{imported.start_at} {_text(imported.start)}: far from --origin; the robot starts at --origin",)
+    return replace(imported, start=origin, left_out=(*imported.left_out, *note))
 
 
-def _in_frame(survey: Survey, where: str, frame: LocalFrame | None) -> Placed:
+def _in_frame(imported: ImportedMission, where: str, frame: LocalFrame | None) -> Placed:
     def point(place: Place) -> Point:
         x_m, y_m = place if frame is None else frame.point(place)
         return round(x_m, 3) + 0.0, round(y_m, 3) + 0.0  # to the millimetre
 
-    start = (0.0, 0.0) if survey.start is None else point(survey.start)
-    stops = [(stop, start if stop.place is None else point(stop.place)) for stop in survey.stops]
-    left_out = survey.left_out
-    if survey.is_line and len(stops) > MOST_STOPS:
+    start = (0.0, 0.0) if imported.start is None else point(imported.start)
+    stops = [(stop, start if stop.place is None else point(stop.place)) for stop in imported.stops]
+    left_out = imported.left_out
+    if imported.is_line and len(stops) > MOST_STOPS:
         stops, note = _thinned(stops, start, where)
         left_out = (*left_out, note)
-    zones = tuple((zone, tuple(map(point, zone.corners))) for zone in survey.zones)
+    zones = tuple((zone, tuple(map(point, zone.corners))) for zone in imported.zones)
     _refuse_wrong_zones(zones, where)
     return Placed(
         frame,
         start,
         tuple(_on_the_way(stops, start)),
         zones,
-        None if survey.return_to is None else point(survey.return_to),
-        0.0 if frame is None else frame.error_m(place for _, places in _named(survey) for place in places),
+        None if imported.return_to is None else point(imported.return_to),
         left_out,
     )
 
@@ -134,22 +131,22 @@ def _on_the_way(stops: list[tuple[Stop, Point]], start: Point) -> Iterator[tuple
     yield from kept
 
 
-def _named(survey: Survey) -> Iterator[tuple[str, tuple[Place, ...]]]:
-    """Yield the places of a survey, with where the file says them."""
-    if survey.start is not None:
-        yield survey.start_at, (survey.start,)
-    for stop in survey.stops:
+def _named(imported: ImportedMission) -> Iterator[tuple[str, tuple[Place, ...]]]:
+    """Yield the places of a imported, with where the file says them."""
+    if imported.start is not None:
+        yield imported.start_at, (imported.start,)
+    for stop in imported.stops:
         if stop.place is not None:
             yield stop.at, (stop.place,)
-    for zone in survey.zones:
+    for zone in imported.zones:
         yield zone.at, zone.corners
-    if survey.return_to is not None:
-        yield "geoFence.breachReturn", (survey.return_to,)
+    if imported.return_to is not None:
+        yield "geoFence.breachReturn", (imported.return_to,)
 
 
-def _refuse_too_wide(survey: Survey, where: str, frame: LocalFrame, origin: Place | None) -> None:
+def _refuse_too_wide(imported: ImportedMission, where: str, frame: LocalFrame, origin: Place | None) -> None:
     """Refuse places that are further apart than the frame holds, and name those that make it so."""
-    groups = [(name, places, [frame.point(place) for place in places]) for name, places in _named(survey)]
+    groups = [(name, places, [frame.point(place) for place in places]) for name, places in _named(imported)]
     whole_m = span_m([(0.0, 0.0), *(point for _, _, points in groups for point in points)])
     if whole_m <= frame.max_span_m:
         return
@@ -158,31 +155,31 @@ def _refuse_too_wide(survey: Survey, where: str, frame: LocalFrame, origin: Plac
     if wide:
         problem = "; ".join(f"{name} spans {_km(extent_m)}" for name, extent_m in wide[:3])
         raise MissionError(f"{problem}; {limit}", where=where, hint="Draw it smaller, or take it out of the file.")
-    path = [points[0] for name, _, points in groups if not (survey.is_home and name == survey.start_at)]
+    path = [points[0] for name, _, points in groups if not (imported.is_home and name == imported.start_at)]
     points = path or [(0.0, 0.0)]
     middle = (statistics.median(x for x, _ in points), statistics.median(y for _, y in points))
     far = [(name, places[0]) for name, places, group in groups if span_m([middle, *group]) > frame.max_span_m]
-    if origin is not None and (away_m := span_m([middle, (0.0, 0.0)])) > frame.max_span_m:
-        problem = f"--origin {_text(origin)}: some {_rough_km(away_m)} away from the places of the file"
-        hint = _order(survey, f"Give an origin near them: {_origin_hint(survey)}.")
+    if origin is not None and span_m([middle, (0.0, 0.0)]) > frame.max_span_m:
+        problem = f"--origin {_text(origin)}: some {_rough_km(math.hypot(*middle))} away from the places of the file"
+        hint = _order(imported, f"Give an origin near them: {_origin_hint(imported)}.")
         raise MissionError(f"{problem}; {limit}", where=where, hint=hint)
     if far and len(far) <= len(groups) / 2:
         more = f" and {len(far) - 1} more" if len(far) > 1 else ""
-        away_m = span_m([middle, frame.point(far[0][1])])
+        away_m = math.dist(middle, frame.point(far[0][1]))
         problem = f"{far[0][0]} {_text(far[0][1])}{more}: some {_rough_km(away_m)} away from the other places"
-        is_home = survey.is_home and far[0][0] == survey.start_at
-        hint = f"Give the place of the start: {_origin_hint(survey)}." if is_home else "See whether it is right."
-        raise MissionError(f"{problem}; {limit}", where=where, hint=_order(survey, hint))
-    hint = _order(survey, "Cut it, or give an --origin near it.")
+        is_home = imported.is_home and far[0][0] == imported.start_at
+        hint = f"Give the place of the start: {_origin_hint(imported)}." if is_home else "See whether it is right."
+        raise MissionError(f"{problem}; {limit}", where=where, hint=_order(imported, hint))
+    hint = _order(imported, "Cut it, or give an --origin near it.")
     raise MissionError(f"spans {_km(whole_m)}; {limit}", where=where, hint=hint)
 
 
-def _order(survey: Survey, hint: str) -> str:
-    return f"{survey.order}: see that they are not swapped. Else: {hint}" if survey.order else hint
+def _order(imported: ImportedMission, hint: str) -> str:
+    return f"{imported.order}: see that they are not swapped. Else: {hint}" if imported.order else hint
 
 
-def _origin_hint(survey: Survey) -> str:
-    place = next((stop.place for stop in survey.stops if stop.place is not None), None) or (47.3977, 8.5456)
+def _origin_hint(imported: ImportedMission) -> str:
+    place = next((stop.place for stop in imported.stops if stop.place is not None), None) or (47.3977, 8.5456)
     return f"--origin {place[0]:.7f},{place[1]:.7f}"
 
 

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from waypointctl.errors import MissionError
-from waypointctl.importers.local_frame import MAX_LATITUDE, Place
+from waypointctl.importers.local_frame import Place
 from waypointctl.mission.wording import shown
 
 _MOST_SHOWN: Final = 20  # of the problems of a file
+_MAX_LATITUDE: Final = 90.0
 _MAX_LONGITUDE: Final = 360.0  # maps of the Moon and Mars count to 360, lines across the antimeridian beyond 180
 _SCALED: Final = 1e7  # MAVLink's integers are degrees times this
 
@@ -95,9 +96,9 @@ class Report:
                 self.add_problem(at, f"the {'latitude' if north is None else 'longitude'} is missing", "missing")
                 return None
             self.add_problem(at, f"{shown(wrong)} is not a finite number of degrees", "not a number of degrees")
-        elif abs(north) > MAX_LATITUDE or abs(east) > _MAX_LONGITUDE:
+        elif abs(north) > _MAX_LATITUDE or abs(east) > _MAX_LONGITUDE:
             problem = (
-                f"{north:.10g}, {east:.10g} is not a latitude within -{MAX_LATITUDE:g} and {MAX_LATITUDE:g} and a "
+                f"{north:.10g}, {east:.10g} is not a latitude within -{_MAX_LATITUDE:g} and {_MAX_LATITUDE:g} and a "
                 f"longitude within -{_MAX_LONGITUDE:g} and {_MAX_LONGITUDE:g} [deg]"
             )
             if abs(north) <= 90 * _SCALED and abs(east) <= 180 * _SCALED and max(abs(north), abs(east)) >= _SCALED:
@@ -110,6 +111,23 @@ class Report:
         else:
             return north, east
         return None
+
+
+def text_of(source: bytes, report: Report) -> str:
+    """Return UTF-8 text, with or without a byte order mark.
+
+    Raises:
+        MissionError: it is not UTF-8, or is empty.
+    """
+    try:
+        text = source.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = source.count(b"\n", 0, error.start) + 1
+        problem = f"is not UTF-8 text: byte 0x{source[error.start]:02x}"
+        raise MissionError(problem, where=f"{report.where}:{line}") from error
+    if not text.strip():
+        raise MissionError("is empty", where=report.where)
+    return text
 
 
 def number_of(value: object) -> float | None:

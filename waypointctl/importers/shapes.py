@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from waypointctl.importers.importer import MOST_POSITIONS, MOST_STOPS, ImportedMission, Stop, mission_name
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.report import Report
-from waypointctl.importers.survey import MOST_POSITIONS, MOST_STOPS, Stop, Survey, mission_name
 from waypointctl.mission.wording import counted, shown
 
 
@@ -23,11 +23,19 @@ class Spot:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line through places, with its name, which may be empty, and where the file says so."""
+    """A line through places.
 
-    spots: tuple[Spot, ...]
+    Attributes:
+        kind: what the format calls it.
+        name: may be empty.
+        at: where the file says so.
+        spots: the places.
+    """
+
+    kind: str
     name: str
     at: str
+    spots: tuple[Spot, ...] = ()
 
 
 @dataclass(slots=True)
@@ -54,12 +62,25 @@ class Shapes:
     points: list[Spot] = field(default_factory=list)
     others: Counter[str] = field(default_factory=Counter)
 
-    def add_line(self, name: str, at: str, spots: Callable[[], Iterable[Spot]]) -> None:
-        """Take a line; of those after the first only their number and names matter, and their places are not read."""
-        self.lines.append(Line(() if self.lines else tuple(spots()), name, at))
+    def add_line(self, line: Line, count: int, things: str, spots: Callable[[], Iterable[Spot]]) -> None:
+        """Take a line; of those after the first only their number and names matter, and their places are not read.
 
-    def survey(self, name: str) -> Survey:
-        """Return the mission: the robot starts at the first place and walks to the others.
+        Args:
+            line: without its places.
+            count: of its places.
+            things: what the format calls them, in the plural.
+            spots: reads them.
+        """
+        if not count:
+            self.report.left_out[f"{line.kind} without {things}"] += 1
+        elif count > MOST_POSITIONS:
+            problem = f"has {count:,} {things}; at most {MOST_POSITIONS:,} are read: cut it into several"
+            self.report.add_problem(line.at, problem)
+        else:
+            self.lines.append(line if self.lines else replace(line, spots=tuple(spots())))
+
+    def imported(self, name: str) -> ImportedMission:
+        """Return the mission: the robot starts at the first place and goes to the others.
 
         Raises:
             MissionError: there is not one line, and no points instead; or something else was found wrong.
@@ -72,7 +93,7 @@ class Shapes:
             left_out.insert(0, counted(len(self.points), f"{self.point_word}s"))
         left_out += self.report.left_out_lines
         own = self.lines[0].name if self.lines else ""
-        return Survey(
+        return ImportedMission(
             mission_name(own or name),
             spots[0].place if spots else None,
             tuple(Stop(spot.place, spot.name, spot.at) for spot in spots[1:]),
@@ -109,9 +130,4 @@ def note_gaps(report: Report, parts: Iterable[Sequence[object]]) -> None:
     """Count the gaps between the parts of a recorded track."""
     gaps = sum(map(bool, parts)) - 1
     if gaps > 0:
-        report.left_out["gap between segments of a track: the robot walks straight across"] += gaps
-
-
-def too_many(count: int, things: str) -> str:
-    """Return the problem with more positions than a line may have."""
-    return f"has {count:,} {things}; at most {MOST_POSITIONS:,} are read: cut it into several"
+        report.left_out["gap between segments of a track: the robot goes straight across"] += gaps

@@ -15,13 +15,13 @@ from collections.abc import Iterator
 from typing import Final
 
 from waypointctl.errors import MissionError
+from waypointctl.importers.importer import ImportedMission, Importer, ImportOptions, mission_name, of_kind
 from waypointctl.importers.json_source import MOST_ENTRIES
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.mavlink import WAYPOINT
 from waypointctl.importers.mavlink_way import LATITUDE, LONGITUDE, PARAMETERS, Item, follow
-from waypointctl.importers.report import Report, number_of
-from waypointctl.importers.survey import Survey, mission_name
-from waypointctl.importers.text_source import text_of
+from waypointctl.importers.report import Report, number_of, text_of
+from waypointctl.mission.file_kind import FileKind
 from waypointctl.mission.wording import counted, shown
 
 _HEADER: Final = ["QGC", "WPL", "110"]
@@ -29,17 +29,8 @@ _VALUES: Final = 12
 _NUMBER, _CURRENT, _FRAME, _COMMAND, _PARAMS, _GOES_ON = 0, 1, 2, 3, 4, 11
 
 
-def read_wpl(source: bytes, report: Report, name: str) -> Survey:
-    """Read a waypoint file.
-
-    Args:
-        source: the file's bytes.
-        report: what is wrong with it goes there.
-        name: of the mission.
-
-    Raises:
-        MissionError: a walking robot cannot follow it, with all that is wrong.
-    """
+def _read(source: bytes, options: ImportOptions) -> ImportedMission:
+    report = Report(options.where)
     lines = text_of(source, report).splitlines()
     begin, header = next((number, line) for number, line in enumerate(lines, 1) if line.strip())
     if header.split() != _HEADER:
@@ -56,9 +47,11 @@ def read_wpl(source: bytes, report: Report, name: str) -> Survey:
         items = items[1:]
     stops = follow(items, report)
     if not stops and report.is_clean:
-        report.add_problem("", "has no waypoint to walk to: at least one item of command 16 beside the home is needed")
+        report.add_problem("", "has no waypoint to go to: at least one item of command 16 beside the home is needed")
     report.refuse()
-    return Survey(mission_name(name), home, stops, start_at=start_at, is_home=True, left_out=report.left_out_lines)
+    return ImportedMission(
+        mission_name(options.name), home, stops, start_at=start_at, is_home=True, left_out=report.left_out_lines
+    )
 
 
 def _items(lines: list[str], begin: int, report: Report) -> Iterator[Item]:
@@ -96,3 +89,6 @@ def _is_nan(value: str) -> bool:
 def _whole(value: str) -> int | None:
     number = number_of(value)
     return int(number) if number is not None and number.is_integer() else None
+
+
+WPL: Final = Importer("a waypoint file (QGC WPL)", (".waypoints", ".txt"), of_kind(FileKind.WPL), _read)

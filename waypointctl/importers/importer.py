@@ -1,12 +1,17 @@
-"""What other tools' files say of a mission, in latitudes and longitudes."""
+"""The interface of the importers: what reads one format of another tool, and the mission that it returns.
+
+To add a format, write one file with an `Importer` and name it in registry.py.
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 from waypointctl.importers.local_frame import Place
+from waypointctl.mission.file_kind import FileKind, kind_of
 
 MOST_STOPS: Final = 1000  # waypoints of a mission
 MOST_POSITIONS: Final = 20_000  # of a line, which is thinned where it has more than a mission
@@ -14,13 +19,13 @@ MOST_POSITIONS: Final = 20_000  # of a line, which is thinned where it has more 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A place to walk to.
+    """A place to go to.
 
     Attributes:
         place: latitude and longitude [deg], or x and y [m]; None: where the robot starts.
         name: empty for none.
         at: where the file says so, for messages.
-        hold_s: how long to stand there.
+        hold_s: how long to stay there.
         radius_m: how near is there; None for the mission's default.
         observe: whether a picture is taken there.
         needs_way: whether it is a stop only where the robot is elsewhere before it.
@@ -46,13 +51,13 @@ class Zone:
 
 
 @dataclass(frozen=True, slots=True)
-class Survey:
-    """What a file says.
+class ImportedMission:
+    """What a file says of a mission, in its own coordinates.
 
     Attributes:
         name: of the mission.
-        start: where the robot stands when the mission starts; None where the file does not say.
-        stops: in order.
+        start: where the robot starts; None where the file does not say.
+        stops: the places to go to, in order.
         start_at: where the file says where the robot starts, for messages.
         is_home: whether the start is a home beside the path, and not the path's own beginning.
         zones: of the fence; the robot is to be in each one that is to be kept in.
@@ -80,7 +85,38 @@ class Survey:
     is_metric: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class ImportOptions:
+    """What an importer is given beside the file's bytes."""
+
+    where: str  # the file, for messages
+    name: str  # of the mission, where the file gives none
+
+
+@dataclass(frozen=True, slots=True)
+class Importer:
+    """Reads one format.
+
+    Attributes:
+        name: of the format, with its article where it needs one.
+        suffixes: of files in it, in lower case.
+        recognises: whether a file is in it, by its content.
+        read: returns the mission; raises MissionError with everything that is wrong with the file, or that cannot be
+            done by a robot on the ground.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    recognises: Callable[[bytes], bool]
+    read: Callable[[bytes, ImportOptions], ImportedMission]
+
+
 def mission_name(text: str) -> str:
     """Return a text as a mission's name, which names files."""
     name = re.sub(r"[^A-Za-z0-9._-]+", "-", text)[:80].strip("-._")
     return name or "imported"
+
+
+def of_kind(kind: FileKind) -> Callable[[bytes], bool]:
+    """Return what tells whether a file is of a kind."""
+    return lambda source: kind_of(source) is kind

@@ -19,7 +19,7 @@ from tests.importers.test_gpx_and_kml import LINE as KML_LINE
 from tests.importers.test_gpx_and_kml import ROUTE, gpx, kml
 from tests.importers.test_wpl import EAST, HOME, NORTH, wpl
 from waypointctl.errors import MissionError
-from waypointctl.importers.read import MAX_BYTES, read_survey
+from waypointctl.importers.registry import MAX_BYTES, read_imported
 
 COLLECTION = collection(feature(LINE, name="n"), feature(POINT), feature(POLYGON), feature(None))
 FORMATS = {
@@ -39,7 +39,7 @@ def test_a_file_is_read_as_what_it_is_whatever_it_is_called(tmp_path: Path, what
         found = imported(tmp_path, content, f"yard{suffix}")
         assert len(found.legs) == 2
         is_said = suffix not in suffixes and suffix not in (".dat", "")
-        assert found.survey.remarks == ((f"is {what} by its content, and read as that",) if is_said else ())
+        assert found.source.remarks == ((f"is {what} by its content, and read as that",) if is_said else ())
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def test_a_file_is_read_as_what_it_is_whatever_it_is_called(tmp_path: Path, what
 )
 def test_what_is_not_read_is_named_for_what_it_is(tmp_path: Path, name: str, content: object, problem: str) -> None:
     with pytest.raises(MissionError, match=problem) as caught:
-        read_survey(write(tmp_path / name, content))
+        read_imported(write(tmp_path / name, content))
     assert str(caught.value).startswith(f"{tmp_path / name}: ")
 
 
@@ -85,9 +85,9 @@ def test_what_is_no_file_is_refused_without_waiting(tmp_path: Path) -> None:
         ".": "is a folder, not a file",
     }.items():
         with pytest.raises(MissionError, match=problem):
-            read_survey(tmp_path / path)
+            read_imported(tmp_path / path)
     with pytest.raises(MissionError, match="is a device, not a file"):
-        read_survey(Path("/dev/zero"))
+        read_imported(Path("/dev/zero"))
 
 
 SEEDS = [content.encode() for content, _ in FORMATS.values()] + [
