@@ -109,6 +109,14 @@ def test_a_policy_that_is_not_there_is_a_problem(tmp_path: Path) -> None:
     assert CliRunner().invoke(app, ["validate", str(path), "--policy", "ant-waypoint"]).exit_code == 0
 
 
+def test_a_robot_that_is_not_there_is_a_problem(tmp_path: Path) -> None:
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: ant-waypoint\nwaypoints: [[3, 4]]\nrobot: ./dog\n")
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    assert result.exit_code == 2
+    assert result.stdout.startswith(f"{path}:4:8: robot: {tmp_path}/./dog: no such folder")
+
+
 def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:
     missing = bad.parent / "missing.yaml"
     result = CliRunner().invoke(app, ["validate", str(bad), SHIPPED[0], str(missing)])

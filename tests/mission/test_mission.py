@@ -127,7 +127,6 @@ def test_a_mission_cannot_be_changed() -> None:
         (MINIMAL + "seed: true", "4:7: seed: true is not a whole number"),
         (MINIMAL + "seed: '3'", "4:7: seed: '3' is not a whole number"),
         (MINIMAL + f"seed: {2**63}", f"4:7: seed: {2**63} is not < {2**63}"),
-        (MINIMAL + "robot: atn", "4:8: robot: 'atn' is not 'ant'; did you mean 'ant'?"),
         (
             MINIMAL + "autonomy: alone",
             "4:11: autonomy: 'alone' is not 'mission', 'waypoint', 'short_range_goal' or 'joint'",

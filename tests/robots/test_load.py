@@ -10,7 +10,8 @@ import pytest
 
 from tests.robots.folders import CART, CART_XML, STEER, ant_of, cart_with, tetrahedron, write_folder
 from waypointctl.errors import InputError, RobotError
-from waypointctl.robots.load import load_robot, robot_names, robot_of_files
+from waypointctl.robots.folder import robot_names
+from waypointctl.robots.load import load_robot, robot_of_files
 
 ANT = load_robot("ant").files["ant.xml"].decode()
 
@@ -21,7 +22,7 @@ def changed(before: str, after: str) -> bytes:
 
 
 def test_a_folder_is_a_robot(tmp_path: Path) -> None:
-    robot = load_robot("cart", write_folder(tmp_path / "cart").parent)
+    robot = load_robot(str(write_folder(tmp_path / "cart")))
     assert (robot.name, robot.base, robot.num_actions, robot.control_period_ns) == ("cart", "hull", 3, 20_000_000)
     assert robot.joint_names == ("left_wheel", "right_wheel", "boom", "steer")
     np.testing.assert_array_equal(robot.actuated, [1, 0, 3])
@@ -41,17 +42,20 @@ def test_a_shipped_robot_is_compiled_once_and_listed() -> None:
 @pytest.mark.parametrize(
     ("named", "message"),
     [
-        ("hexapod", "there is no robot 'hexapod'; there are ant, or give the path of a folder"),
-        ("robots/hexapod", "robots/hexapod: no such folder"),
-        ("a_file", "there is no robot 'a_file'"),
-        ("empty", "empty/robot.yaml: there is no such file"),
+        ("hexapod", "there is no robot 'hexapod'; there are: ant\n"),
+        ("./hexapod", "./hexapod: no such folder"),
+        ("./a_file", "./a_file: is not a folder"),
+        ("./empty", "./empty: has no robot.yaml"),
     ],
 )
-def test_a_robot_that_is_not_there_is_refused(tmp_path: Path, named: str, message: str) -> None:
+def test_a_robot_that_is_not_there_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: str, message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "a_file").touch()
     (tmp_path / "empty").mkdir()
     with pytest.raises(RobotError, match=re.escape(message)):
-        load_robot(named, tmp_path)
+        load_robot(named)
 
 
 @pytest.mark.parametrize("kind", ["link", "pipe", "folder", "missing"])

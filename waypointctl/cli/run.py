@@ -159,4 +159,4 @@ def _refuse_missing_policy(mission_file: MissionFile) -> None:
             f"The mission names {named!r}, relative to its own folder {beside}. {policies_there_are(named)} "
             f"`waypointctl run {shell_word(str(mission_file.path))} --policy POLICY` flies another one."
         )
-        raise MissionError(problem, where=mission_file.policy_place, hint=hint)
+        raise MissionError(problem, where=mission_file.place("policy"), hint=hint)

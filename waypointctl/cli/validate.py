@@ -147,8 +147,22 @@ def _check(path: Path, policy: Path | None) -> _Checked:
     flown_by = policy or file.policy_path
     findings = check_mission(file.mission, walking_speed(flown_by).mps)
     prevented = cannot_succeed(file.mission, findings)
-    problems, warnings = _policy_problems(file, flown_by), tuple(_warnings(file, findings))
-    return _Checked(path, file, problems, flown_by, warnings, prevented)
+    problems = (*_robot_problems(file), *_policy_problems(file, flown_by))
+    return _Checked(path, file, problems, flown_by, tuple(_warnings(file, findings)), prevented)
+
+
+def _robot_problems(file: MissionFile) -> tuple[Problem, ...]:
+    from waypointctl.errors import RobotError
+    from waypointctl.mission.problems import Problem
+    from waypointctl.mission.yaml_tree import read_tree
+    from waypointctl.robots.folder import robot_folder
+
+    try:
+        robot_folder(file.mission.robot)
+    except RobotError as error:
+        mark = read_tree(file.source).values[("robot",)]
+        return (Problem(str(file.path), mark.line, mark.column, "robot", f"{error.problem}; {error.hint}"),)
+    return ()
 
 
 def _policy_problems(file: MissionFile, policy: Path) -> tuple[Problem, ...]:

@@ -78,7 +78,7 @@ def evaluate(
 
 def _env(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, threads: int) -> BatchedWaypointEnv:
     config = TaskConfig(
-        robot=policy.robot,
+        robot=suite.robot or policy.robot,
         observation=policy.observation_layout,
         acceptance=suite.acceptance,
         deadline=suite.deadline,

@@ -13,9 +13,10 @@ from waypointctl.errors import SuiteError
 from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.paper import PaperPolicy, PaperTable
 from waypointctl.evaluation.paths import Case, RandomPaths
-from waypointctl.mission.fields import Acceptance, Start
+from waypointctl.mission.fields import Acceptance, RobotName, Start
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.mission import Name
+from waypointctl.mission.policy_name import from_folder
 from waypointctl.mission.yaml_source import read_model, read_source
 from waypointctl.task.course import Deadline
 
@@ -30,6 +31,11 @@ class Suite(FileModel):
 
     name: Name
     description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
+    robot: RobotName | None = Field(
+        None,
+        description="a robot that comes with waypointctl, or the path of a folder (./NAME), relative to this file; "
+        "the policy's by its name unless given",
+    )
     trials: Annotated[int, Strict(), Field(gt=0, le=MOST_TRIALS)] = Field(
         100, description="of each case, unless told otherwise"
     )
@@ -96,7 +102,9 @@ def load_suite(name_or_file: str) -> Suite:
     except SuiteError as error:
         hint = f"give a YAML file, or a suite that comes with waypointctl: {', '.join(BUILT_IN)}"
         raise SuiteError(error.problem, where=error.where, hint=hint) from error
-    return read_model(source, name_or_file, Suite, SuiteError)
+    suite = read_model(source, name_or_file, Suite, SuiteError)
+    robot = suite.robot and from_folder(suite.robot, Path(name_or_file).parent)
+    return suite.model_copy(update={"robot": robot})
 
 
 def suite_schema() -> dict[str, Any]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from waypointctl.errors import RobotError
 from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.fly import fly
 from waypointctl.flight.header import flight_header
@@ -71,7 +72,7 @@ def record(
         OutputError: the log cannot be written.
     """
     mission = mission_file.mission
-    robot = load_robot(mission.robot)
+    robot = robot_of(mission_file)
     refuse_misfit(policy, robot)
     with (
         OnboardCamera(robot, planned_waypoints(mission)) as camera,
@@ -82,6 +83,20 @@ def record(
             sink = with_pictures(sink, camera)
         result = fly(mission, policy, sink, robot=robot, interrupted=interrupted, console=console)
     return recording_of(result, out, mission.seed, camera.taken, camera.trouble)
+
+
+def robot_of(mission_file: MissionFile) -> Robot:
+    """Return the robot of a mission.
+
+    Raises:
+        RobotError, InputError: there is none, or it cannot be used.
+    """
+    try:
+        return load_robot(mission_file.mission.robot)
+    except RobotError as error:
+        if error.where is not None:
+            raise
+        raise RobotError(f"robot: {error.problem}", where=mission_file.place("robot"), hint=error.hint) from error
 
 
 def refuse_misfit(policy: LoadedPolicy, robot: Robot) -> None:

@@ -15,6 +15,7 @@ FURTHEST_M: Final = 10_000.0  # of a coordinate
 
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=60), AfterValidator(line_of_text)]
 Coordinate: TypeAlias = Annotated[float, Quantity("m", ge=-FURTHEST_M, le=FURTHEST_M)]
+RobotName: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(line_of_text)]
 Position: TypeAlias = tuple[Coordinate, Coordinate]
 AcceptanceShape: TypeAlias = Literal["box", "radius"]
 ACCEPTANCE_SHAPES: Final[tuple[str, ...]] = get_args(AcceptanceShape)

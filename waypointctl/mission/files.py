@@ -34,10 +34,9 @@ class MissionFile:
         """The policy bundle's folder, which a mission names relative to its own file, or by a bare name."""
         return policy_folder(self.mission.policy, self.path.parent)
 
-    @property
-    def policy_place(self) -> str:
-        """Where the file names its policy: "file:line:column"."""
-        mark = read_tree(self.source).values.get(("policy",))
+    def place(self, key: str) -> str:
+        """Return where the file has a key's value, "file:line:column"; the file alone where it does not have it."""
+        mark = read_tree(self.source).values.get((key,))
         return f"{self.path}:{mark.line}:{mark.column}" if mark else str(self.path)
 
 

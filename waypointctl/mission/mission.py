@@ -15,7 +15,7 @@ from pydantic import AfterValidator, Field, PrivateAttr, Strict, ValidationInfo,
 
 from waypointctl.mission.checks import expected_within, file_name, line_of_text, names_differ
 from waypointctl.mission.fields import DAY_S as DAY_S
-from waypointctl.mission.fields import AcceptanceShape
+from waypointctl.mission.fields import AcceptanceShape, RobotName
 from waypointctl.mission.fields import Hold as Hold
 from waypointctl.mission.fields import Name as Name
 from waypointctl.mission.fields import Position as Position
@@ -91,7 +91,10 @@ class Mission(FileModel):
     )
     description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
     seed: Annotated[int, Strict(), Field(ge=0, lt=2**63)] = Field(0, description="of everything that is random")
-    robot: Literal["ant"] = Field("ant", description="who walks: MuJoCo's ant of eight joints")
+    robot: RobotName = Field(
+        "ant",
+        description="a robot that comes with waypointctl, or a folder (./NAME), relative to this file",
+    )
     policy: Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(line_of_text)] = Field(
         description="the policy bundle's folder, relative to the mission file, or a name: ./policies/NAME, or one that "
         "comes with waypointctl, such as ant-waypoint"

@@ -59,6 +59,14 @@ def policy_reference(named: str, beside: Path | None) -> str:
     return os.path.abspath(folder) if folder.exists() else named
 
 
+def from_folder(named: str, folder: Path) -> str:
+    """Return a name as it is, and a path that is relative to a folder as one that is relative to the working directory.
+
+    A robot is named like this: its folder always with a slash, so that it cannot be taken for a name.
+    """
+    return named if is_bare(named) else os.path.join(folder, named)
+
+
 def is_bare(named: str) -> bool:
     """Return whether this is a name to look for, and no path."""
     return named not in ("", ".", "..") and not any(mark in named for mark in (os.sep, os.altsep or os.sep, "\0"))

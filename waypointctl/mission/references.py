@@ -14,6 +14,7 @@ from waypointctl.mission.jitter_file import read_jitter
 from waypointctl.mission.link import Way
 from waypointctl.mission.link_checks import file_beside
 from waypointctl.mission.mission import Mission
+from waypointctl.mission.policy_name import from_folder
 from waypointctl.mission.problems import Problem
 from waypointctl.mission.wording import path_text
 from waypointctl.mission.yaml_source import Reading, examine_tree, read_source
@@ -74,7 +75,8 @@ def examine_mission(source: bytes, where: str, read: ReadFile) -> Reading[Missio
     problems += [_with_reference(problem, tree, where) for problem in inside]
     if problems or reading.model is None:
         return Reading(None, tuple(problems))
-    return Reading(reading.model.with_files(files), ())
+    robot = from_folder(reading.model.robot, Path(where).parent)
+    return Reading(reading.model.model_copy(update={"robot": robot}).with_files(files), ())
 
 
 def _with_reference(problem: Problem, tree: Tree, where: str) -> Problem:

@@ -1,0 +1,44 @@
+"""Where a robot's folder is. Nothing is compiled for it, and no simulator loaded."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from pathlib import Path
+from typing import Final
+
+from waypointctl.errors import RobotError
+from waypointctl.mission.policy_name import is_bare
+from waypointctl.paths import folder_fault
+from waypointctl.robots.description import ROBOT_FILE
+
+SHIPPED: Final = Path(__file__).resolve().parent
+
+
+def robot_names() -> tuple[str, ...]:
+    """Return the names of the robots that come with waypointctl."""
+    return tuple(sorted(path.parent.name for path in SHIPPED.glob(f"*/{ROBOT_FILE}")))
+
+
+def robot_folder(named: str | Path) -> Path:
+    """Return the folder of a robot.
+
+    Args:
+        named: the name of a robot that comes with waypointctl, or the path of a folder; a text without a slash is a
+            name.
+
+    Raises:
+        RobotError: there is no such robot.
+    """
+    if isinstance(named, str) and is_bare(named):
+        if named not in robot_names():
+            near = difflib.get_close_matches(named, robot_names(), n=1)
+            meant = f"; did you mean {near[0]!r}?" if near else ""
+            hint = f"give the path of a folder with {ROBOT_FILE}, such as ./robots/hexapod, or a name without a slash"
+            raise RobotError(f"there is no robot {named!r}; there are: {', '.join(robot_names())}{meant}", hint=hint)
+        return SHIPPED / named
+    folder = Path(named)
+    if not os.path.isfile(folder / ROBOT_FILE):
+        fault = folder_fault(folder) or f"has no {ROBOT_FILE}"
+        raise RobotError(f"{os.fspath(named)}: {fault}", hint=f"a robot is a folder with {ROBOT_FILE}")
+    return folder
