@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from waypointctl.flight.executive.machine import TRANSITIONS, UPRIGHT, Signal
+from waypointctl.flight.executive.state_machine import TRANSITIONS, UPRIGHT, Signal
 from waypointctl.log.messages import Mode
 
 PAGE = Path(__file__).resolve().parent / "executive.md"

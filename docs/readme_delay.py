@@ -6,7 +6,7 @@ from pathlib import Path
 
 from waypointctl.flight.fly import fly
 from waypointctl.mission.files import load_mission
-from waypointctl.mission.link import Link, Way
+from waypointctl.mission.link import Link, LinkDirection
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import load_policy
 from waypointctl.units import seconds
@@ -17,7 +17,7 @@ DELAYS_S = (0.0, 0.4, 1.28, 5.0)
 
 def flight_time_s(mission: Mission, autonomy: str, delay_s: float) -> float:
     """Return how long a mission takes on the operator's clock, in [s]."""
-    way = Way(delay_s=delay_s)
+    way = LinkDirection(delay_s=delay_s)
     asked = mission.model_copy(update={"autonomy": autonomy, "link": Link(up=way, down=way)})
     policy = load_policy(ROOT / "policies" / "ant-waypoint")
     return seconds(fly(asked, policy, lambda message: None).sim_time_ns)

@@ -6,7 +6,7 @@ import re
 import runpy
 from pathlib import Path
 
-from waypointctl.flight.executive.machine import TRANSITIONS
+from waypointctl.flight.executive.state_machine import TRANSITIONS
 from waypointctl.log.messages import CommandKind, Mode
 from waypointctl.mission.files import parse_mission
 

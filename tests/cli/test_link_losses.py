@@ -33,14 +33,14 @@ def test_run_and_replay_tell_the_same_and_json_has_the_counts(yard: Path, progra
     code, flown, _ = program("run", "lossy.yaml", "--out", "lossy.mcap")
     assert code == 0
     records = [m for m in open_log(yard / "lossy.mcap").messages() if isinstance(m, LinkRecord)]
-    lost = [m for m in records if m.way == "down" and m.fate is DeliveryOutcome.LOST]
+    lost = [m for m in records if m.direction == "down" and m.outcome is DeliveryOutcome.LOST]
     told = [line for line in flown.splitlines() if line.startswith("link down  ")]
     assert len(told) == 1
     assert told[0].startswith(f"link down  {len(lost)} lost (")
     assert told[0] in program("replay", "lossy.mcap")[1].splitlines()
     link = json.loads(program("replay", "lossy.mcap", "--json")[1])["summary"]["link"]
     assert link["down"]["lost"] == sum(link["down"]["not_arrived"].values()) == len(lost) > 0
-    assert link["up"]["lost"] == sum(m.way == "up" for m in records)
+    assert link["up"]["lost"] == sum(m.direction == "up" for m in records)
 
 
 def test_of_a_link_that_only_delays_nothing_is_told(yard: Path, program: Program) -> None:

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from tests.cli.flying import Program, start
 from waypointctl.cli.app import app
-from waypointctl.mission.link import Way
+from waypointctl.mission.link import LinkDirection
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(str(path) for path in (ROOT / "missions").glob("*.yaml"))
@@ -189,7 +189,7 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
     path = written(tmp_path, "waypoints: [[3, 4]]\nlink: {delay: 2 s}\n")
     result = CliRunner().invoke(app, ["validate", "--json", str(path)])
     assert result.exit_code == 0
-    way = Way(delay_s=2.0).model_dump(mode="json")
+    way = LinkDirection(delay_s=2.0).model_dump(mode="json")
     assert {"delay_s": 2.0, "jitter_s": 0.0, "loss": 0.0, "rate_bps": None}.items() <= way.items()
     assert json.loads(result.stdout) == {
         "ok": True,

@@ -29,7 +29,7 @@ from waypointctl.log.messages import (
     Stage,
     Telemetry,
 )
-from waypointctl.mission.link import Bursts, Way
+from waypointctl.mission.link import Bursts, LinkDirection
 from waypointctl.mission.mission import Mission
 
 S = 1_000_000_000
@@ -101,7 +101,7 @@ class Told:
                 self._advance(message)
             case CommandStage(stage=Stage.QUEUED):
                 self.sent.setdefault(message.command_id, []).append(message.time_ns)
-            case LinkRecord(way="up", what="command", arrives_ns=()):
+            case LinkRecord(direction="up", message="command", arrives_ns=()):
                 self.lost[message.number] = self.lost.get(message.number, 0) + 1
             case Ack():
                 self._know(message.command_id, message.stage, message.received_ns)
@@ -225,7 +225,7 @@ def _wrong_outcome(mission: Mission, result: FlightResult, told: Told) -> Iterat
         yield "given up, and all that was expected is known to be reached"
 
 
-def _lives(way: Way, now_ns: int) -> bool:
+def _lives(way: LinkDirection, now_ns: int) -> bool:
     """Tell whether a message that is sent now or later may arrive."""
     if way.windows is not None and way.windows_every_s is None and way.windows[-1].to_s * S <= now_ns:
         return False

@@ -15,11 +15,10 @@ from waypointctl.flight.executive.arguments import wrong_arguments
 from waypointctl.flight.executive.fence import Fence
 from waypointctl.flight.executive.plan import names
 from waypointctl.flight.executive.rules import rules_of
-from waypointctl.flight.link.size import size_bytes
+from waypointctl.flight.link.frames import size_bytes
 from waypointctl.flight.operator.operator import Operator, planned_waypoints
-from waypointctl.flight.operator.order import Order
 from waypointctl.flight.operator.planner import MissionOperator, WaypointOperator
-from waypointctl.flight.operator.schedule import agenda_of
+from waypointctl.flight.operator.requests import CommandRequest, scheduled_requests
 from waypointctl.flight.operator.steering import ShortRangeGoalOperator
 from waypointctl.log.messages import Command, CommandKind, Mode, Telemetry
 from waypointctl.log.topics import BY_KIND
@@ -96,12 +95,12 @@ def missions(draw: st.DrawFn) -> Mission:
     return parse_mission(json.dumps(mission).encode(), "m.yaml")
 
 
-def orders_of(mission: Mission) -> Iterator[Order]:
+def orders_of(mission: Mission) -> Iterator[CommandRequest]:
     """Yield all that the ground sends by itself: what the operator begins with, all waypoints, the schedule."""
     yield from OPERATORS[mission.autonomy](mission).begin()
     for waypoint in planned_waypoints(mission)[:20]:
-        yield Order(CommandKind.GO_TO, (waypoint,))
-    yield from (order for _, order in agenda_of(mission).entries())
+        yield CommandRequest(CommandKind.GO_TO, (waypoint,))
+    yield from (order for _, order in scheduled_requests(mission).entries())
 
 
 @settings(max_examples=60, deadline=None)
@@ -130,7 +129,9 @@ def test_a_goal_ahead_of_a_robot_at_the_edge_is_accepted_too(
     }
     operator: Operator = ShortRangeGoalOperator(parse_mission(json.dumps(text).encode(), "m.yaml"))
     operator.begin()
-    operator.hear(0, Telemetry(0, Mode.NAVIGATING, at[0] + beyond_m, at[1] - beyond_m, 0.5, 0.0, 1.0, -1, (), 0, 0))
+    operator.on_message(
+        0, Telemetry(0, Mode.NAVIGATING, at[0] + beyond_m, at[1] - beyond_m, 0.5, 0.0, 1.0, -1, (), 0, 0)
+    )
     assert isinstance(operator, ShortRangeGoalOperator)
     command = operator._lookahead_goal().command(1, 1, 0, 0)
     assert wrong_arguments(command, Fence()) == ""
@@ -143,7 +144,7 @@ def test_a_plan_of_as_many_legs_as_a_mission_may_have_is_accepted(count: int) ->
     mission = parse_mission(json.dumps(text).encode(), "m.yaml")
     (order,) = MissionOperator(mission).begin()
     more = planned_waypoints(mission)
-    command = Order(order.kind, (more * (count // len(more) + 1))[:count]).command(1, 1, 0, 0)
+    command = CommandRequest(order.kind, (more * (count // len(more) + 1))[:count]).command(1, 1, 0, 0)
     assert wrong_arguments(command, Fence()) == ""
     assert len(names(command.waypoints)) < 2000, "a text names few of them"
 

@@ -12,7 +12,7 @@ from tests.flight.flying import STILL, UNDER_FOOT, Scripted, mission_of, only, t
 from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.fly import fly
 from waypointctl.flight.operator.operator import planned_waypoints
-from waypointctl.flight.shutter import with_pictures
+from waypointctl.flight.sink import with_pictures
 from waypointctl.log.messages import Event, EventKind, Message, Picture, State
 from waypointctl.log.png import SOFTWARE, TITLE, texts_of
 from waypointctl.mission.mission import Mission

@@ -30,7 +30,7 @@ def vehicle() -> Vehicle:
 
 def test_a_robot_without_actions_from_the_ground_stands_after_a_minute() -> None:
     robot = vehicle()
-    robot.obey(NS_PER_S, ControlFrame(0, STILL, 0, NS_PER_S))
+    robot.execute(NS_PER_S, ControlFrame(0, STILL, 0, NS_PER_S))
     for now_ns, mode in ((61 * NS_PER_S - 1, Mode.TELEOPERATED), (61 * NS_PER_S, Mode.IDLE)):
         robot.sense(now_ns)
         assert robot.executive.mode is mode
@@ -39,7 +39,7 @@ def test_a_robot_without_actions_from_the_ground_stands_after_a_minute() -> None
 
 def test_an_action_that_arrives_out_of_order_is_ignored() -> None:
     robot = vehicle()
-    robot.obey(NS_PER_S, ControlFrame(5, STILL + 0.5, 0, NS_PER_S))
-    robot.obey(30 * NS_PER_S, ControlFrame(4, STILL, 0, 30 * NS_PER_S))
+    robot.execute(NS_PER_S, ControlFrame(5, STILL + 0.5, 0, NS_PER_S))
+    robot.execute(30 * NS_PER_S, ControlFrame(4, STILL, 0, 30 * NS_PER_S))
     robot.sense(61 * NS_PER_S)
     assert robot.executive.mode is Mode.IDLE, "the newest action is a minute old"

@@ -175,7 +175,7 @@ def test_messages_that_were_not_delivered_are_counted_and_drawn_where_the_robot_
         at(1, x_m=4.0),
         lost(),
         lost("up", DeliveryOutcome.NO_CONTACT),
-        lost(fate=DeliveryOutcome.DOUBLED),
+        lost(fate=DeliveryOutcome.DUPLICATED),
         at(2, x_m=6.0),
         lost(),
     )

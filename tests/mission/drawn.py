@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from waypointctl.mission.link import Link, Way
+from waypointctl.mission.link import Link, LinkDirection
 from waypointctl.mission.mission import Defaults, Expect, Mission, Start, TelemetryRate, Waypoint
 from waypointctl.mission.onboard import Area, Corner, Geofence, LinkLoss, Onboard, OnFailure, Stuck
 from waypointctl.mission.schedule import ScheduledCommand
@@ -25,7 +25,9 @@ _leg = {
     "hold_s": number(0, 86400),
 }
 _waypoint = st.builds(Waypoint, position_m=position, **{key: st.none() | value for key, value in _leg.items()})
-_way = st.tuples(number(0, 864000), number(0, 1)).map(lambda pair: Way(delay_s=pair[0], jitter_s=pair[0] * pair[1]))
+_way = st.tuples(number(0, 864000), number(0, 1)).map(
+    lambda pair: LinkDirection(delay_s=pair[0], jitter_s=pair[0] * pair[1])
+)
 _circle = st.builds(Area, center_m=position, radius_m=number(0.1, 100))
 _triangle = st.just(Area(name="yard", corners=tuple(Corner(position_m=at) for at in ((0, 0), (9, 0), (0, 9)))))
 _areas = st.lists(_circle | _triangle, max_size=3).map(tuple)

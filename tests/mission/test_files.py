@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.mission.drawn import missions
 from waypointctl.errors import MissionError
 from waypointctl.mission.files import dump_mission, load_mission, parse_mission
-from waypointctl.mission.link import Link, Way
+from waypointctl.mission.link import Link, LinkDirection
 from waypointctl.mission.mission import Mission
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -63,7 +63,7 @@ def test_the_papers_path_at_lunar_delay(name: str) -> None:
         (7.0, 12.0, "box", 0.5),
         (14.0, 14.0, "box", 0.5),
     ]
-    assert mission.link == Link(up=Way(delay_s=1.28), down=Way(delay_s=1.28))
+    assert mission.link == Link(up=LinkDirection(delay_s=1.28), down=LinkDirection(delay_s=1.28))
 
 
 def test_the_two_flights_of_the_papers_path_differ_in_autonomy_alone() -> None:

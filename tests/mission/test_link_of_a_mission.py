@@ -9,7 +9,7 @@ import pytest
 
 from waypointctl.errors import MissionError
 from waypointctl.mission.files import dump_mission, load_mission, parse_mission
-from waypointctl.mission.link import Bursts, ContactPlan, DelayAt, Link, Way, Window
+from waypointctl.mission.link import Bursts, ContactPlan, DelayAt, Link, LinkDirection, Window
 from waypointctl.mission.presets import PRESETS
 
 HEAD = "name: n\npolicy: p\nwaypoints: [[7, 12]]\n"
@@ -54,13 +54,13 @@ def refusal(text: str) -> str:
     ],
 )
 def test_a_way_is_written_with_units_or_without(text: str, way: dict[str, Any]) -> None:
-    assert link_of(f"link: {text}") == Link(up=Way(**way), down=Way(**way))
+    assert link_of(f"link: {text}") == Link(up=LinkDirection(**way), down=LinkDirection(**way))
 
 
 def test_a_contact_plan_for_both_ways_leads_back_on_the_way_down() -> None:
     link = link_of("link: {contact_plan: {file: plan.ionrc, from_node: 1, to_node: 2}}")
     assert [each.contact_plan and each.contact_plan.way for each in (link.up, link.down)] == [(1, 2), (2, 1)]
-    up = Way(contact_plan=ContactPlan(file="plan.ionrc", from_node=1, to_node=2))
+    up = LinkDirection(contact_plan=ContactPlan(file="plan.ionrc", from_node=1, to_node=2))
     assert link_of("link: {up: {contact_plan: {file: plan.ionrc, from_node: 1, to_node: 2}}}") == Link(up=up)
 
 

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from waypointctl.errors import MissionError
 from waypointctl.mission.files import parse_mission
-from waypointctl.mission.link import Link, Way
+from waypointctl.mission.link import Link, LinkDirection
 from waypointctl.mission.mission import Leg, Mission, Waypoint
 
 HEAD = "name: n\npolicy: p\n"
@@ -29,7 +29,7 @@ def test_what_is_left_out_has_a_default() -> None:
     assert mission == Mission(name="n", policy="p", waypoints=(Waypoint(position_m=(7, 12)),))
     assert (mission.seed, mission.robot, mission.autonomy, mission.failure_rule.then) == (0, "ant", "mission", "abort")
     assert (mission.start.position_m, mission.start.heading_deg) == ((0, 0), 0)
-    assert mission.link == Link(up=Way(delay_s=0, jitter_s=0), down=Way(delay_s=0, jitter_s=0))
+    assert mission.link == Link(up=LinkDirection(delay_s=0, jitter_s=0), down=LinkDirection(delay_s=0, jitter_s=0))
     assert (mission.telemetry.rate_hz, mission.expect.reached, mission.expect.max_time_s) == (5, "all", None)
 
 
@@ -61,13 +61,21 @@ def test_the_path_begins_at_the_start() -> None:
 @pytest.mark.parametrize(
     ("text", "up", "down"),
     [
-        ("link: {delay: 1.28 s, jitter: 50 ms}", Way(delay_s=1.28, jitter_s=0.05), Way(delay_s=1.28, jitter_s=0.05)),
-        ("link: {delay_s: 2}", Way(delay_s=2), Way(delay_s=2)),
-        ("link: {up: {delay: 3 min}}", Way(delay_s=180), Way()),
-        ("link: {up: {delay_s: 1}, down: {delay: 2 s, jitter: 2 s}}", Way(delay_s=1), Way(delay_s=2, jitter_s=2)),
+        (
+            "link: {delay: 1.28 s, jitter: 50 ms}",
+            LinkDirection(delay_s=1.28, jitter_s=0.05),
+            LinkDirection(delay_s=1.28, jitter_s=0.05),
+        ),
+        ("link: {delay_s: 2}", LinkDirection(delay_s=2), LinkDirection(delay_s=2)),
+        ("link: {up: {delay: 3 min}}", LinkDirection(delay_s=180), LinkDirection()),
+        (
+            "link: {up: {delay_s: 1}, down: {delay: 2 s, jitter: 2 s}}",
+            LinkDirection(delay_s=1),
+            LinkDirection(delay_s=2, jitter_s=2),
+        ),
     ],
 )
-def test_a_link_is_written_for_both_ways_or_for_each(text: str, up: Way, down: Way) -> None:
+def test_a_link_is_written_for_both_ways_or_for_each(text: str, up: LinkDirection, down: LinkDirection) -> None:
     assert parse(MINIMAL + text).link == Link(up=up, down=down)
 
 

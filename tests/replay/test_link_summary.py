@@ -41,9 +41,9 @@ def test_each_way_is_counted_by_what_became_of_its_messages() -> None:
         record("up", "heartbeat", DeliveryOutcome.LOST, 5, 9),  # it had waited before
         record("up", "command", DeliveryOutcome.NO_CONTACT, 5, -1),
         record("down", "telemetry", DeliveryOutcome.QUEUE_FULL, 5, -1),
-        record("down", "telemetry", DeliveryOutcome.WAITED, 5, 7),
-        record("down", "ack", DeliveryOutcome.DOUBLED, 5, 5),
-        record("down", "ack", DeliveryOutcome.DOUBLED, 5, 11),
+        record("down", "telemetry", DeliveryOutcome.QUEUED, 5, 7),
+        record("down", "ack", DeliveryOutcome.DUPLICATED, 5, 5),
+        record("down", "ack", DeliveryOutcome.DUPLICATED, 5, 11),
         record("sideways", "ack", DeliveryOutcome.LOST),  # of an altered log
     ]
     up = LinkDirectionSummary(2, 0, 1, (("command", 2), ("heartbeat", 1)), 0, 1, 4)
@@ -71,7 +71,7 @@ def test_the_counts_are_what_is_missing_or_there_twice_in_the_log(bad: Flown) ->
     link = summarize(messages).link
     arrived = [message.frame for message in messages if isinstance(message, Telemetry)]
     missing = set(range(max(arrived) + 1)) - set(arrived)
-    after = [m for m in messages if isinstance(m, LinkRecord) and m.what == "telemetry" and m.number > max(arrived)]
+    after = [m for m in messages if isinstance(m, LinkRecord) and m.message == "telemetry" and m.number > max(arrived)]
     assert dict(link.down.not_arrived)["telemetry"] == len(missing) + sum(not m.arrives_ns for m in after)
     stages = [m for m in messages if isinstance(m, CommandStage) and m.stage is Stage.LOST]
     assert dict(link.up.not_arrived).get("command", 0) == len(stages)

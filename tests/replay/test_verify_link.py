@@ -74,14 +74,14 @@ def test_the_log_carries_the_files_with_their_hashes(through: Flown) -> None:
 def test_the_log_tells_of_all_that_was_lost_doubled_or_had_to_wait(through: Flown) -> None:
     messages = through.messages
     records = [message for message in messages if isinstance(message, LinkRecord)]
-    assert {each.fate for each in records} >= {
+    assert {each.outcome for each in records} >= {
         DeliveryOutcome.LOST,
-        DeliveryOutcome.DOUBLED,
-        DeliveryOutcome.WAITED,
+        DeliveryOutcome.DUPLICATED,
+        DeliveryOutcome.QUEUED,
         DeliveryOutcome.QUEUE_FULL,
     }
     heard = [message.frame for message in messages if isinstance(message, Telemetry)]
-    frames = {each.number: each for each in records if each.what == "telemetry"}
+    frames = {each.number: each for each in records if each.message == "telemetry"}
     end_ns = max(message.received_ns for message in messages if isinstance(message, Telemetry | Ack | Command))
     for number, each in frames.items():
         assert heard.count(number) == sum(arrives_ns <= end_ns for arrives_ns in each.arrives_ns), each

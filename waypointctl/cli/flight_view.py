@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from waypointctl.cli.tui.watch import Watch
-    from waypointctl.flight.operator.line_source import LineSource
+    from waypointctl.flight.operator.console import LineSource
     from waypointctl.flight.sink import Sink
     from waypointctl.log.messages import Message
     from waypointctl.mission.mission import Mission

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import Final
 
-from waypointctl.flight.closing import Closing
+from waypointctl.flight.end_condition import EndCondition
 from waypointctl.flight.executive.rules import rules_of
 from waypointctl.flight.link.build import direction
 from waypointctl.flight.link.direction import Direction
 from waypointctl.flight.link.frames import BodyFrame, ControlFrame, Heartbeat
-from waypointctl.flight.link.in_flight import link_state
-from waypointctl.flight.link.logged import DOWN, UP, LoggedDirection
+from waypointctl.flight.link.logged import DOWN, UP, LoggedDirection, link_state
 from waypointctl.flight.operator.build import answer_time, leaving_time, patience_ns, station_for
-from waypointctl.flight.operator.console import order_from
-from waypointctl.flight.operator.line_source import QUIT, LineSource, Nobody
+from waypointctl.flight.operator.console import QUIT, LineSource, NullConsole, request_from
 from waypointctl.flight.outcome import FlightResult, result_of
 from waypointctl.flight.reporter import Downlink, Reporter
 from waypointctl.flight.sink import Sink
@@ -37,7 +35,7 @@ class Flight:
         self, mission: Mission, policy: Policy, sink: Sink, robot: Robot, console: LineSource | None = None
     ) -> None:
         """Set the robot at its start; nothing has been sent yet."""
-        self._console = console or Nobody()
+        self._console = console or NullConsole()
         link, files, seed = mission.link, mission.files, mission.seed
         self._mission = mission
         self._sink = sink
@@ -53,7 +51,9 @@ class Flight:
         )
         reporter = _reporter(mission, self._downlink)
         self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission))
-        self._closing = Closing(self._station, self._vehicle.executive, reporter.news, up, down, self._vehicle.is_still)
+        self._end_condition = EndCondition(
+            self._station, self._vehicle.executive, reporter.changes, up, down, self._vehicle.is_still
+        )
         self._vehicle.place(*draw_start(mission.start, robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
         self._checkpoint_ns = 0
@@ -64,7 +64,7 @@ class Flight:
     def over(self) -> bool:
         """Whether all that was begun is over, the mission's time is up, or nothing can happen any more."""
         now_ns = self._now_ns
-        return self._closing.is_done(now_ns) or self._out_of_time or self._closing.is_silent(now_ns)
+        return self._end_condition.is_done(now_ns) or self._out_of_time or self._end_condition.is_silent(now_ns)
 
     @property
     def _out_of_time(self) -> bool:
@@ -79,7 +79,7 @@ class Flight:
             self._announce(0, EventKind.CONSOLE_OPENED, "console opened")
         self._station.begin()
 
-    def listen(self) -> None:
+    def read_console(self) -> None:
         """Let the ground take what has been typed at its console by now."""
         for text in self._console.lines(self._now_ns):
             self._ground_ns = self._now_ns
@@ -88,15 +88,15 @@ class Flight:
                 self._station.console_is_open = False
                 self._announce(self._now_ns, EventKind.CONSOLE_CLOSED, "console closed")
             else:
-                self._station.issue(self._now_ns, [order_from(text, self._mission)])
+                self._station.issue(self._now_ns, [request_from(text, self._mission)])
             self._note_end()
 
     def exchange(self) -> None:
         """Let the ground live up to now, and the robot obey what has arrived, until there is silence."""
-        while not self._closing.is_done(self._now_ns):
+        while not self._end_condition.is_done(self._now_ns):
             at_ns = self._next_on_ground_ns
             if at_ns is not None and at_ns <= self._now_ns:
-                self._live_on_ground(at_ns)
+                self._step_ground(at_ns)
                 self._note_end()
                 continue
             arrived = next(self._uplink.due(self._now_ns), None)
@@ -104,7 +104,7 @@ class Flight:
                 return
             if isinstance(arrived, Command):
                 self._sink(arrived)
-            self._vehicle.obey(self._now_ns, arrived)
+            self._vehicle.execute(self._now_ns, arrived)
 
     def _note_end(self) -> None:
         """Keep when the operator ended the mission, as far as it has."""
@@ -121,18 +121,18 @@ class Flight:
             return wake_ns if arrival_ns is None else arrival_ns
         return min(arrival_ns, wake_ns)
 
-    def _live_on_ground(self, at_ns: int) -> None:
+    def _step_ground(self, at_ns: int) -> None:
         """Let the ground hear what arrives at this moment; if nothing does, let it do what it has planned."""
         self._ground_ns = at_ns
-        heard = next(self._downlink.due(at_ns), None)
-        if heard is None:
+        on_contact = next(self._downlink.due(at_ns), None)
+        if on_contact is None:
             self._station.wake(at_ns)
             return
-        if not isinstance(heard, BodyFrame):
-            self._sink(heard)
-            self._station.hear(at_ns, heard)
+        if not isinstance(on_contact, BodyFrame):
+            self._sink(on_contact)
+            self._station.on_message(at_ns, on_contact)
             return
-        control = self._station.see(at_ns, heard)
+        control = self._station.on_state(at_ns, on_contact)
         if control is not None:
             self._sink(control)
             self._uplink.send(
@@ -175,9 +175,11 @@ class Flight:
 
     def end(self) -> FlightResult:
         """Close the flight with the outcome that the operator's belief gives it."""
-        done = self._closing.is_done(self._now_ns)
-        heard = done and self._now_ns - self._ground_ns < self._period_ns  # what was waited for has just been heard
-        ended_ns = self._ground_ns if heard else self._now_ns
+        done = self._end_condition.is_done(self._now_ns)
+        on_contact = (
+            done and self._now_ns - self._ground_ns < self._period_ns
+        )  # what was waited for has just been heard
+        ended_ns = self._ground_ns if on_contact else self._now_ns
         late = self._out_of_time and not done
         return self._close(result_of(self._mission, self._station, ended_ns, self._known_ns, late=late))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from waypointctl.flight.flight import Flight
-from waypointctl.flight.operator.line_source import LineSource
+from waypointctl.flight.operator.console import LineSource
 from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.sink import Sink
 from waypointctl.mission.mission import Mission
@@ -37,7 +37,7 @@ def fly(
     flight.begin()
     while True:
         flight.exchange()
-        flight.listen()
+        flight.read_console()
         flight.sense()
         flight.exchange()
         if flight.over:

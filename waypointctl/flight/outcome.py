@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
-from waypointctl.flight.executive.rules import FALL, GEOFENCE, LINK_LOST, RETURN_FAILED
-from waypointctl.flight.operator.standstill import where_it_is, why_it_stands
+from waypointctl.flight.executive.rules import AT_HOME, FALL, GEOFENCE, LEG_FAILED, LINK_LOST, RETURN_FAILED, rules_of
+from waypointctl.flight.executive.state_machine import POLICY_MODES
 from waypointctl.flight.operator.station import Station
-from waypointctl.log.messages import Mode
+from waypointctl.log.messages import Mode, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.units import ns, seconds
 
@@ -50,7 +51,7 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     """
     total, reached = mission.num_legs, len(station.reached)
     told_ns = ended_ns if known_ns is None else known_ns
-    where = where_it_is(mission, station.belief.telemetry, went_home=station.belief.went_home)
+    where = last_known_place(mission, station.view.telemetry, went_home=station.view.went_home)
     limit_s = mission.expect.max_time_s
     late = late or (limit_s is not None and known_ns is not None and known_ns > ns(limit_s))
     problem, expected = problem_of(mission, station, over=known_ns is not None, late=late)
@@ -58,14 +59,14 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     if problem:
         reason = f"{problem}: {facts}{'; ' * bool(where)}{where}"
         return FlightResult("failure", reason, reached, total, ended_ns, told_ns)
-    reason = f"{facts}; {where}" if station.belief.went_home else facts
+    reason = f"{facts}; {where}" if station.view.went_home else facts
     return FlightResult("success", reason, reached, total, ended_ns, told_ns)
 
 
 def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: str, *, late: bool) -> str:
     """Return how many waypoints are known to be reached; and when that was, or both times where the flight went on."""
     reached, told, ended = len(station.reached), f"{seconds(told_ns):.2f} s", f"{seconds(ended_ns):.2f} s"
-    goes_on = late or station.belief.went_home or reached < total
+    goes_on = late or station.view.went_home or reached < total
     if told == ended or not goes_on:
         return f"{reached} of {total} waypoints reached in {told}{expected}"
     times = f"the end of the plan was known at {told}, the flight ended at {ended}"
@@ -74,21 +75,77 @@ def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: 
 
 def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) -> tuple[str, str]:
     """Return why a mission failed, empty if it did not, and what was expected of it, where that says why."""
-    total, reached, frame = mission.num_legs, len(station.reached), station.belief.telemetry
+    total, reached, frame = mission.num_legs, len(station.reached), station.view.telemetry
     wanted = total if mission.expect.reached == "all" else mission.expect.reached
-    stands = why_it_stands(mission, frame)
+    stands = standing_reason(mission, frame)
     if late:
         why = stands or (station.missing if station.dispatcher.unanswered and not over else "")
         return f"longer than {mission.expect.max_time_s:g} s" + (f"; {why}" if why else ""), ""
     expected = f", {wanted} expected"
-    if station.verdict == FALL or (frame is not None and frame.mode is Mode.FALLEN):
+    if station.failure == FALL or (frame is not None and frame.mode is Mode.FALLEN):
         return FALL, expected
     if not over and (stands or reached < wanted):
         return stands + NO_COMMAND_FOLLOWED if stands else station.missing or SILENT, ""
     if reached < wanted:
-        return station.verdict or "not all reached", expected
+        return station.failure or "not all reached", expected
     if frame is not None and frame.cause.startswith(RETURN_FAILED):
         return frame.cause, ""
-    if wanted == total and station.verdict in _CUT_SHORT:
-        return station.verdict, ""
+    if wanted == total and station.failure in _CUT_SHORT:
+        return station.failure, ""
     return "", ""
+
+
+_NEARLY: Final = 1.5  # times home's tolerance: the robot stands a little way on from where it stopped
+
+
+def standing_reason(mission: Mission, frame: Telemetry | None) -> str:
+    """Return what a robot waits for that stands with something left to do; empty for one that does not."""
+    if frame is None:
+        return ""
+    if frame.mode is Mode.PAUSED:
+        return "the robot holds by command"
+    if frame.mode is Mode.WAITING:
+        return f"the robot waits for the release of {_next_name(mission, frame)}"
+    return _why_safe(mission, frame) if frame.mode is Mode.SAFE else ""
+
+
+def _why_safe(mission: Mission, frame: Telemetry) -> str:
+    """Return which rule on board made the robot stand."""
+    if frame.cause.startswith(AT_HOME):
+        return f"the robot is at home, where a rule on board has sent it ({frame.cause.removeprefix(AT_HOME)})"
+    if frame.cause.startswith(LEG_FAILED):
+        return f"the robot holds after a failed leg at {_next_name(mission, frame)}"
+    if frame.cause.startswith(GEOFENCE):
+        return f"the robot holds by its {frame.cause}"
+    if frame.cause == LINK_LOST:
+        return "the robot holds because it hears nothing from the ground"
+    return "the robot stands by a rule on board"
+
+
+def last_known_place(mission: Mission, frame: Telemetry | None, *, went_home: bool) -> str:
+    """Return where the robot is, as far as the ground knows; empty where it has heard nothing.
+
+    Args:
+        mission: what was asked.
+        frame: the newest that has arrived.
+        went_home: whether the ground has heard of a way home.
+    """
+    if frame is None:
+        return ""
+    place = f"at ({frame.x_m:.2f}, {frame.y_m:.2f}) m"
+    if frame.mode is Mode.FALLEN:
+        return f"the robot has fallen {place}"
+    if frame.mode in POLICY_MODES:
+        return f"the robot walks{' home' * (frame.mode is Mode.RETURNING)}, {place}"
+    home = rules_of(mission).home
+    away_m = math.dist((frame.x_m, frame.y_m), (home.x_m, home.y_m))
+    is_home = frame.cause.startswith(AT_HOME) or (went_home and away_m <= _NEARLY * home.tolerance_m)
+    return f"the robot is at home, {place}" if is_home else f"the robot stands {place}"
+
+
+def _next_name(mission: Mission, frame: Telemetry) -> str:
+    """Return the waypoint that the robot is about; where it does not say so, the first that it has not reached."""
+    names = {leg.index: leg.name for leg in mission.legs()}
+    if frame.target in names:
+        return names[frame.target]
+    return next((name for index, name in names.items() if index not in frame.reached), "its waypoint")

@@ -11,11 +11,10 @@ from waypointctl.errors import RobotError
 from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.fly import fly
 from waypointctl.flight.header import flight_header
-from waypointctl.flight.operator.line_source import LineSource
+from waypointctl.flight.operator.console import LineSource
 from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.outcome import FlightResult
-from waypointctl.flight.shutter import with_pictures
-from waypointctl.flight.sink import Sink, tee
+from waypointctl.flight.sink import Sink, tee, with_pictures
 from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile
 from waypointctl.policy.bundle import LoadedPolicy

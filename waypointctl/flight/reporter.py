@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -10,10 +10,43 @@ import numpy as np
 from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.link.frames import BodyFrame
 from waypointctl.flight.link.logged import LoggedDirection
-from waypointctl.flight.news import News
-from waypointctl.log.messages import Ack, CommandStage, Telemetry
+from waypointctl.log.messages import Ack, CommandStage, CommandStatus, Mode, Telemetry
 from waypointctl.sim.single import SingleRobot
 from waypointctl.task.body import Body
+
+_Standing: TypeAlias = tuple[Mode, int, int, tuple[CommandStatus, ...], str]
+
+
+@dataclass(slots=True)
+class TelemetryChanges:
+    """Keeps the number of the first frame that tells what the newest frame sent tells, apart from where it is.
+
+    Attributes:
+        first: the number of that frame.
+        newest: the number of the newest frame.
+    """
+
+    first: int = 0
+    newest: int = -1
+    _standing: _Standing | None = None
+
+    def sent(self, frame: Telemetry) -> None:
+        """Take note of a frame that is sent; `first` changes with what it tells."""
+        self.newest = frame.frame
+        standing = frame.mode, frame.target, len(frame.reached), frame.commands, frame.cause
+        if standing != self._standing:
+            self.first, self._standing = frame.frame, standing
+
+    def unreported(self, executive: Executive) -> bool:
+        """Tell whether no frame has told yet how the robot stands."""
+        target = -1 if executive.target is None else executive.target.index
+        reached = executive.num_reached
+        return self._standing != (executive.mode, target, reached, executive.statuses, executive.cause)
+
+    def reported_in(self, frame: Telemetry | None) -> bool:
+        """Tell whether a frame that has arrived tells how the robot stands now; None for no frame yet."""
+        return frame is not None and frame.frame >= self.first
+
 
 Downlink: TypeAlias = LoggedDirection[Ack | Telemetry | BodyFrame]
 
@@ -31,7 +64,7 @@ class Reporter:
         """Report every `period_ns`, at rest every `beacon_ns`; with `every_state` each control step's state too."""
         self.next_ns = 0
         self.frames = 0
-        self.news = News()
+        self.changes = TelemetryChanges()
         self._downlink = downlink
         self._period_ns = period_ns
         self._beacon_ns = max(beacon_ns, period_ns)
@@ -50,7 +83,7 @@ class Reporter:
         periods = -(-self._beacon_ns // self._period_ns)
         self.next_ns = max(self.next_ns, now_ns - now_ns % self._period_ns + periods * self._period_ns)
 
-    def go_on(self, now_ns: int) -> None:
+    def resume(self, now_ns: int) -> None:
         """Report at the usual rate again."""
         self.next_ns = -(-now_ns // self._period_ns) * self._period_ns
 
@@ -73,7 +106,7 @@ class Reporter:
             cause=executive.cause,
         )
         self.frames += 1
-        self.news.sent(frame)
+        self.changes.sent(frame)
         self._downlink.send(now_ns, lambda arrives_ns: replace(frame, received_ns=arrives_ns))
 
     def acknowledge(self, it: CommandStage) -> None:

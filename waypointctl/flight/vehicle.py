@@ -47,7 +47,9 @@ _STILL: Final = np.zeros(1)
 _NOTHING: Final = np.zeros((1, len(TERMS)))
 
 STILL_SPEED: Final = 1e-2  # [m/s, rad/s] of every part; slower is standing still
-PILOT_GONE_NS: Final = 60 * NS_PER_S  # so long without an action from the ground, then there is no pilot any more
+TELEOPERATION_TIMEOUT_NS: Final = (
+    60 * NS_PER_S
+)  # so long without an action from the ground, then there is no pilot any more
 REST_AFTER_NS: Final = 10 * NS_PER_S  # so long, then physics sleeps
 
 # The end of a command is told after a frame of telemetry: the operator hears of the waypoints before the verdict.
@@ -91,31 +93,31 @@ class Vehicle:
         self._noise = noise[np.newaxis]
         self._policy.reset(np.ones(1, bool))
         self.plant.place(qpos[np.newaxis], qvel[np.newaxis])
-        self._look()
+        self._observe()
 
-    def obey(self, now_ns: int, arrived: Command | ControlFrame | Heartbeat) -> None:
+    def execute(self, now_ns: int, arrived: Command | ControlFrame | Heartbeat) -> None:
         """Take what has arrived: a command, an action of a pilot on the ground, or a sign of life."""
         if isinstance(arrived, ControlFrame):
             if arrived.step > self._control_step:  # one that was overtaken is old
                 self._control, self._control_step = arrived.values[np.newaxis], arrived.step
                 self._control_ns = now_ns
-            self.executive.steer(now_ns)
+            self.executive.on_action(now_ns)
             return
         if isinstance(arrived, Heartbeat):
-            self.executive.heard(now_ns)
+            self.executive.on_contact(now_ns)
             return
-        self.executive.obey(now_ns, arrived)
+        self.executive.execute(now_ns, arrived)
         self._reporter.frame(now_ns, self.executive, self._body)
 
     def sense(self, now_ns: int) -> None:
         """Let the executive look at the world; report at the telemetry rate and whenever how it stands changes."""
-        if self.executive.mode is Mode.TELEOPERATED and now_ns - self._control_ns >= PILOT_GONE_NS:
+        if self.executive.mode is Mode.TELEOPERATED and now_ns - self._control_ns >= TELEOPERATION_TIMEOUT_NS:
             self.executive.release()
         self.executive.sense(now_ns, self._body.position, self._fell, float(self._body.yaw[0]))
         if self._reporter.frame_if_due(now_ns, self.executive, self._body):
             if self._rests:
                 self._reporter.put_off(now_ns)
-        elif self._reporter.news.differ(self.executive):
+        elif self._reporter.changes.unreported(self.executive):
             self._reporter.frame(now_ns, self.executive, self._body)
         self._reporter.state(now_ns, self.step, self.plant)
 
@@ -133,19 +135,19 @@ class Vehicle:
             if still:
                 self._reporter.put_off(now_ns)
             else:
-                self._reporter.go_on(now_ns)
+                self._reporter.resume(now_ns)
         return still
 
     def is_still(self, now_ns: int) -> bool:
         """Tell the same, and take no note of it."""
-        if self._reporter.every_state and now_ns - self._control_ns < PILOT_GONE_NS:
+        if self._reporter.every_state and now_ns - self._control_ns < TELEOPERATION_TIMEOUT_NS:
             return False  # a pilot lives on the states that it is sent
         return not self._driven and now_ns - self._moved_ns >= REST_AFTER_NS
 
     @property
     def _driven(self) -> bool:
         """Whether a policy has the motors, here or on the ground."""
-        return self.executive.on_foot or self.executive.mode is Mode.TELEOPERATED
+        return self.executive.policy_active or self.executive.mode is Mode.TELEOPERATED
 
     def next_ns(self, now_ns: int) -> int:
         """Return when a robot that rests has something to do by itself [ns]: a beacon at the latest."""
@@ -160,7 +162,7 @@ class Vehicle:
         self._sink(Action(now_ns, self.step, source, commanded[0], applied[0]))
         before = self.plant.qpos[:, :2].copy()
         self.plant.step(applied)
-        self._look()
+        self._observe()
         self._log_reward(now_ns + self.robot.control_period_ns, before, applied)
         self.step += 1
         if self._driven or np.abs(self.plant.qvel[0]).max() > STILL_SPEED:
@@ -184,7 +186,7 @@ class Vehicle:
         self._sink(Checkpoint(now_ns, self.step, integration, executive, json.dumps(link), policy))
 
     def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
-        if self.executive.on_foot:
+        if self.executive.policy_active:
             observation = self._layout.observe(self._body, Goals(self.executive.goals, self._noise))
             self._sink(Observation(now_ns, self.step, observation[0]))
             return "policy", self._policy.act(observation)
@@ -194,21 +196,21 @@ class Vehicle:
             return "off", np.zeros((1, self.robot.num_actions))
         return "stance", stance_action(self.robot, self.plant.qpos, self.plant.qvel)
 
-    def _look(self) -> None:
+    def _observe(self) -> None:
         self._body = body_of(self.plant.qpos, self.plant.qvel)
         self._fell = bool(fallen(self._body, self.robot.min_height_m, self.robot.min_up)[0])
 
     def _log_reward(self, now_ns: int, before: FloatArray, applied: FloatArray) -> None:
-        terms = self._pay(before, applied)
+        terms = self._reward_terms(before, applied)
         named = tuple(zip(TERMS, terms[0].tolist(), strict=True))
         self._sink(Reward(now_ns, self.step, named, float(np.add.reduce(terms, axis=1)[0])))
 
-    def _pay(self, before: FloatArray, applied: FloatArray) -> FloatArray:
+    def _reward_terms(self, before: FloatArray, applied: FloatArray) -> FloatArray:
         """Return the terms (1, len(TERMS)) of the control step that has just ended."""
         if self.executive.mode is Mode.FALLEN:
             return _NOTHING  # the fall was paid for in the step that ended in it
         body, approach = self._body, _STILL
-        if self.executive.on_foot:
+        if self.executive.policy_active:
             period_s = self.robot.control_period_ns / 1e9
             approach = progress_speed(before, body.position, self.executive.goals[:, 0], period_s)
         at_limit = self._limits.count(body.joints)

@@ -144,13 +144,13 @@ def link_record(data: bytes) -> LinkRecord:
     it = pb.LinkRecord.FromString(data)
     return LinkRecord(
         time_ns=it.time_ns,
-        way=it.way,
-        what=it.what,
+        direction=it.direction,
+        message=it.message,
         number=it.number,
         size_bytes=it.size_bytes,
         departs_ns=it.departs_ns,
         arrives_ns=tuple(it.arrives_ns),
-        fate=DeliveryOutcome(it.fate),
+        outcome=DeliveryOutcome(it.outcome),
     )
 
 

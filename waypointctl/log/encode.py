@@ -117,13 +117,13 @@ def link_record(message: LinkRecord) -> bytes:
     """Encode a LinkRecord."""
     return pb.LinkRecord(
         time_ns=message.time_ns,
-        way=message.way,
-        what=message.what,
+        direction=message.direction,
+        message=message.message,
         number=message.number,
         size_bytes=message.size_bytes,
         departs_ns=message.departs_ns,
         arrives_ns=message.arrives_ns,
-        fate=message.fate,
+        outcome=message.outcome,
         delay_s=seconds(message.arrives_ns[0] - message.time_ns) if message.arrives_ns else 0.0,
     ).SerializeToString()
 

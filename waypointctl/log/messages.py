@@ -277,8 +277,8 @@ class GroundControl:
 class DeliveryOutcome(StrEnum):
     """What the link did to a message, where it did more than to delay it."""
 
-    WAITED = "waited"  # it was not sent at once
-    DOUBLED = "doubled"  # it arrives twice; it may have waited too
+    QUEUED = "queued"  # it was not sent at once
+    DUPLICATED = "duplicated"  # it arrives twice; it may have been queued too
     LOST = "lost"  # on the way
     QUEUE_FULL = "queue_full"  # it had to wait, and there was no room
     NO_CONTACT = "no_contact"  # there is no contact any more that it fits in
@@ -289,16 +289,16 @@ NOT_DELIVERED: Final = frozenset({DeliveryOutcome.LOST, DeliveryOutcome.QUEUE_FU
 
 @dataclass(frozen=True, slots=True)
 class LinkRecord:
-    """A message that the link lost, doubled, or let wait: what neither end is told as such."""
+    """A message that the link lost, duplicated or queued: neither end learns of it as such."""
 
     time_ns: int  # when it was handed to the link
-    way: str  # "up" or "down"
-    what: str  # "command", "ack", "telemetry", ...
+    direction: str  # "up" or "down"
+    message: str  # "command", "ack", "telemetry", ...
     number: int  # the command's id, the frame's number, or the control step
     size_bytes: int  # on the wire
     departs_ns: int  # when its first bit leaves; -1 if it does not
     arrives_ns: tuple[int, ...]  # once, twice, or not at all
-    fate: DeliveryOutcome
+    outcome: DeliveryOutcome
 
 
 @dataclass(frozen=True, slots=True)

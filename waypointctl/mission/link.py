@@ -92,7 +92,7 @@ DelayTable: TypeAlias = Annotated[
 Windows: TypeAlias = Annotated[tuple[Window, ...], Field(min_length=1, max_length=10_000), AfterValidator(in_order)]
 
 
-class Way(FileModel):
+class LinkDirection(FileModel):
     """One direction of the link."""
 
     delay_s: Delay = Field(0.0, description="one-way delay; beside a contact plan, in place of its ranges")
@@ -166,8 +166,10 @@ class Link(FileModel):
     keys_for_each: ClassVar[tuple[str, ...]] = ("up", "down")
 
     preset: PresetName | None = Field(None, description="a link known by name; what is written beside it goes first")
-    up: Way = Field(Way(), description="commands, from the operator to the robot")
-    down: Way = Field(Way(), description="telemetry and acknowledgements, from the robot to the operator")
+    up: LinkDirection = Field(LinkDirection(), description="commands, from the operator to the robot")
+    down: LinkDirection = Field(
+        LinkDirection(), description="telemetry and acknowledgements, from the robot to the operator"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -188,10 +190,10 @@ class Link(FileModel):
         if isinstance(preset, str) and preset in PRESETS:
             for way in cls.keys_for_each:
                 own = data.get(way, {})
-                if isinstance(own, Way):
+                if isinstance(own, LinkDirection):
                     own = own.model_dump()
                 if isinstance(own, dict):
-                    data[way] = over_preset(preset, own, Way.bare_names())
+                    data[way] = over_preset(preset, own, LinkDirection.bare_names())
         return data
 
 

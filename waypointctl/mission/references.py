@@ -11,7 +11,7 @@ from waypointctl.errors import MissionError
 from waypointctl.input_file import NOT_THERE
 from waypointctl.mission.contact_plan import ANY_MOMENT, Passage, is_moment, read_contact_plan
 from waypointctl.mission.jitter_file import read_jitter
-from waypointctl.mission.link import Way
+from waypointctl.mission.link import LinkDirection
 from waypointctl.mission.link_checks import file_beside
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.policy_name import from_folder
@@ -151,7 +151,7 @@ def _one_a_cause(problems: Iterable[Problem]) -> list[Problem]:
     ]
 
 
-def _least_delay_s(way: Way, passage: Passage | None) -> float | None:
+def _least_delay_s(way: LinkDirection, passage: Passage | None) -> float | None:
     """Return the shortest one-way delay of a direction without its jitter [s]; None where it is not known."""
     if not way.has_own_delay:
         return min((each.value for each in passage.ranges), default=None) if passage is not None else None

@@ -82,9 +82,9 @@ class LinkDirectionBuilder:
 
     def add(self, record: LinkRecord) -> None:
         """Take a record."""
-        self.outcomes[record.fate] += 1
-        if record.fate in NOT_DELIVERED:
-            self.not_arrived[record.what] += 1
+        self.outcomes[record.outcome] += 1
+        if record.outcome in NOT_DELIVERED:
+            self.not_arrived[record.message] += 1
             self.missing_ns.append(record.time_ns)
         if record.departs_ns > record.time_ns:
             self.waited += 1
@@ -97,7 +97,7 @@ class LinkDirectionBuilder:
             queue_full=self.outcomes[DeliveryOutcome.QUEUE_FULL],
             no_contact=self.outcomes[DeliveryOutcome.NO_CONTACT],
             not_arrived=tuple(sorted(self.not_arrived.items())),
-            doubled=self.outcomes[DeliveryOutcome.DOUBLED],
+            doubled=self.outcomes[DeliveryOutcome.DUPLICATED],
             waited=self.waited,
             longest_wait_ns=self.longest_wait_ns,
             missing_ns=np.array(self.missing_ns, np.int64),
@@ -119,8 +119,8 @@ class LinkSummaryBuilder:
 
     def add(self, record: LinkRecord) -> None:
         """Take a record; one of a way that there is not, in an altered log, is left out."""
-        if record.way in ("up", "down"):
-            (self.up if record.way == "up" else self.down).add(record)
+        if record.direction in ("up", "down"):
+            (self.up if record.direction == "up" else self.down).add(record)
 
     def on_event(self, event: Event) -> None:
         """Take an event: the robot has lost or found the link."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from waypointctl.flight.operator.console import order_from
-from waypointctl.flight.operator.line_source import QUIT
+from waypointctl.flight.operator.console import QUIT, request_from
 from waypointctl.log.messages import ConsoleInput
 from waypointctl.mission.mission import Mission
 from waypointctl.replay.comparator import LogComparator
@@ -55,7 +54,7 @@ class RecordedConsole:
     def _understood(self, text: str) -> str:
         if text != QUIT:
             try:
-                order_from(text, self._mission)
+                request_from(text, self._mission)
             except ValueError as error:
                 raise self._comparator.diverged("/console", "text", repr(text), f"not understood: {error}") from error
         return text

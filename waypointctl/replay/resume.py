@@ -17,11 +17,10 @@ from typing import Final
 
 from waypointctl.errors import InputError, LogError, OutputError
 from waypointctl.flight.fly import fly
-from waypointctl.flight.operator.line_source import QUIT, LineSource
+from waypointctl.flight.operator.console import QUIT, LineSource
 from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.record import Recording, recording_of
-from waypointctl.flight.shutter import Camera, with_pictures
-from waypointctl.flight.sink import Sink
+from waypointctl.flight.sink import Camera, Sink, with_pictures
 from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.opening import PART, open_file
 from waypointctl.log.reader import LogReader, open_log

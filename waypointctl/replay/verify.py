@@ -8,7 +8,7 @@ from pathlib import Path
 from waypointctl.errors import InputError
 from waypointctl.flight.fly import fly
 from waypointctl.flight.header import platform_facts
-from waypointctl.flight.shutter import with_pictures
+from waypointctl.flight.sink import with_pictures
 from waypointctl.log.messages import Message
 from waypointctl.log.reader import LogReader, open_log
 from waypointctl.replay.comparator import Diverged, LogComparator, LogEnded, RecordedPolicy

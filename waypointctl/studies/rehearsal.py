@@ -223,7 +223,7 @@ class _Watch:
         self.undelivered: Counter[Undelivered] = Counter()
 
     def __call__(self, message: Message) -> None:
-        if isinstance(message, LinkRecord) and message.fate in NOT_DELIVERED:
-            self.undelivered[message.way, message.what, message.fate.value] += 1
+        if isinstance(message, LinkRecord) and message.outcome in NOT_DELIVERED:
+            self.undelivered[message.direction, message.message, message.outcome.value] += 1
         elif isinstance(message, Event) and message.waypoint >= 0:
             self.leg = message.waypoint + (message.kind is EventKind.WAYPOINT_REACHED)

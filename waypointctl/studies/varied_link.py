@@ -11,7 +11,7 @@ from typing import Final
 
 from waypointctl.errors import InputError
 from waypointctl.mission.files import MissionFile
-from waypointctl.mission.link import DelayAt, Link, Way
+from waypointctl.mission.link import DelayAt, Link, LinkDirection
 from waypointctl.mission.mission import Mission
 
 _WAYS: Final = ("up", "down")
@@ -67,11 +67,11 @@ def _share_up(link: Link) -> float:
     return link.up.delay_s / both_s if both_s else 0.5
 
 
-def _uniform_jitter_s(way: Way) -> float:
+def _uniform_jitter_s(way: LinkDirection) -> float:
     return way.jitter_s if way.jitter_distribution == "uniform" else 0.0
 
 
-def _delayed(way: Way, delay_s: float) -> Way:
+def _delayed(way: LinkDirection, delay_s: float) -> LinkDirection:
     delay_s = max(delay_s, _uniform_jitter_s(way))  # equal but for rounding, where the round trip is the least
     if way.contact_plan is None:
         return way.model_copy(update={"delay_s": delay_s})

@@ -61,7 +61,7 @@ class Rig:
     ) -> Stage:
         """Hand over a command; return the stage that it has come to."""
         now_ns = round(now * SECOND)
-        self.executive.obey(
+        self.executive.execute(
             now_ns,
             Command(
                 id=id,
@@ -104,6 +104,6 @@ class Rig:
         """Return the last stage said of a command, and its reason."""
         return [(it.stage, it.reason) for it in self.stages_said if it.command_id == id][-1]
 
-    def life(self, id: int) -> list[Stage]:
+    def stages_of(self, id: int) -> list[Stage]:
         """Return all stages said of a command."""
         return [it.stage for it in self.stages_said if it.command_id == id]

@@ -46,7 +46,7 @@ def busy(rig: Rig) -> tuple[object, ...]:
     executive = rig.executive
     plan: Any = executive.state()["plan"]
     open_items = [(item["waypoint"], item["released"]) for item in plan["items"] if not item["over"]]
-    return executive.mode, executive.goals.tolist() if executive.on_foot else None, open_items
+    return executive.mode, executive.goals.tolist() if executive.policy_active else None, open_items
 
 
 def doing(rig: Rig) -> tuple[object, ...]:

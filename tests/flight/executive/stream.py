@@ -10,8 +10,8 @@ from typing import Any, ClassVar, Final
 
 from tests.flight.executive.rig import SECOND, A, B, C, Rig
 from waypointctl.flight.executive.fence import Circle, Fence
-from waypointctl.flight.executive.machine import Machine, Signal
 from waypointctl.flight.executive.rules import home_at
+from waypointctl.flight.executive.state_machine import Signal, StateMachine
 from waypointctl.log.messages import FINAL_STAGES, Command, CommandKind, CommandStage, EventKind, Mode, Stage
 
 TICK_NS: Final = 20_000_000
@@ -54,7 +54,7 @@ PLACES: Final = ((0.0, 0.0), (5.0, 0.0), (5.0, 5.0), (-5.0, 0.0), (2.0, 2.0), (5
 FENCE: Final = Fence((Circle("yard", (0.0, 0.0), 20.0),), (Circle("pit", (1.5, 1.5), 0.2),))
 
 
-class CountingMachine(Machine):
+class CountingMachine(StateMachine):
     """The machine, and how often each of its transitions was taken, by anyone."""
 
     taken: ClassVar[Counter[tuple[Mode, Signal]]] = Counter()
@@ -71,7 +71,7 @@ class Stream:
     def __init__(self, *, fenced: bool = False, **rules: Any) -> None:
         home = replace(home_at(0.0, 0.0), timeout_ns=6 * SECOND)
         self.rig = Rig(fence=FENCE if fenced else Fence(), stall_ns=3 * SECOND, home=home, **rules)
-        self.rig.executive._walk.machine = CountingMachine()
+        self.rig.executive._execution.machine = CountingMachine()
         self.now_ns = 0
         self.place = PLACES[0]
         self.rig.on_stage = self._note_releases
@@ -101,12 +101,12 @@ class Stream:
     def obey(self, command: Command) -> None:
         """Send a command as it is; one whose id has arrived before is answered, and changes nothing."""
         command = replace(command, received_ns=self.now_ns)
-        before = self.rig.life(command.id), len(self.rig.reminders)
+        before = self.rig.stages_of(command.id), len(self.rig.reminders)
         self.arrivals += 1
         self.commands.setdefault(command.id, command)
-        self.rig.executive.obey(self.now_ns, command)
+        self.rig.executive.execute(self.now_ns, command)
         if command.id in self.seen:
-            assert (self.rig.life(command.id), len(self.rig.reminders)) == (before[0], before[1] + 1)
+            assert (self.rig.stages_of(command.id), len(self.rig.reminders)) == (before[0], before[1] + 1)
             assert self.rig.reminders[-1].stage is self.rig.stage(command.id)
         self.seen.add(command.id)
 
@@ -139,7 +139,7 @@ class Stream:
     def check(self) -> None:
         """Hold what is so against what has to be so."""
         rig, executive = self.rig, self.rig.executive
-        lives = {command_id: rig.life(command_id) for command_id in self.seen}
+        lives = {command_id: rig.stages_of(command_id) for command_id in self.seen}
         for life in lives.values():
             assert LIVES.fullmatch(" ".join(life)), life
         self._check_waypoints()
@@ -189,7 +189,7 @@ class Stream:
         """End the flight: every command that was received has come to one end."""
         self.rig.executive.close(self.now_ns)
         for command_id in self.seen:
-            life = self.rig.life(command_id)
+            life = self.rig.stages_of(command_id)
             assert [stage in FINAL_STAGES for stage in life] == [False] * (len(life) - 1) + [True]
         received = self.rig.kinds.count(EventKind.COMMAND_RECEIVED)
         assert received == len(self.seen) == self.arrivals - len(self.rig.reminders)

@@ -42,7 +42,7 @@ def test_what_is_new_supersedes_what_is_under_way(walking: Rig, kind: CommandKin
     walking.send(2.0, kind, *waypoints, id=3)
     assert walking.ended(1) == walking.ended(2) == (Stage.SUPERSEDED, "by command 3")
     assert walking.sense(3.0, "b" if waypoints else "start") is Mode.DONE
-    assert walking.life(3) == WHOLE_LIFE
+    assert walking.stages_of(3) == WHOLE_LIFE
 
 
 def test_an_appended_plan_starts_when_its_turn_comes(walking: Rig) -> None:
@@ -53,7 +53,7 @@ def test_an_appended_plan_starts_when_its_turn_comes(walking: Rig) -> None:
     assert (walking.stage(1), walking.stage(2)) == (Stage.COMPLETED, Stage.STARTED)
     assert walking.executive.target == C
     assert walking.sense(4.0, "c") is Mode.DONE
-    assert walking.life(2) == WHOLE_LIFE
+    assert walking.stages_of(2) == WHOLE_LIFE
     assert walking.kinds.count(EventKind.PLAN_COMPLETED) == 1
 
 
@@ -63,7 +63,7 @@ def test_a_plan_that_is_done_goes_on_with_what_is_appended(rig: Rig) -> None:
     rig.send(5.0, APPEND, B, id=2)
     assert rig.executive.mode is Mode.NAVIGATING
     rig.sense(6.0, "b")
-    assert rig.life(2) == WHOLE_LIFE
+    assert rig.stages_of(2) == WHOLE_LIFE
 
 
 @pytest.mark.parametrize("end", ["never begun", "failed", "cancelled", "home"])
@@ -268,7 +268,7 @@ def test_it_returns_home_and_is_done_there(walking: Rig) -> None:
     walking.send(400.0, CommandKind.RESUME, id=4)
     assert walking.sense(401.0, (0.6, 0.0)) is Mode.RETURNING
     assert walking.sense(402.0, (0.4, 0.0)) is Mode.DONE
-    assert walking.life(2) == WHOLE_LIFE
+    assert walking.stages_of(2) == WHOLE_LIFE
     assert EventKind.HOME_REACHED in walking.kinds
     assert walking.executive.reached == (), "home is no waypoint"
 
@@ -355,7 +355,7 @@ def test_a_command_expires_under_way(rig: Rig) -> None:
 
 def test_a_command_that_arrives_after_its_time_has_expired(rig: Rig) -> None:
     rig.send(4.0, GO_TO, A, id=1, expires=3.0)
-    assert rig.life(1) == [Stage.RECEIVED, Stage.EXPIRED]
+    assert rig.stages_of(1) == [Stage.RECEIVED, Stage.EXPIRED]
     assert rig.ended(1) == (Stage.EXPIRED, "late")
 
 
@@ -410,7 +410,7 @@ def test_wrong_arguments_are_refused(
     rig.send(0.0, UPLOAD, B, id=1)
     rig.send(1.0, kind, *waypoints, id=2, **arguments)  # type: ignore[arg-type]
     assert rig.ended(2) == (Stage.REJECTED, reason)
-    assert rig.life(2) == [Stage.RECEIVED, Stage.REJECTED]
+    assert rig.stages_of(2) == [Stage.RECEIVED, Stage.REJECTED]
     assert (rig.executive.command_id, rig.executive.target) == (1, B), "and nothing has changed"
 
 

@@ -11,7 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from tests.flight.executive.rig import SECOND
 from tests.flight.executive.stream import IMPOSSIBLE, PLACES, WAYPOINTS, CountingMachine, Stream
-from waypointctl.flight.executive.machine import TRANSITIONS
+from waypointctl.flight.executive.state_machine import TRANSITIONS
 from waypointctl.log.messages import Command, CommandKind
 
 THENS = ["abort", "skip", "hold", "return_home"]
@@ -107,11 +107,11 @@ class Fuzzed(RuleBasedStateMachine):
 
     @rule()
     def send_heartbeat(self) -> None:
-        self.stream.rig.executive.heard(self.stream.now_ns)
+        self.stream.rig.executive.on_contact(self.stream.now_ns)
 
     @rule()
     def send_action(self) -> None:
-        self.stream.rig.executive.steer(self.stream.now_ns)
+        self.stream.rig.executive.on_action(self.stream.now_ns)
 
     @rule(place=st.sampled_from(PLACES))
     def move(self, place: tuple[float, float]) -> None:
@@ -200,7 +200,7 @@ def _do_something(stream: Stream, draw: random.Random) -> None:
     elif dice < 0.94:
         stream.rest(draw.random())
     elif dice < 0.97:
-        stream.rig.executive.steer(stream.now_ns)
+        stream.rig.executive.on_action(stream.now_ns)
     else:
         stream.look(fell=draw.random() < 0.1)
 

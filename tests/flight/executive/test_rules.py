@@ -157,7 +157,7 @@ def test_it_stands_until_the_ground_is_heard_again() -> None:
     rig = lossy("hold")
     assert rig.sense(1060.02, "start") is Mode.SAFE
     assert rig.sense(9000.0, "a") is Mode.SAFE
-    rig.executive.heard(9001 * SECOND)
+    rig.executive.on_contact(9001 * SECOND)
     assert event_of(rig, EventKind.LINK_RESTORED).time_ns == 9001 * SECOND
     assert (rig.executive.mode, rig.executive.target) == (Mode.NAVIGATING, replace(A, timeout_ns=10 * MINUTE))
     assert rig.sense(9061.02, "start") is Mode.SAFE, "and lost again"
@@ -176,12 +176,12 @@ def test_it_goes_home_without_a_link_and_stays_there(back: str) -> None:
     assert rig.sense(1060.02, "a") is Mode.RETURNING
     assert rig.ended(1) == (Stage.FAILED, "link lost")
     if back == "on the way":
-        rig.executive.heard(1061 * SECOND)
+        rig.executive.on_contact(1061 * SECOND)
         assert rig.sense(1062.0, "a") is Mode.RETURNING
         assert rig.sense(1070.0, "start") is Mode.SAFE
     else:
         assert rig.sense(1070.0, "start") is Mode.SAFE
-        rig.executive.heard(1080 * SECOND)
+        rig.executive.on_contact(1080 * SECOND)
         assert rig.executive.mode is Mode.IDLE
 
 
@@ -190,7 +190,7 @@ def test_what_waits_for_its_time_waits_for_the_link_too() -> None:
     rig.send(1010.0, CommandKind.GO_TO, C, id=2, not_before=1080.0)
     rig.sense(1075.0, "start")
     assert rig.sense(1090.0, "start") is Mode.SAFE
-    rig.executive.heard(1100 * SECOND)
+    rig.executive.on_contact(1100 * SECOND)
     rig.sense(1100.0, "start")
     assert rig.executive.target == C
 
@@ -199,7 +199,7 @@ def test_a_pause_needs_no_link() -> None:
     rig = lossy("hold")
     rig.send(1060.0, CommandKind.HOLD, id=2)
     assert rig.sense(2000.0, "start") is Mode.PAUSED
-    rig.executive.heard(2001 * SECOND)
+    rig.executive.on_contact(2001 * SECOND)
     assert rig.executive.mode is Mode.PAUSED
 
 
@@ -209,22 +209,22 @@ def test_a_link_that_comes_back_does_not_move_a_robot_that_stands_for_another_re
     rig.command(0.0, A, B, on_failure="hold")
     assert rig.sense(10.0, "start") is Mode.SAFE
     cause = rig.executive.cause
-    rig.executive.heard(11 * SECOND)
+    rig.executive.on_contact(11 * SECOND)
     assert (rig.executive.mode, rig.executive.cause) == (Mode.SAFE, cause)
     if on_link_loss != "return_home":
         rig.sense(100.0, "start")
         assert EventKind.LINK_LOST in rig.kinds
         assert not rig.executive.waits_for_ground
-        rig.executive.heard(101 * SECOND)
+        rig.executive.on_contact(101 * SECOND)
         assert EventKind.LINK_RESTORED in rig.kinds
         assert (rig.executive.mode, rig.executive.cause) == (Mode.SAFE, cause)
 
 
 def test_a_robot_that_is_steered_stands_when_no_action_comes() -> None:
     rig = Rig(link_loss_ns=SECOND, on_link_loss="hold")
-    rig.executive.steer(0)
+    rig.executive.on_action(0)
     assert rig.sense(1.02, "start") is Mode.SAFE
-    rig.executive.steer(2 * SECOND)
+    rig.executive.on_action(2 * SECOND)
     assert rig.executive.mode is Mode.TELEOPERATED
 
 
@@ -232,7 +232,7 @@ def test_nothing_is_added_to_a_plan_that_the_ground_steered_away_from() -> None:
     rig = Rig()
     rig.command(0.0, A)
     rig.sense(1.0, "a")
-    rig.executive.steer(2 * SECOND)
+    rig.executive.on_action(2 * SECOND)
     rig.send(3.0, CommandKind.APPEND_PLAN, B, id=2)
     assert rig.ended(2) == (Stage.REJECTED, "there is no plan")
     assert rig.executive.mode is Mode.TELEOPERATED
@@ -282,12 +282,12 @@ def test_a_way_home_that_leads_through_the_fence_is_gone_on_with() -> None:
 @pytest.mark.parametrize("do", ["hold", "abort"])
 def test_what_is_steered_out_of_the_fence_waits_for_a_command(do: str) -> None:
     rig = Rig(fence=YARD, on_breach=do)
-    rig.executive.steer(0)
+    rig.executive.on_action(0)
     assert rig.sense(1.0, (3.0, 0.0)) is Mode.SAFE
-    rig.executive.steer(2 * SECOND)
+    rig.executive.on_action(2 * SECOND)
     assert rig.sense(2.5, "start") is Mode.SAFE
     rig.send(3.0, CommandKind.ABORT, id=1)
-    rig.executive.steer(4 * SECOND)
+    rig.executive.on_action(4 * SECOND)
     assert rig.executive.mode is Mode.TELEOPERATED
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.flight.link.slow_link import Gate, Parcel
 from waypointctl.flight.link.contacts import Contacts, Window
 from waypointctl.flight.link.delay import Jitter, fixed_delay, uniform_jitter
-from waypointctl.flight.link.direction import Direction, Doubling
+from waypointctl.flight.link.direction import Direction, Duplication
 from waypointctl.flight.link.draws import Draws
 from waypointctl.flight.link.loss import RandomLoss
 from waypointctl.seeding import stream
@@ -101,7 +101,7 @@ def told_direction(setting: Setting, sent: list[Parcel]) -> Direction[tuple[int,
         jitter=told_jitter([parcel.jitters[0] for parcel in sent]),
         keeps_order=setting.ordered,
         loss=Told([parcel.copies == 0 for parcel in sent]),
-        doubling=Doubling(
+        duplication=Duplication(
             Told([parcel.copies == 2 for parcel in sent]), told_jitter([parcel.jitters[1] for parcel in sent])
         ),
         contacts=Contacts(setting.windows, setting.period),

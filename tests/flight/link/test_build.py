@@ -9,8 +9,8 @@ import pytest
 
 from waypointctl.errors import MissionError
 from waypointctl.flight.link.build import contacts_of, direction
-from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Direction, Fate
-from waypointctl.mission.link import Link, Way
+from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Delivery, Direction
+from waypointctl.mission.link import Link, LinkDirection
 from waypointctl.seeding import stream
 
 S = 10**9
@@ -24,15 +24,17 @@ a range +35 +100 1 2 2
 """
 
 
-def way(**content: Any) -> Way:
+def way(**content: Any) -> LinkDirection:
     return Link.model_validate({"up": content}).up
 
 
-def made(given: Way, files: dict[str, bytes] | None = None, seed: int = 1, name: str = "link.up") -> Direction[int]:
+def made(
+    given: LinkDirection, files: dict[str, bytes] | None = None, seed: int = 1, name: str = "link.up"
+) -> Direction[int]:
     return direction(given, files or {}, seed, name)
 
 
-def send(link: Direction[int], now_ns: int, size: int = 1) -> Fate:
+def send(link: Direction[int], now_ns: int, size: int = 1) -> Delivery:
     return link.send(now_ns, size, lambda when: when)
 
 
@@ -42,7 +44,7 @@ def delays(link: Direction[int], count: int) -> list[int]:
 
 def test_a_way_that_says_nothing_does_nothing() -> None:
     link = made(way())
-    assert [send(link, at, 10**9) for at in (0, 5)] == [Fate(0, 0, (0,), ""), Fate(5, 5, (5,), "")]
+    assert [send(link, at, 10**9) for at in (0, 5)] == [Delivery(0, 0, (0,), ""), Delivery(5, 5, (5,), "")]
 
 
 def test_a_uniform_jitter_is_drawn_as_it_always_was() -> None:
@@ -61,8 +63,10 @@ def test_the_ways_and_their_models_draw_from_streams_of_their_own() -> None:
     assert up != down
     assert up == delays(made(given), 50) != delays(made(given, seed=2), 50)
     more = way(delay="1 s", jitter="100 ms", jitter_distribution="normal", loss=0.3, duplicate=0.3)
-    fates = [send(made_once, number * S) for made_once in [made(more)] for number in range(50)]
-    kept = [(fate.arrivals_ns, number) for number, fate in enumerate(fates) if len(fate.arrivals_ns) == 1]
+    deliveries = [send(made_once, number * S) for made_once in [made(more)] for number in range(50)]
+    kept = [
+        (delivery.arrivals_ns, number) for number, delivery in enumerate(deliveries) if len(delivery.arrivals_ns) == 1
+    ]
     assert len(kept) > 20
     assert all(when[0] - number * S == up[number] for when, number in kept), "its delay is none of loss's business"
 
@@ -87,7 +91,7 @@ def test_rate_queue_and_windows() -> None:
     windows = [{"from": "1 s", "to": "2 s"}]
     link = made(way(rate="8 kbit/s", queue="1000 B", windows=windows, windows_every="10 s"))
     assert send(link, 0, 1001).lost == NO_CONTACT, "longer than a window"
-    assert send(link, 0, 800) == Fate(S, 1_800_000_000, (1_800_000_000,), "")
+    assert send(link, 0, 800) == Delivery(S, 1_800_000_000, (1_800_000_000,), "")
     assert send(link, 0, 201).lost == QUEUE_FULL
     assert send(link, S, 300).departs_ns == 11 * S
 
@@ -104,10 +108,10 @@ def test_loss_in_bursts_and_doubling() -> None:
 def test_a_contact_plan_gives_each_way_its_windows_rates_and_light_time() -> None:
     link = Link.model_validate({"contact_plan": {"file": "plan", "from_node": 1, "to_node": 2}})
     up, down = (made(each, {"plan": PLAN}) for each in (link.up, link.down))
-    assert send(up, 0, 500) == Fate(10 * S, 10_500_000_000, (11_500_000_000,), "")
-    assert send(up, 34 * S, 2000) == Fate(34 * S, 36 * S, (38 * S,), "")
+    assert send(up, 0, 500) == Delivery(10 * S, 10_500_000_000, (11_500_000_000,), "")
+    assert send(up, 34 * S, 2000) == Delivery(34 * S, 36 * S, (38 * S,), "")
     assert send(up, 39 * S, 1001).lost == NO_CONTACT
-    assert send(down, 0, 125) == Fate(15 * S, 16 * S, (17 * S,), "")
+    assert send(down, 0, 125) == Delivery(15 * S, 16 * S, (17 * S,), "")
     assert contacts_of(link.down, {"plan": PLAN}).next_open_ns(0) == 15 * S
 
 

@@ -11,14 +11,17 @@ from hypothesis import strategies as st
 from tests.flight.link.made import Told, chancy
 from waypointctl.flight.link.contacts import Contacts, Window
 from waypointctl.flight.link.delay import fixed_delay, table_delay
-from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Direction, Doubling
+from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Direction, Duplication
 from waypointctl.flight.link.draws import BLOCK
 
 
 def luck(link: Direction[int], sizes: list[int], gap: int) -> list[tuple[int, str]]:
     """Return of each message how long it was under way after it had left, and why it was lost on the way if it was."""
-    fates = [link.send(gap * number, size, lambda when: when) for number, size in enumerate(sizes)]
-    return [(fate.arrivals_ns[0] - fate.left_ns if fate.arrivals_ns else -1, fate.lost) for fate in fates]
+    deliveries = [link.send(gap * number, size, lambda when: when) for number, size in enumerate(sizes)]
+    return [
+        (delivery.arrivals_ns[0] - delivery.left_ns if delivery.arrivals_ns else -1, delivery.lost)
+        for delivery in deliveries
+    ]
 
 
 @given(st.lists(st.integers(1, 3000), min_size=600, max_size=600), st.integers(0, 5))
@@ -49,7 +52,7 @@ def following(number: int, _: int) -> int:
 
 
 def test_a_doubled_message_that_is_lost_arrives_once() -> None:
-    link = Direction[int](loss=Told([True, False, True]), doubling=Doubling(Told([True, True, False])))
+    link = Direction[int](loss=Told([True, False, True]), duplication=Duplication(Told([True, True, False])))
     assert [len(link.send(0, 1, lambda when: when).arrivals_ns) for _ in range(3)] == [1, 2, 0]
 
 

@@ -13,7 +13,7 @@ from tests.flight.link.made import Setting, arrival, parcels, settings_of_a_link
 from tests.flight.link.slow_link import Parcel, SlowLink
 from waypointctl.flight.link.contacts import Contacts
 from waypointctl.flight.link.delay import fixed_delay, uniform_jitter
-from waypointctl.flight.link.direction import NEVER, NOISE, Direction, Doubling, Fate
+from waypointctl.flight.link.direction import NEVER, NOISE, Delivery, Direction, Duplication
 from waypointctl.flight.link.loss import GilbertElliott, RandomLoss
 from waypointctl.seeding import stream
 
@@ -25,13 +25,13 @@ def test_each_message_fares_as_it_does_event_by_event(setting: Setting, sent: li
     slow.run(sent)
     link = told_direction(setting, sent)
     for parcel in sent:
-        fate = link.send(parcel.at, parcel.size, partial(arrival, parcel.number))
+        delivery = link.send(parcel.at, parcel.size, partial(arrival, parcel.number))
         if parcel.number in slow.refused:
-            assert fate == Fate(NEVER, NEVER, (), slow.refused[parcel.number])
+            assert delivery == Delivery(NEVER, NEVER, (), slow.refused[parcel.number])
             continue
-        assert (fate.departs_ns, fate.left_ns) == slow.departed[parcel.number]
-        assert fate.lost == (NOISE if parcel.number in slow.lost else "")
-        assert list(fate.arrivals_ns) == [when for when, number in slow.arrived if number == parcel.number]
+        assert (delivery.departs_ns, delivery.left_ns) == slow.departed[parcel.number]
+        assert delivery.lost == (NOISE if parcel.number in slow.lost else "")
+        assert list(delivery.arrivals_ns) == [when for when, number in slow.arrived if number == parcel.number]
     assert list(link.due(1 << 60)) == slow.arrived
 
 
@@ -40,28 +40,29 @@ def test_each_message_fares_as_it_does_event_by_event(setting: Setting, sent: li
 def test_bytes_are_conserved_at_every_moment(setting: Setting, sent: list[Parcel], tick: int) -> None:
     """Handed over = refused + lost on the way + waiting + being sent or under way + delivered."""
     link = told_direction(setting, sent)
-    fates: dict[int, Fate] = {}
+    deliveries: dict[int, Delivery] = {}
     delivered: Counter[int] = Counter()
     coming = list(sent)
     for now in range(0, sent[-1].at + 600, tick):
         while coming and coming[0].at <= now:
             parcel = coming.pop(0)
-            fates[parcel.number] = link.send(parcel.at, parcel.size, partial(arrival, parcel.number))
+            deliveries[parcel.number] = link.send(parcel.at, parcel.size, partial(arrival, parcel.number))
         for when, number in link.due(now):
-            assert now - tick < when <= now or fates[number].left_ns <= when, "neither early nor forgotten"
+            assert now - tick < when <= now or deliveries[number].left_ns <= when, "neither early nor forgotten"
             delivered[number] += 1
-        handed = [parcel for parcel in sent if parcel.number in fates]
-        waiting = sum(parcel.size for parcel in handed if fates[parcel.number].departs_ns > now)
+        handed = [parcel for parcel in sent if parcel.number in deliveries]
+        waiting = sum(parcel.size for parcel in handed if deliveries[parcel.number].departs_ns > now)
         assert link.waiting_bytes(now) == waiting <= setting.room
         under_way = Counter(number for _, (_, number) in link.under_way)
         for parcel in handed:
-            expected = 0 if fates[parcel.number].lost else parcel.copies
+            expected = 0 if deliveries[parcel.number].lost else parcel.copies
             assert delivered[parcel.number] + under_way[parcel.number] == expected
     for gate in setting.gates():
         inside = [
             parcel.size
             for parcel in sent
-            if fates[parcel.number].departs_ns != NEVER and gate.begin <= fates[parcel.number].departs_ns < gate.end
+            if deliveries[parcel.number].departs_ns != NEVER
+            and gate.begin <= deliveries[parcel.number].departs_ns < gate.end
         ]
         if gate.rate is not None:
             assert sum(inside) * 8e9 <= gate.rate * (gate.end - gate.begin)
@@ -76,7 +77,7 @@ def test_a_restored_link_goes_on_as_the_one_it_was_taken_from(setting: Setting, 
             jitter=uniform_jitter(50, stream(1, "jitter")),
             keeps_order=setting.ordered,
             loss=GilbertElliott(0.3, 0.4, 0.9, 0.1, stream(1, "loss")),
-            doubling=Doubling(RandomLoss(0.3, stream(1, "double")), uniform_jitter(50, stream(1, "second"))),
+            duplication=Duplication(RandomLoss(0.3, stream(1, "double")), uniform_jitter(50, stream(1, "second"))),
             contacts=Contacts(setting.windows, setting.period),
             queue_bytes=setting.room,
         )

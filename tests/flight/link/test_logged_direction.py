@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from waypointctl.flight.link.build import direction
+from waypointctl.flight.link.frames import packets_bytes, size_bytes
 from waypointctl.flight.link.logged import UP, LoggedDirection, named
-from waypointctl.flight.link.size import packets_bytes, size_bytes
 from waypointctl.log.messages import Ack, Command, CommandKind, DeliveryOutcome, LinkRecord, Mode, Stage, Telemetry
 from waypointctl.log.proto import messages_pb2 as pb
 from waypointctl.mission.link import Link
@@ -55,21 +55,21 @@ def test_what_waits_is_doubled_or_gets_lost_does() -> None:
     first, second = (size_bytes(ack_of(number, 0, 0)) for number in (0, 1))
     acks(logged(waited, delay="1 s", rate_bps=8 * first), 0, 0)  # the first one takes a second
     arrives_ns = 2 * S + -(-second * S // first)
-    assert waited == [LinkRecord(0, UP, "ack", 1, second, S, (arrives_ns,), DeliveryOutcome.WAITED)]
+    assert waited == [LinkRecord(0, UP, "ack", 1, second, S, (arrives_ns,), DeliveryOutcome.QUEUED)]
     doubled: list[LinkRecord] = []
     acks(logged(doubled, delay="1 s", duplicate=1), 7)
     assert doubled == [
-        LinkRecord(7 * S, UP, "ack", 0, doubled[0].size_bytes, 7 * S, (8 * S, 8 * S), DeliveryOutcome.DOUBLED)
+        LinkRecord(7 * S, UP, "ack", 0, doubled[0].size_bytes, 7 * S, (8 * S, 8 * S), DeliveryOutcome.DUPLICATED)
     ]
     assert size - 2 <= doubled[0].size_bytes <= size
     lost: list[LinkRecord] = []
     acks(logged(lost, loss=1), 7)
-    assert [(each.departs_ns, each.arrives_ns, each.fate) for each in lost] == [(7 * S, (), DeliveryOutcome.LOST)]
+    assert [(each.departs_ns, each.arrives_ns, each.outcome) for each in lost] == [(7 * S, (), DeliveryOutcome.LOST)]
     window = {"windows": [{"from": "10 s", "to": "20 s"}], "queue_bytes": 1.5 * size}
     shut: list[LinkRecord] = []
     acks(logged(shut, **window), 7, 8, 20)
-    assert [(each.departs_ns, each.fate) for each in shut] == [
-        (10 * S, DeliveryOutcome.WAITED),
+    assert [(each.departs_ns, each.outcome) for each in shut] == [
+        (10 * S, DeliveryOutcome.QUEUED),
         (-1, DeliveryOutcome.QUEUE_FULL),
         (-1, DeliveryOutcome.NO_CONTACT),
     ]

@@ -15,7 +15,7 @@ COUNT = 200_000
 MODELS = [(0.01, 0.3, 1.0, 0.0), (0.05, 0.2, 0.5, 0.001), (0.3, 0.1, 0.9, 0.05), (1.0, 1.0, 1.0, 0.0)]
 
 
-def fates(model: tuple[float, float, float, float], seed: int = 0) -> np.ndarray:
+def deliveries(model: tuple[float, float, float, float], seed: int = 0) -> np.ndarray:
     loss = GilbertElliott(*model, stream(seed, "loss"))
     return np.array([loss() for _ in range(COUNT)])
 
@@ -27,13 +27,13 @@ def test_bursts_lose_what_the_closed_form_says_in_the_long_run(model: tuple[floa
     share = bad * lost_in_bad + (1 - bad) * lost_in_good
     # The link's state is a Markov chain whose correlation falls by 1 - p - r a message: so many fewer count as apart.
     apart = COUNT * (p + r) / (2 - p - r) if p + r < 2 else COUNT
-    assert fates(model).mean() == pytest.approx(share, abs=5 * math.sqrt(share * (1 - share) / apart) + 2 / COUNT)
+    assert deliveries(model).mean() == pytest.approx(share, abs=5 * math.sqrt(share * (1 - share) / apart) + 2 / COUNT)
 
 
 @pytest.mark.parametrize(("p", "r"), [(0.01, 0.3), (0.05, 0.2), (0.2, 0.8)])
 def test_bursts_last_as_long_as_the_closed_form_says(p: float, r: float) -> None:
     """With 1-h = 1 and 1-k = 0 what is lost is what meets the bad link: bursts of 1/r messages, 1/p apart."""
-    lost = fates((p, r, 1.0, 0.0)).astype(int)
+    lost = deliveries((p, r, 1.0, 0.0)).astype(int)
     begins, ends = np.flatnonzero(np.diff(lost) == 1), np.flatnonzero(np.diff(lost) == -1)
     bursts = ends[: len(begins)] - begins[: len(ends)]
     gaps = begins[1:] - ends[: len(begins) - 1]
@@ -53,8 +53,8 @@ def test_bursts_follow_the_streams_numbers_one_by_one() -> None:
     p, r, lost_in_bad, lost_in_good = 0.3, 0.4, 0.8, 0.2
     rng, bad, expected = stream(7, "loss"), False, []
     for _ in range(1000):
-        change, fate = rng.random(), rng.random()
-        expected.append(fate < (lost_in_bad if bad else lost_in_good))
+        change, delivery = rng.random(), rng.random()
+        expected.append(delivery < (lost_in_bad if bad else lost_in_good))
         bad = change >= r if bad else change < p
     loss = GilbertElliott(p, r, lost_in_bad, lost_in_good, stream(7, "loss"))
     assert [loss() for _ in range(1000)] == expected

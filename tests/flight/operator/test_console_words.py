@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from tests.flight.operator.missions import mission_of
 from waypointctl.flight.executive.arguments import wrong_arguments
 from waypointctl.flight.executive.rules import rules_of
-from waypointctl.flight.operator.console import impossible, order_from
-from waypointctl.flight.operator.order import Order
+from waypointctl.flight.operator.console import impossible, request_from
+from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import Command, CommandKind
 from waypointctl.log.topics import BY_KIND
 
@@ -19,12 +19,12 @@ MISSION = mission_of("defaults: {tolerance: 0.3 m, timeout: 12 s}")
 
 
 def test_each_command_becomes_its_order() -> None:
-    assert order_from("hold", MISSION) == Order(CommandKind.HOLD)
-    assert order_from("  home ", MISSION) == Order(CommandKind.RETURN_HOME)
-    assert order_from("cancel 3", MISSION) == Order(CommandKind.CANCEL, target_id=3)
-    assert order_from("release 2", MISSION) == Order(CommandKind.RELEASE, released=2)
-    assert order_from("tolerance 0.25", MISSION) == Order(CommandKind.SET_TOLERANCE, value=0.25)
-    (place,) = order_from("goto 7 -12.5", MISSION).waypoints
+    assert request_from("hold", MISSION) == CommandRequest(CommandKind.HOLD)
+    assert request_from("  home ", MISSION) == CommandRequest(CommandKind.RETURN_HOME)
+    assert request_from("cancel 3", MISSION) == CommandRequest(CommandKind.CANCEL, target_id=3)
+    assert request_from("release 2", MISSION) == CommandRequest(CommandKind.RELEASE, released=2)
+    assert request_from("tolerance 0.25", MISSION) == CommandRequest(CommandKind.SET_TOLERANCE, value=0.25)
+    (place,) = request_from("goto 7 -12.5", MISSION).waypoints
     assert (place.x_m, place.y_m, place.tolerance_m, place.timeout_ns) == (7.0, -12.5, 0.3, 12_000_000_000)
     assert place.index < 0, "it is none of the mission's waypoints"
 
@@ -58,7 +58,7 @@ def test_each_command_becomes_its_order() -> None:
 )
 def test_what_is_no_command_is_refused_with_what_there_is(line: str, said: str) -> None:
     with pytest.raises(ValueError, match=re.escape(said)):
-        order_from(line, MISSION)
+        request_from(line, MISSION)
 
 
 @pytest.mark.parametrize(
@@ -73,11 +73,11 @@ def test_what_is_no_command_is_refused_with_what_there_is(line: str, said: str) 
     ],
 )
 def test_quantities_are_written_as_in_mission_files(line: str, same: str) -> None:
-    assert order_from(line, MISSION) == order_from(same, MISSION)
+    assert request_from(line, MISSION) == request_from(same, MISSION)
 
 
 def test_a_place_may_have_its_own_hold_tolerance_and_timeout() -> None:
-    (place,) = order_from("goto 3 m 4 m tolerance 20 cm hold 5 s timeout 1 min", MISSION).waypoints
+    (place,) = request_from("goto 3 m 4 m tolerance 20 cm hold 5 s timeout 1 min", MISSION).waypoints
     assert (place.x_m, place.y_m) == (3.0, 4.0)
     assert (place.tolerance_m, place.hold_ns, place.timeout_ns) == (0.2, 5_000_000_000, 60_000_000_000)
 
@@ -86,7 +86,7 @@ def test_a_place_may_have_its_own_hold_tolerance_and_timeout() -> None:
 @settings(max_examples=200, deadline=None)
 def test_any_line_is_an_order_or_refused(line: str) -> None:
     with suppress(ValueError):  # refused; nothing else may be raised
-        assert order_from(line, MISSION).words
+        assert request_from(line, MISSION).words
 
 
 YARD = mission_of("onboard: {geofence: {keep_in: [{center: [0 m, 0 m], radius: 20 m}]}}")
@@ -105,15 +105,15 @@ YARD = mission_of("onboard: {geofence: {keep_in: [{center: [0 m, 0 m], radius: 2
     ],
 )
 def test_what_can_never_be_obeyed_is_not_sent(line: str, said: str) -> None:
-    order = order_from(line, YARD)
-    assert impossible(order, YARD).startswith(said)
-    assert wrong_arguments(order.command(1, 1, 0, 0), rules_of(YARD).fence), "the robot would reject it"
+    request = request_from(line, YARD)
+    assert impossible(request, YARD).startswith(said)
+    assert wrong_arguments(request.command(1, 1, 0, 0), rules_of(YARD).fence), "the robot would reject it"
 
 
 def test_a_command_that_never_was_is_not_cancelled() -> None:
     said = "cancel: 0 is no command; their ids count from 1"
-    assert impossible(order_from("cancel 0", MISSION), MISSION).startswith(said)
-    assert impossible(order_from("cancel 1", MISSION), MISSION) == ""
+    assert impossible(request_from("cancel 0", MISSION), MISSION).startswith(said)
+    assert impossible(request_from("cancel 1", MISSION), MISSION) == ""
 
 
 @given(
@@ -123,9 +123,9 @@ def test_a_command_that_never_was_is_not_cancelled() -> None:
 @settings(max_examples=200, deadline=None)
 def test_what_is_sent_is_not_rejected_for_its_arguments(word: str, value: float) -> None:
     with suppress(ValueError):
-        order = order_from(f"{word} {value!r}", YARD)
-        if not impossible(order, YARD):
-            assert wrong_arguments(order.command(1, 1, 0, 0), rules_of(YARD).fence) == ""
+        request = request_from(f"{word} {value!r}", YARD)
+        if not impossible(request, YARD):
+            assert wrong_arguments(request.command(1, 1, 0, 0), rules_of(YARD).fence) == ""
 
 
 NUMBERS = st.one_of(
@@ -141,6 +141,6 @@ NUMBERS = st.one_of(
 @settings(max_examples=300, deadline=None)
 def test_what_is_sent_fits_into_the_log(word: str, number: object, unit: str) -> None:
     with suppress(ValueError):  # refused; nothing else may be raised
-        order = order_from(f"{word} {number}{unit}", YARD)
-        if not impossible(order, YARD):
-            assert BY_KIND[Command].encode(order.command(1, 1, 0, 0))
+        request = request_from(f"{word} {number}{unit}", YARD)
+        if not impossible(request, YARD):
+            assert BY_KIND[Command].encode(request.command(1, 1, 0, 0))

@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.flight.operator.channel import AIRTIME_NS, DELAY_NS, HOLD, ROUND_TRIP_NS, Channel, ack, frame, ground, stages
-from waypointctl.flight.link.direction import NEVER, NOISE, QUEUE_FULL, Fate
-from waypointctl.flight.operator.dispatcher import UNANSWERED, Dispatcher
-from waypointctl.flight.operator.insistence import Insistence
-from waypointctl.flight.operator.order import Order
+from waypointctl.flight.link.direction import NEVER, NOISE, QUEUE_FULL, Delivery
+from waypointctl.flight.operator.dispatcher import UNANSWERED, Dispatcher, RetryPolicy
+from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
@@ -32,7 +31,7 @@ def test_a_command_that_is_acknowledged_is_sent_once() -> None:
     dispatcher.wake(5)
     assert stages(told) == [(5, Stage.QUEUED, 1), (5, Stage.SENT, 1)]
     assert dispatcher.wake_ns == 5 + AIRTIME_NS + ROUND_TRIP_NS
-    dispatcher.hear(1000, ack(Stage.RECEIVED))
+    dispatcher.on_message(1000, ack(Stage.RECEIVED))
     assert dispatcher.wake_ns is None
     assert [(one.id, one.attempt, one.issued_ns) for one in channel.arrived] == [(1, 1, 5)]
 
@@ -73,7 +72,7 @@ def test_a_command_is_given_up_after_its_retries() -> None:
 
 def test_an_expired_command_is_not_sent_again() -> None:
     dispatcher, told = ground(Channel(lose=[True] * 9))
-    dispatcher.issue(0, Order(CommandKind.HOLD, expires_ns=ROUND_TRIP_NS))
+    dispatcher.issue(0, CommandRequest(CommandKind.HOLD, expires_ns=ROUND_TRIP_NS))
     while dispatcher.wake_ns is not None:
         dispatcher.wake(dispatcher.wake_ns)
     assert dispatcher.unanswered == (1,)
@@ -81,11 +80,11 @@ def test_an_expired_command_is_not_sent_again() -> None:
 
 
 def test_what_the_own_sender_refuses_is_lost_at_once_and_tried_again() -> None:
-    fates = [Fate(NEVER, NEVER, (), QUEUE_FULL)]
+    deliveries = [Delivery(NEVER, NEVER, (), QUEUE_FULL)]
     channel = Channel()
 
-    def uplink(now_ns: int, make: Callable[[int], Command]) -> Fate:
-        return fates.pop() if fates else channel(now_ns, make)
+    def uplink(now_ns: int, make: Callable[[int], Command]) -> Delivery:
+        return deliveries.pop() if deliveries else channel(now_ns, make)
 
     dispatcher, told = ground(uplink)
     dispatcher.issue(0, HOLD)
@@ -106,17 +105,17 @@ def test_a_robot_at_rest_whose_verdict_was_lost_is_asked_again() -> None:
     channel = Channel()
     dispatcher, _ = ground(channel)
     dispatcher.issue(0, HOLD)
-    dispatcher.hear(1000, ack(Stage.STARTED))
-    dispatcher.hear(2000, frame(Mode.NAVIGATING))
+    dispatcher.on_message(1000, ack(Stage.STARTED))
+    dispatcher.on_message(2000, frame(Mode.NAVIGATING))
     assert dispatcher.wake_ns in (0, None)
     dispatcher.wake(2000)
-    dispatcher.hear(3000, frame(Mode.DONE))
+    dispatcher.on_message(3000, frame(Mode.DONE))
     assert dispatcher.wake_ns == 3100, "the verdict may still be on its way"
-    dispatcher.hear(3050, frame(Mode.DONE))
+    dispatcher.on_message(3050, frame(Mode.DONE))
     assert dispatcher.wake_ns == 3100, "a second frame does not put it off"
     dispatcher.wake(3100)
     assert [(one.id, one.attempt) for one in channel.arrived] == [(1, 1), (1, 2)]
-    dispatcher.hear(5200, ack(Stage.COMPLETED))
+    dispatcher.on_message(5200, ack(Stage.COMPLETED))
     assert dispatcher.wake(10_000) == []
     assert dispatcher.wake_ns is None
 
@@ -124,17 +123,17 @@ def test_a_robot_at_rest_whose_verdict_was_lost_is_asked_again() -> None:
 def test_an_acknowledgement_that_arrives_out_of_order_does_not_set_a_command_back() -> None:
     dispatcher, _ = ground(Channel())
     dispatcher.issue(0, HOLD)
-    dispatcher.hear(1000, replace(ack(Stage.STARTED), issued_ns=900))
-    dispatcher.hear(1010, replace(ack(Stage.ACCEPTED), issued_ns=899))
+    dispatcher.on_message(1000, replace(ack(Stage.STARTED), issued_ns=900))
+    dispatcher.on_message(1010, replace(ack(Stage.ACCEPTED), issued_ns=899))
     assert dispatcher.state()["open"] == [[1, 1, "started", None]]
-    dispatcher.hear(1020, replace(ack(Stage.ACCEPTED, 1), issued_ns=900))
+    dispatcher.on_message(1020, replace(ack(Stage.ACCEPTED, 1), issued_ns=900))
     assert dispatcher.state()["open"] == [[1, 1, "accepted", None]], "of two of one moment the later to arrive"
 
 
 def test_of_several_that_are_late_the_oldest_is_sent_first_and_each_once() -> None:
     answers = iter([300, 200, 100, 900, 900, 900])
     channel = Channel()
-    dispatcher = Dispatcher(channel, Insistence(True, 3, lambda _: next(answers), patience_ns=100), lambda _: None)
+    dispatcher = Dispatcher(channel, RetryPolicy(True, 3, lambda _: next(answers), patience_ns=100), lambda _: None)
     for _ in range(3):
         dispatcher.issue(0, HOLD)
     assert dispatcher.wake(0) == []
@@ -191,7 +190,7 @@ def test_each_command_ends_acknowledged_or_given_up(
         ]
         now = min(times)
         for _, answer in [pair for pair in answers if pair[0] == now]:
-            dispatcher.hear(now, answer)
+            dispatcher.on_message(now, answer)
             heard.add(answer.command_id)
         answers = [pair for pair in answers if pair[0] > now]
         while due and due[0] == now:

@@ -12,48 +12,48 @@ from waypointctl.units import NS_PER_S
 def test_a_waypoint_at_a_time_with_a_thought_between() -> None:
     operator = WaypointOperator(mission_of("operator: {think: 3 s}"))
     (first,) = operator.begin()
-    operator.issued(1, first)
+    operator.on_issued(1, first)
     assert [waypoint.name for waypoint in first.waypoints] == ["WP1"]
-    assert operator.hear(NS_PER_S, ack(Stage.COMPLETED)) == []
+    assert operator.on_message(NS_PER_S, ack(Stage.COMPLETED)) == []
     assert operator.wake_ns == 4 * NS_PER_S
     (second,) = operator.wake(4 * NS_PER_S)
-    operator.issued(2, second)
+    operator.on_issued(2, second)
     assert [waypoint.name for waypoint in second.waypoints] == ["WP2"]
-    assert operator.hear(9 * NS_PER_S, ack(Stage.COMPLETED)) == [], "of an earlier command, once more"
+    assert operator.on_message(9 * NS_PER_S, ack(Stage.COMPLETED)) == [], "of an earlier command, once more"
     assert not operator.finished
-    operator.hear(10 * NS_PER_S, ack(Stage.COMPLETED, 2))
-    assert (operator.finished, operator.verdict) == (True, "")
+    operator.on_message(10 * NS_PER_S, ack(Stage.COMPLETED, 2))
+    assert (operator.finished, operator.failure) == (True, "")
 
 
 @pytest.mark.parametrize("reason", ["timeout", "stuck"])
 def test_a_leg_that_failed_is_skipped_or_ends_the_mission(reason: str) -> None:
     for then, finished in (("skip", False), ("abort", True)):
         operator = WaypointOperator(mission_of(f"on_failure: {then}"))
-        operator.issued(1, operator.begin()[0])
-        orders = operator.hear(0, ack(Stage.FAILED, reason=reason))
+        operator.on_issued(1, operator.begin()[0])
+        requests = operator.on_message(0, ack(Stage.FAILED, reason=reason))
         assert operator.finished is finished
-        assert [order.waypoints[0].name for order in orders] == ([] if finished else ["WP2"])
+        assert [request.waypoints[0].name for request in requests] == ([] if finished else ["WP2"])
 
 
 @pytest.mark.parametrize(
     ("then", "on_board"), [("abort", "abort"), ("skip", "abort"), ("hold", ""), ("return_home", "")]
 )
 def test_what_the_board_is_to_do_with_a_single_waypoint(then: str, on_board: str) -> None:
-    (order,) = WaypointOperator(mission_of(f"on_failure: {then}")).begin()
-    assert order.on_failure == on_board
+    (request,) = WaypointOperator(mission_of(f"on_failure: {then}")).begin()
+    assert request.on_failure == on_board
 
 
 def test_what_another_command_did_to_the_plan_is_said() -> None:
     operator = MissionOperator(mission_of(""))
     (plan,) = operator.begin()
     assert plan.kind is CommandKind.UPLOAD_PLAN
-    operator.issued(1, plan)
-    operator.hear(0, ack(Stage.SUPERSEDED, reason="by command 2"))
-    assert (operator.finished, operator.verdict) == (True, "superseded by command 2")
+    operator.on_issued(1, plan)
+    operator.on_message(0, ack(Stage.SUPERSEDED, reason="by command 2"))
+    assert (operator.finished, operator.failure) == (True, "superseded by command 2")
 
 
 @pytest.mark.parametrize(
-    ("stage", "own", "other", "verdict"),
+    ("stage", "own", "other", "failure"),
     [
         (Stage.SUPERSEDED, CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, "command 2 (go_to) replaced the plan"),
         (Stage.SUPERSEDED, CommandKind.GO_TO, CommandKind.GO_TO, "command 2 (go_to) replaced command 1"),
@@ -61,7 +61,7 @@ def test_what_another_command_did_to_the_plan_is_said() -> None:
     ],
 )
 def test_the_command_that_ended_another_is_named_with_its_kind(
-    stage: Stage, own: CommandKind, other: CommandKind, verdict: str
+    stage: Stage, own: CommandKind, other: CommandKind, failure: str
 ) -> None:
     said = ack(stage, reason="by command 2")
-    assert ended_by_robot(said, {1: own, 2: other}) == verdict
+    assert ended_by_robot(said, {1: own, 2: other}) == failure

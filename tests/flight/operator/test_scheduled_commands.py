@@ -4,7 +4,7 @@ import pytest
 
 from tests.flight.operator.missions import mission_of
 from waypointctl.errors import MissionError
-from waypointctl.flight.operator.schedule import agenda_of
+from waypointctl.flight.operator.requests import scheduled_requests
 from waypointctl.log.messages import CommandKind
 from waypointctl.units import NS_PER_S
 
@@ -18,7 +18,7 @@ def test_scheduled_commands_are_due_at_their_times_in_order() -> None:
         "- {at: 30 s, do: set_timeout, timeout: 2 min}\n"
         "- {at: 30 s, do: cancel, command: 4}\n"
     )
-    agenda = agenda_of(mission)
+    agenda = scheduled_requests(mission)
     assert agenda.next_ns == 10 * NS_PER_S
     (hold,) = agenda.due(10 * NS_PER_S)
     assert (hold.kind, hold.expires_ns) == (CommandKind.HOLD, 15 * NS_PER_S)

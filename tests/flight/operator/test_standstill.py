@@ -9,7 +9,7 @@ import pytest
 
 from tests.flight.flying import OUT_OF_REACH, UNDER_FOOT, flown, mission_of, only
 from tests.flight.operator.missions import frame
-from waypointctl.flight.operator.standstill import where_it_is, why_it_stands
+from waypointctl.flight.outcome import last_known_place, standing_reason
 from waypointctl.log.messages import Mode, Telemetry
 
 FAR = OUT_OF_REACH | {"name": "far"}
@@ -50,7 +50,7 @@ def test_a_mission_whose_time_is_over_first_says_it_too() -> None:
     ],
 )
 def test_each_rule_has_its_words(cause: str, said: str) -> None:
-    assert why_it_stands(mission_of(FAR), replace(frame(mode=Mode.SAFE), cause=cause)) == said
+    assert standing_reason(mission_of(FAR), replace(frame(mode=Mode.SAFE), cause=cause)) == said
 
 
 @pytest.mark.parametrize(
@@ -83,8 +83,8 @@ def test_telemetry_tells_which_rule_acted_although_several_might_have(
 
 @pytest.mark.parametrize("mode", sorted(set(Mode) - {Mode.SAFE, Mode.PAUSED, Mode.WAITING}))
 def test_one_that_has_nothing_to_go_on_with_needs_no_words(mode: Mode) -> None:
-    assert why_it_stands(mission_of(FAR), frame(mode=mode)) == ""
-    assert why_it_stands(mission_of(FAR), None) == ""
+    assert standing_reason(mission_of(FAR), frame(mode=mode)) == ""
+    assert standing_reason(mission_of(FAR), None) == ""
 
 
 @pytest.mark.parametrize(
@@ -103,5 +103,5 @@ def test_the_ground_says_where_the_robot_is(
     mode: Mode, place: tuple[float, float], cause: str, went_home: bool, said: str
 ) -> None:
     told = replace(frame(*place, mode=mode), cause=cause)
-    assert where_it_is(mission_of(FAR), told, went_home=went_home) == said
-    assert where_it_is(mission_of(FAR), None, went_home=went_home) == ""
+    assert last_known_place(mission_of(FAR), told, went_home=went_home) == said
+    assert last_known_place(mission_of(FAR), None, went_home=went_home) == ""

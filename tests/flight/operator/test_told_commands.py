@@ -19,7 +19,7 @@ def test_a_command_that_telemetry_names_is_not_sent_again() -> None:
     dispatcher, _ = ground(channel, retries=3)
     dispatcher.issue(0, HOLD)
     dispatcher.wake(AIRTIME_NS)
-    dispatcher.hear(1500, told(CommandStatus(1, Stage.STARTED), at_ns=1400))
+    dispatcher.on_message(1500, told(CommandStatus(1, Stage.STARTED), at_ns=1400))
     assert dispatcher.wake_ns is None
     assert dispatcher.awaits
 
@@ -30,8 +30,8 @@ def test_an_end_that_telemetry_tells_is_known_once_its_acknowledgement_might_hav
     dispatcher.issue(0, HOLD)
     dispatcher.wake(AIRTIME_NS)
     ended = CommandStatus(1, Stage.FAILED, "stuck")
-    dispatcher.hear(1500, told(ended, at_ns=1400))
-    dispatcher.hear(1550, told(ended, at_ns=1450, mode=Mode.DONE))
+    dispatcher.on_message(1500, told(ended, at_ns=1400))
+    dispatcher.on_message(1550, told(ended, at_ns=1450, mode=Mode.DONE))
     assert dispatcher.wake_ns == 1600, "a second frame does not put it off"
     assert dispatcher.wake(1599) == []
     assert dispatcher.wake(1600) == [Ack(1, Stage.FAILED, "stuck", 1400, 1500)]
@@ -46,8 +46,8 @@ def test_an_acknowledgement_that_comes_in_time_goes_before_the_frame() -> None:
     dispatcher, events = ground(Channel())
     dispatcher.issue(0, HOLD)
     dispatcher.wake(AIRTIME_NS)
-    dispatcher.hear(1500, told(CommandStatus(1, Stage.COMPLETED), at_ns=1400))
-    dispatcher.hear(1500, ack(Stage.COMPLETED))
+    dispatcher.on_message(1500, told(CommandStatus(1, Stage.COMPLETED), at_ns=1400))
+    dispatcher.on_message(1500, ack(Stage.COMPLETED))
     assert dispatcher.wake_ns is None
     assert not [one for one in events if isinstance(one, Event) and one.kind is EventKind.COMMAND_KNOWN]
 
@@ -59,10 +59,10 @@ def test_a_command_is_unknown_after_its_last_retry_until_anything_is_heard_of_it
     while dispatcher.wake_ns is not None:
         dispatcher.wake(dispatcher.wake_ns)
     assert dispatcher.missing(1) == "no acknowledgement of command 1 (hold)"
-    dispatcher.hear(9100, late)
+    dispatcher.on_message(9100, late)
     assert dispatcher.unanswered == ()
     assert dispatcher.missing(1) == "the end of command 1 (hold) was not heard of, only that it was started"
-    dispatcher.hear(9200, ack(Stage.COMPLETED))
+    dispatcher.on_message(9200, ack(Stage.COMPLETED))
     assert dispatcher.missing(1) == ""
 
 
@@ -71,9 +71,9 @@ def test_what_is_asked_for_once_more_counts_as_a_retry(retries: int) -> None:
     channel = Channel()
     dispatcher, _ = ground(channel, retries)
     dispatcher.issue(0, HOLD)
-    dispatcher.hear(1500, ack(Stage.STARTED))
+    dispatcher.on_message(1500, ack(Stage.STARTED))
     for now_ns in range(2000, 60_000, 500):
-        dispatcher.hear(now_ns, told(at_ns=now_ns - 1, mode=Mode.DONE))
+        dispatcher.on_message(now_ns, told(at_ns=now_ns - 1, mode=Mode.DONE))
         dispatcher.wake(now_ns)
     assert [command.attempt for command in channel.arrived] == list(range(1, retries + 2))
     assert dispatcher.unanswered == (), "something was heard of it"

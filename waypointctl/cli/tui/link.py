@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from waypointctl.units import RATE_UNITS_BPS
 
 if TYPE_CHECKING:
-    from waypointctl.mission.link import Link, Way
+    from waypointctl.mission.link import Link, LinkDirection
 
 
 def link_text(link: Link) -> str:
@@ -20,11 +20,11 @@ def link_text(link: Link) -> str:
     return f"{name} without delay" if up == "0 s" else f"{name} {up} each way"
 
 
-def _way_text(way: Way) -> str:
+def _way_text(way: LinkDirection) -> str:
     return " with ".join(filter(None, (_delay_text(way), " and ".join(_besides(way)))))
 
 
-def _delay_text(way: Way) -> str:
+def _delay_text(way: LinkDirection) -> str:
     if way.delay_table is not None:
         delays_s = [row.delay_s for row in way.delay_table]
         text = f"{min(delays_s):g} to {max(delays_s):g} s"
@@ -38,7 +38,7 @@ def _delay_text(way: Way) -> str:
     return f"{text} +- {way.jitter_s:g} s{normal}" if way.jitter_s else text
 
 
-def _besides(way: Way) -> Iterator[str]:
+def _besides(way: LinkDirection) -> Iterator[str]:
     """Yield what a way does besides delaying."""
     loss = way.loss if isinstance(way.loss, float) else way.loss.share
     if loss:

@@ -17,8 +17,7 @@ from waypointctl.cli.tui.operator_status import status_lines
 from waypointctl.cli.tui.pace import Pace
 from waypointctl.cli.tui.typed_lines import TypedLines
 from waypointctl.display_text import printable_lines
-from waypointctl.flight.operator.console import USAGE, impossible, order_from
-from waypointctl.flight.operator.line_source import QUIT
+from waypointctl.flight.operator.console import QUIT, USAGE, impossible, request_from
 from waypointctl.flight.setting import setting_of
 from waypointctl.log.messages import Clock, Message, PlannedWaypoint
 from waypointctl.mission.mission import Mission
@@ -175,7 +174,7 @@ class Prompt:
 
     def _send(self, line: str) -> None:
         try:
-            wrong = "" if line == QUIT else impossible(order_from(line, self._mission), self._mission)
+            wrong = "" if line == QUIT else impossible(request_from(line, self._mission), self._mission)
         except ValueError as error:
             wrong = str(error)
         if wrong:

@@ -9,7 +9,7 @@ from typing import Final
 
 from waypointctl.flight.checks.finding import Finding
 from waypointctl.flight.executive.fence import Fence, Point, crosses
-from waypointctl.flight.executive.judgement import OBSERVATION_NS
+from waypointctl.flight.executive.leg_update import OBSERVATION_NS
 from waypointctl.flight.executive.rules import rules_of
 from waypointctl.mission.mission import Leg, Mission
 from waypointctl.units import seconds

@@ -7,10 +7,9 @@ from typing import Any, Final
 from waypointctl.flight.link.build import direction
 from waypointctl.flight.link.contacts import BITS_PER_BYTE
 from waypointctl.flight.link.direction import Direction
-from waypointctl.flight.link.size import size_bytes
+from waypointctl.flight.link.frames import size_bytes
 from waypointctl.flight.operator.operator import planned_waypoints
-from waypointctl.flight.operator.order import Order
-from waypointctl.flight.operator.schedule import order_of
+from waypointctl.flight.operator.requests import CommandRequest, request_of
 from waypointctl.log.messages import CommandKind, CommandStatus, Mode, Stage, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.schedule import ScheduledCommand
@@ -48,7 +47,7 @@ class Traffic:
 
     def arrival_ns(self, scheduled: ScheduledCommand, sent_ns: int) -> int | None:
         """Return when a scheduled command arrives [ns]; None for never."""
-        return _arrives_ns(self.up, sent_ns, _order_bytes(order_of(scheduled, self._mission)))
+        return _arrives_ns(self.up, sent_ns, _order_bytes(request_of(scheduled, self._mission)))
 
 
 def _arrives_ns(way: Direction[Any], now_ns: int, size: int) -> int | None:
@@ -62,9 +61,11 @@ def _arrives_ns(way: Direction[Any], now_ns: int, size: int) -> int | None:
 def _command_bytes(mission: Mission) -> int:
     plan = planned_waypoints(mission)
     if mission.autonomy == "mission":
-        return _order_bytes(Order(CommandKind.UPLOAD_PLAN, plan))
+        return _order_bytes(CommandRequest(CommandKind.UPLOAD_PLAN, plan))
     # Of those to single waypoints the one with the longest name is the largest, within some bytes.
-    return _order_bytes(Order(CommandKind.GO_TO, (max(plan, key=lambda waypoint: len(waypoint.name.encode())),)))
+    return _order_bytes(
+        CommandRequest(CommandKind.GO_TO, (max(plan, key=lambda waypoint: len(waypoint.name.encode())),))
+    )
 
 
 def _frame_bytes(mission: Mission) -> int:
@@ -76,5 +77,5 @@ def _frame_bytes(mission: Mission) -> int:
     )
 
 
-def _order_bytes(order: Order) -> int:
+def _order_bytes(order: CommandRequest) -> int:
     return size_bytes(order.command(1, 1, _SOME_NS, _SOME_NS))

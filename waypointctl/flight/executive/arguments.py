@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Final, get_args
 
 from waypointctl.flight.executive.fence import Fence
-from waypointctl.flight.executive.judgement import OBSERVE
+from waypointctl.flight.executive.leg_update import OBSERVE
 from waypointctl.flight.executive.rules import GEOFENCE
 from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
 from waypointctl.mission.fields import ACCEPTANCE_SHAPES, Coordinate, Hold, Timeout, Tolerance

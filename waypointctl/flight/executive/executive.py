@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.flight.executive.arguments import wrong_arguments
-from waypointctl.flight.executive.commands import KINDS, by, names_of, take_back
-from waypointctl.flight.executive.judgement import OBSERVATION_NS, judge
-from waypointctl.flight.executive.life import Life
-from waypointctl.flight.executive.machine import BUSY, ON_FOOT, TRANSITIONS, Signal
+from waypointctl.flight.executive.command_tracker import CommandTracker
+from waypointctl.flight.executive.commands import BEHAVIOURS, by, end_command, names_of
+from waypointctl.flight.executive.leg_update import OBSERVATION_NS, update_leg
+from waypointctl.flight.executive.monitors import FenceMonitor, LinkMonitor
+from waypointctl.flight.executive.plan_execution import PlanExecution
 from waypointctl.flight.executive.rules import FALL, FLIGHT_ENDED, Rules
 from waypointctl.flight.executive.start import is_overtaken, start
-from waypointctl.flight.executive.walk import Walk
-from waypointctl.flight.executive.watch import FenceWatch, LinkWatch
+from waypointctl.flight.executive.state_machine import BUSY, POLICY_MODES, TRANSITIONS, Signal
 from waypointctl.log.messages import (
     Command,
     CommandStage,
@@ -55,102 +55,102 @@ class Executive:
             rules: what the robot does by itself; without them it gives a plan up when a leg fails, and no more.
         """
         self._announce = announce
-        self._life = Life(report, remind)
-        self._walk = Walk(rules or Rules(), self._life, announce)
-        self._link = LinkWatch()
-        self._fence = FenceWatch()
+        self._tracker = CommandTracker(report, remind)
+        self._execution = PlanExecution(rules or Rules(), self._tracker, announce)
+        self._link = LinkMonitor()
+        self._fence = FenceMonitor()
 
     @property
     def mode(self) -> Mode:
         """What it is doing."""
-        return self._walk.mode
+        return self._execution.mode
 
     @property
-    def on_foot(self) -> bool:
+    def policy_active(self) -> bool:
         """Whether the policy has the motors."""
-        return self.mode in ON_FOOT
+        return self.mode in POLICY_MODES
 
     @property
     def leg(self) -> int:
         """The place in the plan that it has come to."""
-        return self._walk.plan.at
+        return self._execution.plan.at
 
     @property
     def command_id(self) -> int:
         """The command that is, or was last, under way; -1 for none."""
-        return self._walk.command_id
+        return self._execution.command_id
 
     @property
     def reached(self) -> tuple[int, ...]:
         """The waypoints reached so far: indices in the mission, each once, in order."""
-        return self._walk.reached
+        return self._execution.reached
 
     @property
     def num_reached(self) -> int:
         """How many waypoints have been reached."""
-        return len(self._walk.reached)
+        return len(self._execution.reached)
 
     @property
     def goals(self) -> FloatArray:
         """The waypoint it walks to and the next, (1, 2, 2) [m]; zeros while there is none."""
-        return self._walk.goals
+        return self._execution.goals
 
     @property
     def target(self) -> PlannedWaypoint | None:
         """The waypoint it walks to, stands at, or goes on with after a pause."""
-        return self._walk.target
+        return self._execution.target
 
-    def heard(self, now_ns: int) -> None:
+    def on_contact(self, now_ns: int) -> None:
         """Take note that something has arrived from the ground: a heartbeat, or a command."""
-        self._link.hear(self._walk, now_ns)
+        self._link.on_contact(self._execution, now_ns)
 
-    def steer(self, now_ns: int) -> None:
+    def on_action(self, now_ns: int) -> None:
         """Take note that an action has arrived from the ground; it gets the motors if nothing is under way on board."""
-        self.heard(now_ns)
-        if (self.mode, Signal.STEER) in TRANSITIONS:
-            self._walk.clear()  # nothing is added to a plan that the ground has steered away from
-            self._walk.machine.signal(Signal.STEER)
-            self._walk.tell(now_ns, EventKind.TELEOPERATION_STARTED, "the ground has the motors")
+        self.on_contact(now_ns)
+        if (self.mode, Signal.TELEOPERATE) in TRANSITIONS:
+            self._execution.clear()  # nothing is added to a plan that the ground has steered away from
+            self._execution.machine.signal(Signal.TELEOPERATE)
+            self._execution.emit(now_ns, EventKind.TELEOPERATION_STARTED, "the ground has the motors")
 
-    def obey(self, now_ns: int, command: Command) -> None:
+    def execute(self, now_ns: int, command: Command) -> None:
         """Take a command that has arrived. Each id is obeyed once."""
-        self.heard(now_ns)
-        life = self._life
-        if life.knows(command.id):
-            life.repeat(now_ns, command)
+        self.on_contact(now_ns)
+        tracker = self._tracker
+        if tracker.knows(command.id):
+            tracker.repeat(now_ns, command)
             return
         self._end_expired(now_ns)
         self._start_due(now_ns)  # what has waited until now comes before what arrives now
-        life.receive(now_ns, command)
-        self._walk.sequence.receive(command.id)
+        tracker.receive(now_ns, command)
+        self._execution.ordering.receive(command.id)
         text = f"command {command.id} received: {command.kind} {names_of(command)}".rstrip()
-        self._walk.tell(now_ns, EventKind.COMMAND_RECEIVED, text, command_id=command.id)
-        self._judge(now_ns, command)
+        self._execution.emit(now_ns, EventKind.COMMAND_RECEIVED, text, command_id=command.id)
+        self._decide(now_ns, command)
 
-    def _judge(self, now_ns: int, command: Command) -> None:
+    def _decide(self, now_ns: int, command: Command) -> None:
         """Start a command that has just arrived, keep it for later, or end it."""
-        life = self._life
-        cancelled, begun = self._walk.sequence.take_cancel(command) or (None, False)
+        tracker = self._tracker
+        cancelled, begun = self._execution.ordering.take_cancel(command) or (None, False)
         if self.mode is Mode.FALLEN:
-            life.advance(now_ns, command.id, Stage.REJECTED, FALL)
-        elif reason := wrong_arguments(command, self._walk.rules.fence):
-            life.advance(now_ns, command.id, Stage.REJECTED, reason)
+            tracker.advance(now_ns, command.id, Stage.REJECTED, FALL)
+        elif reason := wrong_arguments(command, self._execution.rules.fence):
+            tracker.advance(now_ns, command.id, Stage.REJECTED, reason)
         elif 0 <= command.expires_ns < now_ns:
-            life.advance(now_ns, command.id, Stage.EXPIRED, "late")
-        elif cancelled is not None and not (begun and KINDS[command.kind].lasts):
-            life.advance(now_ns, command.id, Stage.CANCELLED, by(cancelled))
+            tracker.advance(now_ns, command.id, Stage.EXPIRED, "late")
+        elif cancelled is not None and not (begun and BEHAVIOURS[command.kind].lasts):
+            tracker.advance(now_ns, command.id, Stage.CANCELLED, by(cancelled))
         elif command.not_before_ns > now_ns:
             self._keep(now_ns, command)
         else:
-            start(self._walk, now_ns, command)
-        if cancelled is not None and life.is_open(command.id):  # it has ended what came before it
-            take_back(self._walk, now_ns, command.id, Stage.CANCELLED, by(cancelled))
+            start(self._execution, now_ns, command)
+        if cancelled is not None and tracker.is_open(command.id):  # it has ended what came before it
+            end_command(self._execution, now_ns, command.id, Stage.CANCELLED, by(cancelled))
 
     def _keep(self, now_ns: int, command: Command) -> None:
         """Keep a command for its time, unless an abort that was issued later has come before it."""
-        if not is_overtaken(self._walk, now_ns, command):
-            self._life.advance(now_ns, command.id, Stage.ACCEPTED)
-            self._life.postpone(command)
+        if not is_overtaken(self._execution, now_ns, command):
+            self._tracker.advance(now_ns, command.id, Stage.ACCEPTED)
+            self._tracker.postpone(command)
 
     def sense(self, now_ns: int, position: FloatArray, fell: bool, heading_rad: float = 0.0) -> None:
         """Look at the world and the clock.
@@ -167,75 +167,79 @@ class Executive:
             self._fall(now_ns)
             return
         self._end_expired(now_ns)
-        self._link.look(self._walk, now_ns)
+        self._link.check(self._execution, now_ns)
         self._start_due(now_ns)
-        self._fence.look(self._walk, now_ns, float(position[0, 0]), float(position[0, 1]))
-        judge(self._walk, now_ns, position, heading_rad)
+        self._fence.check(self._execution, now_ns, float(position[0, 0]), float(position[0, 1]))
+        update_leg(self._execution, now_ns, position, heading_rad)
 
     def _end_expired(self, now_ns: int) -> None:
         """End the commands whose time is over."""
-        for command_id in self._life.expired(now_ns):
-            begun = self._life.has_started(command_id)
+        for command_id in self._tracker.expired(now_ns):
+            begun = self._tracker.has_started(command_id)
             reason = "not completed in time" if begun else "not started in time"
-            take_back(self._walk, now_ns, command_id, Stage.EXPIRED, reason)
+            end_command(self._execution, now_ns, command_id, Stage.EXPIRED, reason)
 
     def _start_due(self, now_ns: int) -> None:
         """Start the commands that have waited for their time, unless the link keeps them waiting."""
-        while not self._link.keeps_still(self._walk) and (command := self._life.take_due(now_ns)) is not None:
-            start(self._walk, now_ns, command)
+        while (
+            not self._link.blocks_commands(self._execution) and (command := self._tracker.take_due(now_ns)) is not None
+        ):
+            start(self._execution, now_ns, command)
 
     @property
     def plans(self) -> bool:
         """Whether it does something more by itself, now or later, while the link is no worse than it is."""
-        pending = self._life.pending and not self._link.keeps_still(self._walk)
-        return bool(pending) or self.mode in BUSY or self._life.next_expiry_ns is not None
+        pending = self._tracker.pending and not self._link.blocks_commands(self._execution)
+        return bool(pending) or self.mode in BUSY or self._tracker.next_expiry_ns is not None
 
     @property
     def waits_for_ground(self) -> bool:
         """Whether it goes on as soon as anything is heard from the ground: a rule made it stand when nothing was."""
-        return self._link.lost and (bool(self._life.pending) or self._link.holds(self._walk))
+        return self._link.lost and (bool(self._tracker.pending) or self._link.resumes_on_contact(self._execution))
 
     @property
     def gives_up_ns(self) -> int | None:
         """Until when something has to be heard, or it gives up what it stands with and walks home [ns]; None: never."""
-        walk = self._walk
-        goes_home = walk.rules.on_link_loss == "return_home" and walk.home_id is None and bool(walk.under_way)
-        return self._link.deadline_ns(walk) if goes_home else None
+        execution = self._execution
+        goes_home = (
+            execution.rules.on_link_loss == "return_home" and execution.home_id is None and bool(execution.under_way)
+        )
+        return self._link.deadline_ns(execution) if goes_home else None
 
     @property
     def cause(self) -> str:
         """Why it stands or walks home, where a rule or a command says so."""
-        return self._walk.cause
+        return self._execution.cause
 
     @property
     def statuses(self) -> tuple[CommandStatus, ...]:
         """What a frame of telemetry tells of its commands."""
-        return self._life.statuses
+        return self._tracker.statuses
 
     def release(self) -> None:
         """Stand: the ground, which had the motors, is gone."""
-        self._walk.rest()
+        self._execution.stand_idle()
 
     def close(self, now_ns: int) -> None:
         """End every command that is still open, for the flight is over."""
-        for command_id in self._life.open_ids:
-            self._life.advance(now_ns, command_id, Stage.CANCELLED, FLIGHT_ENDED)
+        for command_id in self._tracker.open_ids:
+            self._tracker.advance(now_ns, command_id, Stage.CANCELLED, FLIGHT_ENDED)
 
     def next_ns(self, now_ns: int) -> int | None:
         """Return when something is due by itself while the robot stands; None if nothing is.
 
         That is a time to look at the world again, not before `now_ns`; one that moves always has something to look at.
         """
-        if self.on_foot or self.mode is Mode.TELEOPERATED:
+        if self.policy_active or self.mode is Mode.TELEOPERATED:
             return now_ns
-        walk, life = self._walk, self._life
-        due = [self._link.deadline_ns(walk), life.next_expiry_ns]
-        if life.pending and not self._link.keeps_still(walk):
-            due.append(life.pending[0].not_before_ns)
-        if self.mode is Mode.HOLDING and walk.target is not None:
-            due.append(walk.stood_ns + walk.target.hold_ns)
+        execution, tracker = self._execution, self._tracker
+        due = [self._link.deadline_ns(execution), tracker.next_expiry_ns]
+        if tracker.pending and not self._link.blocks_commands(execution):
+            due.append(tracker.pending[0].not_before_ns)
+        if self.mode is Mode.HOLDING and execution.target is not None:
+            due.append(execution.stood_ns + execution.target.hold_ns)
         if self.mode is Mode.OBSERVING:
-            due.append(walk.stood_ns + OBSERVATION_NS)
+            due.append(execution.stood_ns + OBSERVATION_NS)
         times = [time_ns for time_ns in due if time_ns is not None]
         return max(now_ns, min(times)) if times and self.mode is not Mode.FALLEN else None
 
@@ -243,13 +247,13 @@ class Executive:
         """Return all that a replay needs to go on from here, as plain data."""
         watches = {"link": asdict(self._link), "fence": asdict(self._fence)}
         # While every command has come in its turn, the sequence follows from the commands themselves.
-        sequence = {} if self._walk.sequence.kept else {"sequence": self._walk.sequence.state()}
-        return {**self._walk.state(), "commands": self._life.state(), **watches, **sequence}
+        ordering = {} if self._execution.ordering.kept else {"sequence": self._execution.ordering.state()}
+        return {**self._execution.state(), "commands": self._tracker.state(), **watches, **ordering}
 
     def _fall(self, now_ns: int) -> None:
-        walk = self._walk
-        walk.machine.signal(Signal.FALL)
-        walk.tell(now_ns, EventKind.FALL, "the robot has fallen", severity=Severity.ERROR)
-        walk.fail_all(now_ns, FALL)
-        for command_id in self._life.open_ids:
-            self._life.advance(now_ns, command_id, Stage.CANCELLED, FALL)
+        execution = self._execution
+        execution.machine.signal(Signal.FALL)
+        execution.emit(now_ns, EventKind.FALL, "the robot has fallen", severity=Severity.ERROR)
+        execution.fail_all(now_ns, FALL)
+        for command_id in self._tracker.open_ids:
+            self._tracker.advance(now_ns, command_id, Stage.CANCELLED, FALL)

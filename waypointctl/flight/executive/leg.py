@@ -17,7 +17,7 @@ from waypointctl.task.progress import reached
 FloatArray = NDArray[np.float64]
 
 
-class Verdict(Enum):
+class LegStatus(Enum):
     """How a leg stands."""
 
     ON_THE_WAY = auto()
@@ -74,18 +74,18 @@ class Leg:
         """Return how far a position (1, >= 2) [m] is from the waypoint."""
         return math.hypot(position[0, 0] - self.waypoint.x_m, position[0, 1] - self.waypoint.y_m)
 
-    def judge(self, now_ns: int, position: FloatArray, rules: Rules) -> Verdict:
+    def assess(self, now_ns: int, position: FloatArray, rules: Rules) -> LegStatus:
         """Look at where the robot is, position (1, >= 2) [m]."""
         if now_ns == self.since_ns:
-            return Verdict.ON_THE_WAY  # a leg is judged after its first control period, as in training
+            return LegStatus.ON_THE_WAY  # a leg is judged after its first control period, as in training
         if reached(self._acceptance, position, self.goals[:, 0])[0]:
-            return Verdict.REACHED
+            return LegStatus.REACHED
         if rules.watches_progress and self._stalled(now_ns, position, rules):
             if self.distance_m(position) <= rules.slip_m:
-                return Verdict.NEAR_MISS
+                return LegStatus.NEAR_MISS
             if rules.stuck_fails:
-                return Verdict.STUCK
-        return Verdict.OUT_OF_TIME if now_ns - self.since_ns >= self.waypoint.timeout_ns else Verdict.ON_THE_WAY
+                return LegStatus.STUCK
+        return LegStatus.OUT_OF_TIME if now_ns - self.since_ns >= self.waypoint.timeout_ns else LegStatus.ON_THE_WAY
 
     def state(self) -> dict[str, object]:
         """Return what is not in the plan, as plain data."""

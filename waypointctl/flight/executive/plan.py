@@ -21,7 +21,7 @@ def names(waypoints: Sequence[PlannedWaypoint]) -> str:
 
 
 @dataclass(slots=True)
-class Item:
+class PlanItem:
     """A waypoint of the plan.
 
     Attributes:
@@ -50,11 +50,11 @@ class Plan:
         at: the place of the item under way.
     """
 
-    items: list[Item] = field(default_factory=list)
+    items: list[PlanItem] = field(default_factory=list)
     at: int = 0
 
     @property
-    def current(self) -> Item | None:
+    def current(self) -> PlanItem | None:
         """The item under way; None when all are over."""
         return self.items[self.at] if self.at < len(self.items) else None
 
@@ -74,21 +74,21 @@ class Plan:
         alone = command.kind is CommandKind.GO_TO
         for place, waypoint in enumerate(command.waypoints):
             released = command.released < 0 or place < command.released
-            self.items.append(Item(waypoint, command.id, command.on_failure, released, alone=alone))
+            self.items.append(PlanItem(waypoint, command.id, command.on_failure, released, alone=alone))
 
     def release(self, count: int) -> None:
         """Release the first `count` waypoints of the plan; -1 for all."""
         for item in self.items if count < 0 else self.items[:count]:
             item.released = True
 
-    def end(self, items: Iterable[Item]) -> None:
+    def end(self, items: Iterable[PlanItem]) -> None:
         """Mark items as over, and go on to the first that is not."""
         for item in items:
             item.over = True
         while self.at < len(self.items) and self.items[self.at].over:
             self.at += 1
 
-    def open_items(self, command_id: int | None = None) -> list[Item]:
+    def open_items(self, command_id: int | None = None) -> list[PlanItem]:
         """Return what is not over, of one command or of all."""
         to_come = [item for item in self.items[self.at :] if not item.over]
         return to_come if command_id is None else [item for item in to_come if item.command_id == command_id]
@@ -101,7 +101,9 @@ class Plan:
         """Return the commands that have waypoints left, in the order of the plan."""
         return list(dict.fromkeys(item.command_id for item in self.open_items()))
 
-    def change(self, items: Iterable[Item], *, tolerance_m: float | None = None, timeout_ns: int | None = None) -> None:
+    def change(
+        self, items: Iterable[PlanItem], *, tolerance_m: float | None = None, timeout_ns: int | None = None
+    ) -> None:
         """Give waypoints another tolerance or another time."""
         for item in items:
             if tolerance_m is not None:

@@ -27,46 +27,46 @@ from __future__ import annotations
 
 from typing import Final
 
-from waypointctl.flight.executive.commands import KINDS, by, issued_before
-from waypointctl.flight.executive.machine import UNDER_WAY, Signal
-from waypointctl.flight.executive.walk import Walk
+from waypointctl.flight.executive.commands import BEHAVIOURS, by, issued_before
+from waypointctl.flight.executive.plan_execution import PlanExecution
+from waypointctl.flight.executive.state_machine import UNDER_WAY, Signal
 from waypointctl.log.messages import Command, CommandKind, Stage
 
 SUPERSEDING: Final = frozenset({CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME})
 
 
-def start(walk: Walk, now_ns: int, command: Command) -> None:
+def start(execution: PlanExecution, now_ns: int, command: Command) -> None:
     """Judge a command by what was issued after it and by what the robot is doing, and do it; it may have been kept."""
-    kind, life = KINDS[command.kind], walk.life
-    kept = life.records[command.id].stage is Stage.ACCEPTED
-    if is_overtaken(walk, now_ns, command):
+    kind, tracker = BEHAVIOURS[command.kind], execution.tracker
+    kept = tracker.records[command.id].stage is Stage.ACCEPTED
+    if is_overtaken(execution, now_ns, command):
         return
-    if reason := kind.objection(walk, command):
-        life.advance(now_ns, command.id, Stage.FAILED if kept else Stage.REJECTED, reason)
+    if reason := kind.objection(execution, command):
+        tracker.advance(now_ns, command.id, Stage.FAILED if kept else Stage.REJECTED, reason)
         return
-    if reason := kind.lateness(walk, command):
-        life.advance(now_ns, command.id, Stage.SKIPPED, reason)
+    if reason := kind.lateness(execution, command):
+        tracker.advance(now_ns, command.id, Stage.SKIPPED, reason)
         return
     if not kept:
-        life.advance(now_ns, command.id, Stage.ACCEPTED)
+        tracker.advance(now_ns, command.id, Stage.ACCEPTED)
     if command.kind in SUPERSEDING:
-        walk.end_all(now_ns, Stage.SUPERSEDED, by(command.id))
+        execution.end_all(now_ns, Stage.SUPERSEDED, by(command.id))
     if not kind.waits:
-        life.advance(now_ns, command.id, Stage.STARTED)
-    kind.do(walk, now_ns, command)
-    walk.sequence.obey(command, command.not_before_ns if kept else now_ns)
+        tracker.advance(now_ns, command.id, Stage.STARTED)
+    kind.do(execution, now_ns, command)
+    execution.ordering.execute(command, command.not_before_ns if kept else now_ns)
     if not kind.lasts:
-        life.advance(now_ns, command.id, Stage.COMPLETED)
-    elif (hold_id := walk.sequence.held_by(command)) is not None and walk.mode in UNDER_WAY:
-        walk.suspend(now_ns, Signal.PAUSE, by(hold_id))
+        tracker.advance(now_ns, command.id, Stage.COMPLETED)
+    elif (hold_id := execution.ordering.held_by(command)) is not None and execution.mode in UNDER_WAY:
+        execution.suspend(now_ns, Signal.PAUSE, by(hold_id))
 
 
-def is_overtaken(walk: Walk, now_ns: int, command: Command) -> bool:
+def is_overtaken(execution: PlanExecution, now_ns: int, command: Command) -> bool:
     """Drop a command that one issued later had done with; an abort still ends what was issued before it."""
-    later_id = walk.sequence.overtaking(command)
-    if later_id is None or (command.kind is CommandKind.ABORT and issued_before(walk, command)):
+    later_id = execution.ordering.overtaking(command)
+    if later_id is None or (command.kind is CommandKind.ABORT and issued_before(execution, command)):
         return False
     if command.kind is CommandKind.ABORT:
-        walk.sequence.obey(command, now_ns)  # what is older and still to come is not wanted either
-    walk.life.advance(now_ns, command.id, Stage.SKIPPED, f"overtaken by command {later_id}")
+        execution.ordering.execute(command, now_ns)  # what is older and still to come is not wanted either
+    execution.tracker.advance(now_ns, command.id, Stage.SKIPPED, f"overtaken by command {later_id}")
     return True

@@ -17,11 +17,11 @@ from waypointctl.flight.link.delay import (
     table_delay,
     uniform_jitter,
 )
-from waypointctl.flight.link.direction import Direction, Doubling
+from waypointctl.flight.link.direction import Direction, Duplication
 from waypointctl.flight.link.loss import GilbertElliott, Loss, RandomLoss
 from waypointctl.mission.contact_plan import Passage, read_contact_plan
 from waypointctl.mission.jitter_file import read_jitter
-from waypointctl.mission.link import Bursts, Way
+from waypointctl.mission.link import Bursts, LinkDirection
 from waypointctl.mission.yaml_source import as_error
 from waypointctl.seeding import stream
 from waypointctl.units import ns
@@ -29,7 +29,7 @@ from waypointctl.units import ns
 T = TypeVar("T")
 
 
-def direction(way: Way, files: Mapping[str, bytes], seed: int, name: str) -> Direction[T]:
+def direction(way: LinkDirection, files: Mapping[str, bytes], seed: int, name: str) -> Direction[T]:
     """Return a direction of the link, with nothing in it.
 
     Args:
@@ -47,18 +47,18 @@ def direction(way: Way, files: Mapping[str, bytes], seed: int, name: str) -> Dir
         jitter=_jitter(way, files, seed, name, ".jitter"),
         keeps_order=way.keep_order,
         loss=_loss(way, seed, name),
-        doubling=_doubling(way, files, seed, name),
+        duplication=_duplication(way, files, seed, name),
         contacts=_contacts(way, passage),
         queue_bytes=int(way.queue_bytes),
     )
 
 
-def contacts_of(way: Way, files: Mapping[str, bytes]) -> Contacts:
+def contacts_of(way: LinkDirection, files: Mapping[str, bytes]) -> Contacts:
     """Return when, and how fast, something can be sent one way; raises MissionError as `direction` does."""
     return _contacts(way, _passage(way, files))
 
 
-def _passage(way: Way, files: Mapping[str, bytes]) -> Passage | None:
+def _passage(way: LinkDirection, files: Mapping[str, bytes]) -> Passage | None:
     plan = way.contact_plan
     if plan is None:
         return None
@@ -80,7 +80,7 @@ def _content(files: Mapping[str, bytes], name: str) -> bytes:
     return files[name]
 
 
-def _delay(way: Way, passage: Passage | None) -> Delay:
+def _delay(way: LinkDirection, passage: Passage | None) -> Delay:
     if way.delay_table is not None:
         return table_delay([(ns(row.at_s), ns(row.delay_s)) for row in way.delay_table])
     if passage is not None and not way.has_own_delay:
@@ -88,7 +88,7 @@ def _delay(way: Way, passage: Passage | None) -> Delay:
     return fixed_delay(ns(way.delay_s))
 
 
-def _jitter(way: Way, files: Mapping[str, bytes], seed: int, name: str, which: str) -> Jitter | None:
+def _jitter(way: LinkDirection, files: Mapping[str, bytes], seed: int, name: str, which: str) -> Jitter | None:
     if way.jitter_file is not None:
         samples, problems = read_jitter(_content(files, way.jitter_file), way.jitter_file)
         if problems:
@@ -102,21 +102,21 @@ def _jitter(way: Way, files: Mapping[str, bytes], seed: int, name: str, which: s
     return uniform_jitter(ns(way.jitter_s), stream(seed, name if which == ".jitter" else name + which))
 
 
-def _loss(way: Way, seed: int, name: str) -> Loss | None:
+def _loss(way: LinkDirection, seed: int, name: str) -> Loss | None:
     if isinstance(way.loss, Bursts):
         loss = way.loss
         return GilbertElliott(loss.p, loss.r, loss.one_minus_h, loss.one_minus_k, stream(seed, f"{name}.loss"))
     return RandomLoss(way.loss, stream(seed, f"{name}.loss")) if way.loss else None
 
 
-def _doubling(way: Way, files: Mapping[str, bytes], seed: int, name: str) -> Doubling | None:
+def _duplication(way: LinkDirection, files: Mapping[str, bytes], seed: int, name: str) -> Duplication | None:
     if not way.duplicate:
         return None
     choose = RandomLoss(way.duplicate, stream(seed, f"{name}.duplicate"))
-    return Doubling(choose, _jitter(way, files, seed, name, ".second"))
+    return Duplication(choose, _jitter(way, files, seed, name, ".second"))
 
 
-def _contacts(way: Way, passage: Passage | None) -> Contacts:
+def _contacts(way: LinkDirection, passage: Passage | None) -> Contacts:
     if passage is not None:
         return Contacts([Window(ns(each.begin_s), ns(each.end_s), each.value) for each in passage.contacts])
     if way.windows is None:

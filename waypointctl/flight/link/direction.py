@@ -31,7 +31,7 @@ NEVER: Final = -1
 DEFAULT_QUEUE_BYTES: Final = 1 << 20
 
 
-class Fate(NamedTuple):
+class Delivery(NamedTuple):
     """What becomes of a message.
 
     Attributes:
@@ -47,8 +47,8 @@ class Fate(NamedTuple):
     lost: str
 
 
-_NO_CONTACT: Final = Fate(NEVER, NEVER, (), NO_CONTACT)
-_QUEUE_FULL: Final = Fate(NEVER, NEVER, (), QUEUE_FULL)
+_NO_CONTACT: Final = Delivery(NEVER, NEVER, (), NO_CONTACT)
+_QUEUE_FULL: Final = Delivery(NEVER, NEVER, (), QUEUE_FULL)
 
 
 def _no_delay(_: int) -> int:
@@ -56,7 +56,7 @@ def _no_delay(_: int) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Doubling:
+class Duplication:
     """Messages that arrive twice. As in netem, one that is to be doubled and to be lost arrives once.
 
     Attributes:
@@ -87,7 +87,7 @@ class Direction(Generic[T]):
     jitter: Jitter | None = None
     keeps_order: bool = True
     loss: Loss | None = None
-    doubling: Doubling | None = None
+    duplication: Duplication | None = None
     contacts: Contacts = field(default_factory=always)
     queue_bytes: int = DEFAULT_QUEUE_BYTES
     _under_way: list[tuple[int, int, T]] = field(default_factory=list, init=False)  # a heap: (arrival, number, message)
@@ -97,7 +97,7 @@ class Direction(Generic[T]):
     _last_arrival_ns: int = field(default=0, init=False)
     _number: int = field(default=0, init=False)
 
-    def send(self, now_ns: int, size_bytes: int, make: Callable[[int], T]) -> Fate:
+    def send(self, now_ns: int, size_bytes: int, make: Callable[[int], T]) -> Delivery:
         """Hand over a message, not before any that was handed over already.
 
         Args:
@@ -108,9 +108,9 @@ class Direction(Generic[T]):
         jitter_ns = 0 if self.jitter is None else self.jitter.draws()
         copies = 1 if self.loss is None or not self.loss() else 0
         second_ns = 0
-        if self.doubling is not None:
-            copies += self.doubling.choose()
-            second_ns = 0 if self.doubling.jitter is None else self.doubling.jitter.draws()
+        if self.duplication is not None:
+            copies += self.duplication.choose()
+            second_ns = 0 if self.duplication.jitter is None else self.duplication.jitter.draws()
         placed = self.contacts.place(self._free_ns if self._free_ns > now_ns else now_ns, size_bytes)
         if placed is None:
             return _NO_CONTACT
@@ -119,12 +119,12 @@ class Direction(Generic[T]):
             return _QUEUE_FULL
         self._free_ns = left_ns
         if not copies:
-            return Fate(departs_ns, left_ns, (), NOISE)
+            return Delivery(departs_ns, left_ns, (), NOISE)
         arrives_ns = self._deliver(left_ns, jitter_ns, make)
         if copies == 1:
-            return Fate(departs_ns, left_ns, (arrives_ns,), "")
+            return Delivery(departs_ns, left_ns, (arrives_ns,), "")
         other_ns = self._deliver(left_ns, second_ns, make)
-        return Fate(departs_ns, left_ns, (min(arrives_ns, other_ns), max(arrives_ns, other_ns)), "")
+        return Delivery(departs_ns, left_ns, (min(arrives_ns, other_ns), max(arrives_ns, other_ns)), "")
 
     def due(self, now_ns: int) -> Iterator[T]:
         """Take out, one by one, what has arrived by now, in order of arrival."""
@@ -148,7 +148,7 @@ class Direction(Generic[T]):
 
     def is_dead(self, now_ns: int) -> bool:
         """Tell whether nothing that is handed over now or later arrives: no contact is left, or all of it is lost."""
-        if self.loss is not None and self.loss.loses_all and self.doubling is None:
+        if self.loss is not None and self.loss.loses_all and self.duplication is None:
             return True
         return self.contacts.place(max(self._free_ns, now_ns), 1) is None
 
@@ -196,10 +196,10 @@ class Direction(Generic[T]):
             draws["jitter"] = self.jitter.draws
         if self.loss is not None:
             draws["loss"] = self.loss
-        if self.doubling is not None:
-            draws["doubling"] = self.doubling.choose
-            if self.doubling.jitter is not None:
-                draws["second"] = self.doubling.jitter.draws
+        if self.duplication is not None:
+            draws["doubling"] = self.duplication.choose
+            if self.duplication.jitter is not None:
+                draws["second"] = self.duplication.jitter.draws
         return draws
 
     def _waits(self, now_ns: int, departs_ns: int, size_bytes: int) -> bool:

@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.flight.link.direction import Direction
-from waypointctl.flight.operator.dispatcher import Dispatcher, Uplink
-from waypointctl.flight.operator.insistence import Insistence
+from waypointctl.flight.operator.dispatcher import Dispatcher, RetryPolicy, Uplink
+from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.leg_clock import LegClock
 from waypointctl.flight.operator.operator import Operator
-from waypointctl.flight.operator.pilot import Pilot
 from waypointctl.flight.operator.planner import MissionOperator, WaypointOperator
-from waypointctl.flight.operator.pulse import BeatLink, Pulse
-from waypointctl.flight.operator.schedule import agenda_of
-from waypointctl.flight.operator.station import Station
+from waypointctl.flight.operator.requests import scheduled_requests
+from waypointctl.flight.operator.station import HeartbeatSender, HeartbeatUplink, Station
 from waypointctl.flight.operator.steering import ShortRangeGoalOperator
 from waypointctl.flight.sink import Sink
 from waypointctl.mission.mission import Mission
@@ -39,7 +37,7 @@ def station_for(
     noise: FloatArray,
     sink: Sink,
     uplink: Uplink,
-    beats: BeatLink,
+    beats: HeartbeatUplink,
     answer_by: Callable[[int], int | None],
     patience_ns: int,
     leaves_ns: Callable[[int], int | None],
@@ -58,11 +56,11 @@ def station_for(
         leaves_ns: when a command that is sent at a time [ns] leaves; None for never.
     """
     commands = mission.commands
-    insistence = Insistence(commands.acknowledged, commands.retries, answer_by, patience_ns)
-    pulse = Pulse(beats, ns(mission.operator.heartbeat_s or 0.0))
-    dispatcher = Dispatcher(uplink, insistence, sink)
+    retry_policy = RetryPolicy(commands.acknowledged, commands.retries, answer_by, patience_ns)
+    heartbeats = HeartbeatSender(beats, ns(mission.operator.heartbeat_s or 0.0))
+    dispatcher = Dispatcher(uplink, retry_policy, sink)
     operator = _operator(mission, policy, noise, sink, answer_by, leaves_ns)
-    return Station(operator, agenda_of(mission), dispatcher, pulse)
+    return Station(operator, scheduled_requests(mission), dispatcher, heartbeats)
 
 
 def answer_time(up: Direction[Any], down: Direction[Any], robot_ns: int, margin_ns: int) -> Callable[[int], int | None]:
@@ -118,5 +116,5 @@ def _operator(
     if mission.autonomy == "short_range_goal":
         return ShortRangeGoalOperator(mission, LegClock(answer_by, leaves_ns), sink)
     if mission.autonomy == "joint":
-        return Pilot(mission, policy, noise, sink)
+        return JointOperator(mission, policy, noise, sink)
     return _SCRIPTS[mission.autonomy](mission, sink)

@@ -6,20 +6,65 @@ Quantities are written as in mission files, such as `goto 3 m 250 cm hold 5 s`; 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Final, get_args
+from typing import Final, Protocol, get_args
 
 from waypointctl.flight.executive.arguments import is_hold, is_timeout, is_tolerance
 from waypointctl.flight.executive.rules import rules_of
-from waypointctl.flight.operator.order import Order
-from waypointctl.flight.operator.schedule import place
+from waypointctl.flight.operator.requests import CommandRequest, place
 from waypointctl.log.messages import CommandKind, PlannedWaypoint
 from waypointctl.mission.fields import FURTHEST_M, Hold, Timeout, Tolerance
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.quantity import Quantity
 from waypointctl.mission.schedule import LARGEST_NUMBER
 from waypointctl.units import DISTANCE_UNITS_M, DURATION_UNITS_S, NUMBER_PATTERN, ns, quantity, whole_ns
+
+QUIT: Final = "quit"  # the line that ends it
+
+
+class LineSource(Protocol):
+    """What a flight asks for the lines that a person types while it is under way.
+
+    Lines are taken at moments of the flight, once in each turn of its loop. While physics sleeps a turn may take
+    minutes of simulation time, so the source is asked how far time may jump.
+
+    Attributes:
+        is_open: whether somebody is there at mission start. Then the flight does not end before a line is QUIT.
+    """
+
+    is_open: bool
+
+    def lines(self, now_ns: int) -> Iterable[str]:
+        """Yield what has been typed by now and was not yet yielded: what `order_from` understands, or QUIT.
+
+        The next one is asked for when the one before has been obeyed. A source that keeps to wall time waits here.
+        """
+
+    def asleep(self, now_ns: int, until_ns: int) -> int:
+        """Return when there is something to take, if that is before `until_ns`, or else that; both [ns].
+
+        Between now and then nothing happens on the ground, on board or on the link.
+        """
+
+
+class NullConsole:
+    """The console of a flight that has none.
+
+    Attributes:
+        is_open: never.
+    """
+
+    is_open = False
+
+    def lines(self, now_ns: int) -> Iterable[str]:
+        """Yield nothing."""
+        return ()
+
+    def asleep(self, now_ns: int, until_ns: int) -> int:
+        """Let time jump."""
+        return until_ns
+
 
 _WORDS: Final = {
     "hold": CommandKind.HOLD,
@@ -36,7 +81,7 @@ _QUANTITY: Final = re.compile(rf"\s*({NUMBER_PATTERN})\s*([A-Za-z/%]*)(?=[\s\d.+
 _OPTION: Final = re.compile(r"\b(hold|tolerance|timeout)\b")
 
 
-def order_from(line: str, mission: Mission) -> Order:
+def request_from(line: str, mission: Mission) -> CommandRequest:
     """Return the order that a line asks for.
 
     Raises:
@@ -47,9 +92,9 @@ def order_from(line: str, mission: Mission) -> Order:
         if rest:
             also = "; `goto X m Y m hold 5 s` holds at a place" if word == "hold" else ""
             raise ValueError(f"{word} takes nothing after it, not {rest!r}{also}")
-        return Order(_WORDS[word])
+        return CommandRequest(_WORDS[word])
     if word == "goto":
-        return Order(CommandKind.GO_TO, (_place(rest, mission),))
+        return CommandRequest(CommandKind.GO_TO, (_place(rest, mission),))
     if word in _VALUED:
         return _VALUED[word](rest)
     raise ValueError(f"unknown command {word!r}; commands are: {USAGE}")
@@ -116,22 +161,22 @@ def _quantities(word: str, text: str, wanted: str, units: Mapping[str, float], c
     return values
 
 
-def impossible(order: Order, mission: Mission) -> str:
+def impossible(request: CommandRequest, mission: Mission) -> str:
     """Return why an order can never be obeyed, whatever the robot is doing, and what is allowed; empty if it can.
 
     What depends on the robot is the robot's to say. A line from a log is not judged by this: it was sent.
     """
-    match order.kind:
-        case CommandKind.SET_TOLERANCE if not is_tolerance(order.value):
-            return f"tolerance: {order.value:g} m is not {_range(Tolerance)}; type tolerance 0.5 m, for instance"
-        case CommandKind.SET_TIMEOUT if not is_timeout(order.value):
-            return f"timeout: {order.value:g} s is not {_range(Timeout)}; type timeout 30 s, for instance"
-        case CommandKind.RELEASE if order.released < -1:
-            return f"release: {order.released} is no number of waypoints; type 0 or more, or -1 for all"
-        case CommandKind.CANCEL if order.target_id < 1:
-            return f"cancel: {order.target_id} is no command; their ids count from 1, and `status` lists them"
+    match request.kind:
+        case CommandKind.SET_TOLERANCE if not is_tolerance(request.value):
+            return f"tolerance: {request.value:g} m is not {_range(Tolerance)}; type tolerance 0.5 m, for instance"
+        case CommandKind.SET_TIMEOUT if not is_timeout(request.value):
+            return f"timeout: {request.value:g} s is not {_range(Timeout)}; type timeout 30 s, for instance"
+        case CommandKind.RELEASE if request.released < -1:
+            return f"release: {request.released} is no number of waypoints; type 0 or more, or -1 for all"
+        case CommandKind.CANCEL if request.target_id < 1:
+            return f"cancel: {request.target_id} is no command; their ids count from 1, and `status` lists them"
     fence = rules_of(mission).fence
-    breaches = ((place, fence.breach(place.x_m, place.y_m)) for place in order.waypoints)
+    breaches = ((place, fence.breach(place.x_m, place.y_m)) for place in request.waypoints)
     outside = next((f"({place.x_m:g}, {place.y_m:g}) {breach}" for place, breach in breaches if breach), "")
     return f"goto: {outside}; the robot takes no goal there, the mission's geofence says so" if outside else ""
 
@@ -155,9 +200,9 @@ def _whole(word: str, text: str) -> int:
     return int(value)
 
 
-_VALUED: Final[Mapping[str, Callable[[str], Order]]] = {
-    "cancel": lambda text: Order(CommandKind.CANCEL, target_id=_whole("cancel", text)),
-    "release": lambda text: Order(CommandKind.RELEASE, released=_whole("release", text)),
-    "tolerance": lambda text: Order(CommandKind.SET_TOLERANCE, value=_tolerance_m(text)),
-    "timeout": lambda text: Order(CommandKind.SET_TIMEOUT, value=_timeout_s(text)),
+_VALUED: Final[Mapping[str, Callable[[str], CommandRequest]]] = {
+    "cancel": lambda text: CommandRequest(CommandKind.CANCEL, target_id=_whole("cancel", text)),
+    "release": lambda text: CommandRequest(CommandKind.RELEASE, released=_whole("release", text)),
+    "tolerance": lambda text: CommandRequest(CommandKind.SET_TOLERANCE, value=_tolerance_m(text)),
+    "timeout": lambda text: CommandRequest(CommandKind.SET_TIMEOUT, value=_timeout_s(text)),
 }

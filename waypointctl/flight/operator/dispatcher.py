@@ -18,9 +18,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
-from waypointctl.flight.link.direction import NEVER, Fate
-from waypointctl.flight.operator.insistence import Insistence
-from waypointctl.flight.operator.order import Order
+from waypointctl.flight.link.direction import NEVER, Delivery
+from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
@@ -35,18 +34,37 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 
+
+@dataclass(frozen=True, slots=True)
+class RetryPolicy:
+    """How hard the ground tries to be heard.
+
+    Attributes:
+        acknowledged: whether it waits for acknowledgements at all.
+        retries: how often a command is sent again at most, whatever for.
+        answer_by: told when a command's last bit leaves [ns], says by when it has to be acknowledged [ns]; None for
+            never, where no contact is left.
+        patience_ns: how long after a frame that tells a command's end its acknowledgement may still come.
+    """
+
+    acknowledged: bool
+    retries: int
+    answer_by: Callable[[int], int | None]
+    patience_ns: int
+
+
 UNANSWERED: Final = "no acknowledgement"
 _UNDER_WAY: Final = (Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED)
 _AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN})  # no command is under way
 
 
 # Takes a command on its way at a time [ns]; it is told when the command arrives, and makes it.
-Uplink: TypeAlias = Callable[[int, Callable[[int], Command]], Fate]
+Uplink: TypeAlias = Callable[[int, Callable[[int], Command]], Delivery]
 
 
 @dataclass(slots=True)
 class _Sent:
-    order: Order
+    request: CommandRequest
     attempt: int = 0
     told_ns: int = -1  # when the newest word of it was issued, on the robot's clock
     stage: Stage = Stage.QUEUED  # as the ground believes
@@ -65,21 +83,21 @@ class Dispatcher:
     """
 
     uplink: Uplink
-    insistence: Insistence
+    retry_policy: RetryPolicy
     sink: Callable[[CommandStage | Event], None]
     _issued: int = 0
     _open: dict[int, _Sent] = field(default_factory=dict)  # by id: no end has been heard of
     _unanswered: dict[int, _Sent] = field(default_factory=dict)  # not sent again; a late word opens them once more
-    _agenda: list[tuple[int, int, CommandStage]] = field(default_factory=list)  # a heap: stages to come
+    _upcoming: list[tuple[int, int, CommandStage]] = field(default_factory=list)  # a heap: stages to come
     _serial: int = 0
     _deadlines: list[tuple[int, int]] = field(default_factory=list)  # a heap: (answer by, id), some no longer so
 
     @property
     def wake_ns(self) -> int | None:
         """When there is something to do next [ns]; None for never."""
-        while self._deadlines and not self._holds(self._deadlines[0]):
+        while self._deadlines and not self._is_current(self._deadlines[0]):
             heapq.heappop(self._deadlines)
-        earliest = self._agenda[0][0] if self._agenda else None
+        earliest = self._upcoming[0][0] if self._upcoming else None
         if self._deadlines and (earliest is None or self._deadlines[0][0] < earliest):
             return self._deadlines[0][0]
         return earliest
@@ -87,7 +105,7 @@ class Dispatcher:
     @property
     def awaits(self) -> bool:
         """Whether a command is under way of whose end it will still hear, or which it will give up."""
-        return self.insistence.acknowledged and bool(self._open)
+        return self.retry_policy.acknowledged and bool(self._open)
 
     @property
     def unanswered(self) -> tuple[int, ...]:
@@ -97,44 +115,44 @@ class Dispatcher:
     def missing(self, command_id: int) -> str:
         """Return what has not been heard of a command, and what has; empty where its end has been."""
         sent = self._open.get(command_id) or self._unanswered.get(command_id)
-        if sent is None or not self.insistence.acknowledged:
+        if sent is None or not self.retry_policy.acknowledged:
             return ""
-        command = f"command {command_id} ({sent.order.words})"
+        command = f"command {command_id} ({sent.request.words})"
         if sent.stage not in _UNDER_WAY:
             return f"{UNANSWERED} of {command}"
         return f"the end of {command} was not heard of, only that it was {sent.stage}"
 
-    def issue(self, now_ns: int, order: Order) -> int:
+    def issue(self, now_ns: int, request: CommandRequest) -> int:
         """Send an order; return the id that it has from now on."""
         self._issued += 1
         command_id = self._issued
-        self._open[command_id] = _Sent(order)
-        self._announce(now_ns, EventKind.COMMAND_SENT, command_id, f"sent: {order.words}")
+        self._open[command_id] = _Sent(request)
+        self._announce(now_ns, EventKind.COMMAND_SENT, command_id, f"sent: {request.words}")
         self._send(now_ns, command_id)
         return command_id
 
-    def hear(self, now_ns: int, message: Ack | Telemetry) -> None:
+    def on_message(self, now_ns: int, message: Ack | Telemetry) -> None:
         """Take what has arrived: an acknowledgement, or a frame that tells what commands have come to."""
         if isinstance(message, Ack):
-            self._learn(now_ns, message, acknowledged=True)
+            self._update(now_ns, message, acknowledged=True)
             return
         for it in message.commands:
-            told = Ack(it.command_id, it.stage, it.reason, message.issued_ns, now_ns)
-            self._learn(now_ns, told, acknowledged=False)
-        self._suspect(now_ns, message)
+            report = Ack(it.command_id, it.stage, it.reason, message.issued_ns, now_ns)
+            self._update(now_ns, report, acknowledged=False)
+        self._query_silent(now_ns, message)
 
     def wake(self, now_ns: int) -> list[Ack]:
         """Do what is due; return the ends that are taken from telemetry, as acknowledgements would have told them."""
-        while self._agenda and self._agenda[0][0] <= now_ns:
-            self.sink(heapq.heappop(self._agenda)[2])
+        while self._upcoming and self._upcoming[0][0] <= now_ns:
+            self.sink(heapq.heappop(self._upcoming)[2])
         late = set()
         while self._deadlines and self._deadlines[0][0] <= now_ns:
             deadline = heapq.heappop(self._deadlines)
-            if self._holds(deadline):
+            if self._is_current(deadline):
                 late.add(deadline[1])
         known = [self._conclude(now_ns, each) for each in sorted(late) if self._open[each].end is not None]
         for command_id in sorted(late & self._open.keys()):
-            self._insist(now_ns, command_id)
+            self._retry(now_ns, command_id)
         return known
 
     def state(self) -> Mapping[str, object]:
@@ -148,23 +166,23 @@ class Dispatcher:
             "unanswered": list(self._unanswered),
         }
 
-    def _learn(self, now_ns: int, word: Ack, *, acknowledged: bool) -> None:
+    def _update(self, now_ns: int, report: Ack, *, acknowledged: bool) -> None:
         """Take what the robot says of a command, in an acknowledgement or in a frame of telemetry."""
-        command_id = word.command_id
+        command_id = report.command_id
         if command_id in self._unanswered:
             self._open[command_id] = self._unanswered.pop(command_id)
         sent = self._open.get(command_id)
         if sent is None:
             return
-        if word.stage in FINAL_STAGES and acknowledged:
+        if report.stage in FINAL_STAGES and acknowledged:
             del self._open[command_id]
-        elif word.stage in FINAL_STAGES:
+        elif report.stage in FINAL_STAGES:
             if sent.end is None:
-                sent.end = word
-                self._expect(command_id, now_ns + self.insistence.patience_ns)
+                sent.end = report
+                self._expect(command_id, now_ns + self.retry_policy.patience_ns)
         elif sent.end is None:
-            if word.issued_ns >= sent.told_ns:  # one that was overtaken is no news
-                sent.stage, sent.told_ns = word.stage, word.issued_ns
+            if report.issued_ns >= sent.told_ns:  # one that was overtaken is no news
+                sent.stage, sent.told_ns = report.stage, report.issued_ns
             sent.answer_by_ns = None
 
     def _conclude(self, now_ns: int, command_id: int) -> Ack:
@@ -178,31 +196,31 @@ class Dispatcher:
     def _send(self, now_ns: int, command_id: int) -> None:
         sent = self._open[command_id]
         sent.attempt += 1
-        attempt, order = sent.attempt, sent.order
-        self._tell(now_ns, command_id, Stage.QUEUED)
-        fate = self.uplink(now_ns, lambda arrives_ns: order.command(command_id, attempt, now_ns, arrives_ns))
-        if fate.departs_ns == NEVER:
-            self._tell(now_ns, command_id, Stage.LOST, fate.lost)  # by the ground's own sender, which says so
+        attempt, request = sent.attempt, sent.request
+        self._log_stage(now_ns, command_id, Stage.QUEUED)
+        delivery = self.uplink(now_ns, lambda arrives_ns: request.command(command_id, attempt, now_ns, arrives_ns))
+        if delivery.departs_ns == NEVER:
+            self._log_stage(now_ns, command_id, Stage.LOST, delivery.lost)  # by the ground's own sender, which says so
         else:
-            self._later(fate.departs_ns, command_id, Stage.SENT, Clock.OPERATOR)
-            if fate.lost:
-                self._later(fate.left_ns, command_id, Stage.LOST, Clock.LINK, fate.lost)
-        if order.fleeting:
+            self._log_later(delivery.departs_ns, command_id, Stage.SENT, Clock.OPERATOR)
+            if delivery.lost:
+                self._log_later(delivery.left_ns, command_id, Stage.LOST, Clock.LINK, delivery.lost)
+        if request.transient:
             del self._open[command_id]
-        elif self.insistence.acknowledged:
-            left_ns = now_ns if fate.departs_ns == NEVER else fate.left_ns
-            self._expect(command_id, self.insistence.answer_by(left_ns))
+        elif self.retry_policy.acknowledged:
+            left_ns = now_ns if delivery.departs_ns == NEVER else delivery.left_ns
+            self._expect(command_id, self.retry_policy.answer_by(left_ns))
 
-    def _insist(self, now_ns: int, command_id: int) -> None:
+    def _retry(self, now_ns: int, command_id: int) -> None:
         """Send a command again of which nothing, or not the end, was heard, as often as that is allowed."""
         sent = self._open[command_id]
         sent.answer_by_ns = None
         heard = sent.stage in _UNDER_WAY
         if not heard:
             sent.stage = Stage.UNKNOWN
-            self._tell(now_ns, command_id, Stage.UNKNOWN, UNANSWERED)
-        expired = 0 <= sent.order.expires_ns <= now_ns
-        if expired or sent.attempt > self.insistence.retries:
+            self._log_stage(now_ns, command_id, Stage.UNKNOWN, UNANSWERED)
+        expired = 0 <= sent.request.expires_ns <= now_ns
+        if expired or sent.attempt > self.retry_policy.retries:
             if not heard:
                 self._unanswered[command_id] = self._open.pop(command_id)
             return
@@ -218,17 +236,17 @@ class Dispatcher:
         )
         self._send(now_ns, command_id)
 
-    def _suspect(self, now_ns: int, frame: Telemetry) -> None:
+    def _query_silent(self, now_ns: int, frame: Telemetry) -> None:
         """Ask again, after a while, for the end of commands of which a robot at rest has not told the end."""
         nothing_to_do = frame.mode in _AT_REST or (frame.mode is Mode.SAFE and frame.target < 0)
-        if not self.insistence.acknowledged or not nothing_to_do:
+        if not self.retry_policy.acknowledged or not nothing_to_do:
             return
-        told = {each.command_id for each in frame.commands}
+        report = {each.command_id for each in frame.commands}
         for command_id, sent in self._open.items():
-            kept = sent.order.not_before_ns > frame.issued_ns
+            kept = sent.request.not_before_ns > frame.issued_ns
             silent = sent.stage in _UNDER_WAY and sent.answer_by_ns is None and frame.issued_ns > sent.told_ns
-            if silent and not kept and command_id not in told and sent.attempt <= self.insistence.retries:
-                self._expect(command_id, now_ns + self.insistence.patience_ns)
+            if silent and not kept and command_id not in report and sent.attempt <= self.retry_policy.retries:
+                self._expect(command_id, now_ns + self.retry_policy.patience_ns)
 
     def _expect(self, command_id: int, by_ns: int | None) -> None:
         """Wait for an acknowledgement until then; for ever, where no contact is left."""
@@ -236,7 +254,7 @@ class Dispatcher:
         if by_ns is not None:
             heapq.heappush(self._deadlines, (by_ns, command_id))
 
-    def _holds(self, deadline: tuple[int, int]) -> bool:
+    def _is_current(self, deadline: tuple[int, int]) -> bool:
         """Tell whether a command is still waited for, and until then."""
         by_ns, command_id = deadline
         return command_id in self._open and self._open[command_id].answer_by_ns == by_ns
@@ -247,13 +265,13 @@ class Dispatcher:
         text = f"command {command_id} {text}"
         self.sink(Event(now_ns, kind, Clock.OPERATOR, severity, text, command_id=command_id))
 
-    def _tell(self, now_ns: int, command_id: int, stage: Stage, reason: str = "") -> None:
+    def _log_stage(self, now_ns: int, command_id: int, stage: Stage, reason: str = "") -> None:
         attempt = self._open[command_id].attempt
         self.sink(CommandStage(now_ns, command_id, stage, reason, Clock.OPERATOR, attempt))
 
-    def _later(self, at_ns: int, command_id: int, stage: Stage, clock: Clock, reason: str = "") -> None:
+    def _log_later(self, at_ns: int, command_id: int, stage: Stage, clock: Clock, reason: str = "") -> None:
         attempt = self._open[command_id].attempt
         self._serial += 1
         heapq.heappush(
-            self._agenda, (at_ns, self._serial, CommandStage(at_ns, command_id, stage, reason, clock, attempt))
+            self._upcoming, (at_ns, self._serial, CommandStage(at_ns, command_id, stage, reason, clock, attempt))
         )

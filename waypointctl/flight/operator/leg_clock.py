@@ -15,7 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from waypointctl.flight.operator.order import Order
+from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import FINAL_STAGES, Ack, Mode, Stage, Telemetry
 
 _NOT_BEGUN: Final = frozenset({Stage.RECEIVED, Stage.ACCEPTED, Stage.REJECTED, Stage.SKIPPED})
@@ -42,7 +42,7 @@ class LegClock:
     _changed_ns: int = 0  # when a goal of the leg last began or ended, as far as heard
     _newest: int = 0  # the newest goal that has begun
     _ended: int = 0  # the newest goal that has ended
-    _unsent: list[Order] = field(default_factory=list)  # goals of this leg, which are still thought about
+    _unsent: list[CommandRequest] = field(default_factory=list)  # goals of this leg, which are still thought about
     _goals: set[int] = field(default_factory=set)  # those sent
 
     def restart(self, sent_ns: int) -> None:
@@ -52,31 +52,31 @@ class LegClock:
         self._unsent.clear()
         self._goals.clear()
 
-    def of_this_leg(self, goal: Order) -> Order:
+    def include(self, goal: CommandRequest) -> CommandRequest:
         """Take note that an order which is to be sent belongs to this leg, and return it."""
         self._unsent.append(goal)
         return goal
 
-    def issued(self, command_id: int, order: Order) -> None:
+    def on_issued(self, command_id: int, request: CommandRequest) -> None:
         """Learn the id of an order that has been sent, of this leg or not."""
-        places = [place for place, goal in enumerate(self._unsent) if goal is order]
+        places = [place for place, goal in enumerate(self._unsent) if goal is request]
         if places:
             del self._unsent[: places[0] + 1]  # what was to be sent before it has been dropped
             self._goals.add(command_id)
 
-    def hear(self, message: Ack | Telemetry) -> None:
+    def on_message(self, message: Ack | Telemetry) -> None:
         """Take what has arrived."""
         at_ns, is_news = message.issued_ns, message.issued_ns >= self._told_ns
         self._told_ns = max(self._told_ns, at_ns)
         if isinstance(message, Ack):
-            self._learn(at_ns, message.command_id, message.stage)
+            self._update(at_ns, message.command_id, message.stage)
             return
         for each in message.commands:
-            self._learn(at_ns, each.command_id, each.stage)
+            self._update(at_ns, each.command_id, each.stage)
         if is_news and message.mode in _STANDING:
-            self._stand(at_ns)
+            self._stop(at_ns)
         elif is_news and message.mode is Mode.NAVIGATING and self._newest in self._goals and self._ended < self._newest:
-            self._walk(at_ns)
+            self._start(at_ns)
 
     def is_over(self, timeout_ns: int) -> bool:
         """Tell whether the robot is known to have walked for more than this on the leg [ns]."""
@@ -91,7 +91,7 @@ class LegClock:
         heard_ns = None if left_ns is None else self.answer_by(left_ns)
         return now_ns > (over_ns if heard_ns is None else heard_ns)
 
-    def _learn(self, at_ns: int, command_id: int, stage: Stage) -> None:
+    def _update(self, at_ns: int, command_id: int, stage: Stage) -> None:
         """Take what is told of a command: a goal of the leg has begun, or has ended."""
         if command_id not in self._goals or stage in _NOT_BEGUN or command_id <= self._ended:
             return
@@ -101,16 +101,16 @@ class LegClock:
             self._ended = command_id
             if command_id >= self._newest:
                 self._newest, self._changed_ns = command_id, at_ns
-                self._stand(at_ns)
+                self._stop(at_ns)
         elif command_id > self._newest:
             self._newest, self._changed_ns = command_id, at_ns
-            self._walk(at_ns)
+            self._start(at_ns)
 
-    def _walk(self, at_ns: int) -> None:
+    def _start(self, at_ns: int) -> None:
         if self._walks_since_ns is None:
             self._walks_since_ns = at_ns
 
-    def _stand(self, at_ns: int) -> None:
+    def _stop(self, at_ns: int) -> None:
         if self._walks_since_ns is not None:
             self._walked_ns += max(at_ns - self._walks_since_ns, 0)
             self._walks_since_ns = None

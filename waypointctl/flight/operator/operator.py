@@ -7,10 +7,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from waypointctl.flight.belief import Belief
 from waypointctl.flight.executive.rules import STUCK, TIMEOUT
-from waypointctl.flight.operator.agenda import Agenda
-from waypointctl.flight.operator.order import Order
+from waypointctl.flight.operator.event_queue import EventQueue
+from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.flight.operator.view import OperatorView
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
@@ -25,9 +25,6 @@ from waypointctl.log.messages import (
 )
 from waypointctl.mission.mission import Mission
 from waypointctl.units import ns, whole_ns
-
-LOOKAHEAD: Final = -1  # index of a place that is none of the mission's waypoints
-
 
 # What somebody else's command, or the clock, did to it: the reason alone says who or when, not what.
 _BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
@@ -50,65 +47,65 @@ class Operator(ABC):
     def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
         """Take charge of a mission; `announce` takes what it decides."""
         self._announce = announce
-        self.belief = Belief()
+        self.view = OperatorView()
         self.finished = False
-        self.verdict = ""
+        self.failure = ""
         self.suspended = False  # somebody has told the robot to hold
         self._plan = planned_waypoints(mission)
-        self._think_ns = ns(mission.operator.think_s)
-        self._agenda: Agenda[Order] = Agenda()
+        self._think_time_ns = ns(mission.operator.think_s)
+        self._queue: EventQueue[CommandRequest] = EventQueue()
         self._newest: dict[CommandKind, int] = {}  # the newest command of each kind
         self._kinds: dict[int, CommandKind] = {}  # of every command that has been sent, whoever sent it
 
     @property
     def wake_ns(self) -> int | None:
         """When it wants to act next, if nothing arrives before [ns]; None for never."""
-        return self._agenda.next_ns
+        return self._queue.next_ns
 
     @property
     def reached(self) -> tuple[int, ...]:
         """The waypoints that it knows to be reached: their indices in the mission."""
-        return self.belief.reached
+        return self.view.reached
 
     @abstractmethod
-    def begin(self) -> list[Order]:
+    def begin(self) -> list[CommandRequest]:
         """Return what to send at mission start; the plan was thought about before it."""
 
-    def interfered(self, now_ns: int, order: Order) -> list[Order]:
+    def on_external_request(self, now_ns: int, request: CommandRequest) -> list[CommandRequest]:
         """Learn what the schedule, or a person at the console, has sent; return what to send because of it.
 
         An operator who leads the robot step by step stops leading it for a hold, until it is to be resumed. Where the
         plan is on board the robot itself does that.
         """
-        if order.kind is CommandKind.HOLD:
+        if request.kind is CommandKind.HOLD:
             self.suspended = True
-        elif order.kind is CommandKind.RESUME:
+        elif request.kind is CommandKind.RESUME:
             self.suspended = False
-            return self._go_on(now_ns)
+            return self._resume(now_ns)
         return []
 
-    def _go_on(self, now_ns: int) -> list[Order]:
+    def _resume(self, now_ns: int) -> list[CommandRequest]:
         """Return what to send after a hold."""
         return []
 
-    def issued(self, command_id: int, order: Order) -> None:
+    def on_issued(self, command_id: int, request: CommandRequest) -> None:
         """Learn the id of an order that has been sent."""
-        self._newest[order.kind] = command_id
+        self._newest[request.kind] = command_id
 
     def note_kind(self, command_id: int, kind: CommandKind) -> None:
         """Learn the kind of a command that has been sent, by whomever."""
         self._kinds[command_id] = kind
 
-    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+    def on_message(self, now_ns: int, message: Ack | Telemetry) -> list[CommandRequest]:
         """Take what has arrived; return what to send on hearing it."""
-        self.belief.hear(message)
+        self.view.on_message(message)
         if isinstance(message, Ack) and message.stage in FINAL_STAGES:
-            return self._concluded(now_ns, message)
+            return self._on_final(now_ns, message)
         return []
 
-    def wake(self, now_ns: int) -> list[Order]:
+    def wake(self, now_ns: int) -> list[CommandRequest]:
         """Return what to send now."""
-        return self._agenda.due(now_ns)
+        return self._queue.due(now_ns)
 
     @property
     def newest(self) -> tuple[int, ...]:
@@ -122,28 +119,31 @@ class Operator(ABC):
 
     def state(self) -> dict[str, object]:
         """Return what it will do next depends on, beside its belief, as plain data."""
-        return {"finished": self.finished, "agenda": [[at_ns, order.words] for at_ns, order in self._agenda.entries()]}
+        return {
+            "finished": self.finished,
+            "agenda": [[at_ns, request.words] for at_ns, request in self._queue.entries()],
+        }
 
     @abstractmethod
-    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+    def _on_final(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
         """Decide what follows the end of a command."""
 
-    def _after_thought(self, now_ns: int, order: Order) -> list[Order]:
+    def _after_think_time(self, now_ns: int, request: CommandRequest) -> list[CommandRequest]:
         """Send an order once it has been thought about."""
-        if not self._think_ns:
-            return [order]
-        self._agenda.note(now_ns + self._think_ns, order)
+        if not self._think_time_ns:
+            return [request]
+        self._queue.add(now_ns + self._think_time_ns, request)
         return []
 
-    def _tell(
+    def _announce_decision(
         self, now_ns: int, kind: EventKind, waypoint: PlannedWaypoint, text: str, severity: Severity = Severity.WARNING
     ) -> None:
         """Announce a decision about a waypoint."""
         self._announce(Event(now_ns, kind, Clock.OPERATOR, severity, f"{waypoint.name} {text}", waypoint.index))
 
-    def _finish(self, verdict: str = "") -> list[Order]:
-        self.finished, self.verdict = True, verdict
-        self._agenda.clear()
+    def _finish(self, failure: str = "") -> list[CommandRequest]:
+        self.finished, self.failure = True, failure
+        self._queue.clear()
         return []
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from waypointctl.flight.operator.operator import Operator, ended_by_robot, leg_failed, rule_of_leg
-from waypointctl.flight.operator.order import Order
+from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import Ack, CommandKind, Event, EventKind, Stage
 from waypointctl.mission.mission import Mission
 
@@ -19,11 +19,11 @@ class MissionOperator(Operator):
         self._on_failure: str = mission.failure_rule.then
         self._released = mission.operator.released
 
-    def begin(self) -> list[Order]:
+    def begin(self) -> list[CommandRequest]:
         """Send the plan, released as far as the mission says."""
-        return [Order(CommandKind.UPLOAD_PLAN, self._plan, self._on_failure, self._released)]
+        return [CommandRequest(CommandKind.UPLOAD_PLAN, self._plan, self._on_failure, self._released)]
 
-    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+    def _on_final(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
         return (
             self._finish(ended_by_robot(ack, self._kinds))
             if ack.command_id == self._newest.get(CommandKind.UPLOAD_PLAN)
@@ -41,20 +41,22 @@ class WaypointOperator(Operator):
         self._rule = rule_of_leg(mission)
         self._sent = 0
 
-    def begin(self) -> list[Order]:
+    def begin(self) -> list[CommandRequest]:
         """Send the first waypoint."""
         return [self._next()]
 
-    def _next(self) -> Order:
+    def _next(self) -> CommandRequest:
         waypoint = self._plan[self._sent]
         self._sent += 1
-        return Order(CommandKind.GO_TO, (waypoint,), self._rule)
+        return CommandRequest(CommandKind.GO_TO, (waypoint,), self._rule)
 
-    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+    def _on_final(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
         if ack.command_id != self._newest.get(CommandKind.GO_TO):
             return []
         if self._skips and leg_failed(ack):
-            self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, self._plan[self._sent - 1], f"skipped: {ack.reason}")
+            self._announce_decision(
+                now_ns, EventKind.WAYPOINT_SKIPPED, self._plan[self._sent - 1], f"skipped: {ack.reason}"
+            )
         elif ack.stage is not Stage.COMPLETED:
             return self._finish(ended_by_robot(ack, self._kinds))
-        return self._after_thought(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()
+        return self._after_think_time(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()

@@ -2,18 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import TypeAlias
 
-from waypointctl.flight.belief import Belief
 from waypointctl.flight.executive.rules import FALL
-from waypointctl.flight.link.frames import BodyFrame
-from waypointctl.flight.operator.agenda import Agenda
+from waypointctl.flight.link.direction import Delivery
+from waypointctl.flight.link.frames import BodyFrame, Heartbeat
 from waypointctl.flight.operator.dispatcher import Dispatcher
+from waypointctl.flight.operator.event_queue import EventQueue
+from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.operator import Operator
-from waypointctl.flight.operator.order import Order
-from waypointctl.flight.operator.pilot import Pilot
-from waypointctl.flight.operator.pulse import Pulse
+from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.flight.operator.view import OperatorView
 from waypointctl.log.messages import FINAL_STAGES, Ack, GroundControl, Telemetry
+
+# Takes a heartbeat on its way at a time [ns]; it is told when the heartbeat arrives, and makes it.
+HeartbeatUplink: TypeAlias = Callable[[int, Callable[[int], Heartbeat]], Delivery]
+
+
+@dataclass(slots=True)
+class HeartbeatSender:
+    """Beats at a period.
+
+    Attributes:
+        uplink: takes a heartbeat on its way.
+        period_ns: between two of them; 0 for none.
+        next_ns: when the next is due; None for never.
+        beats: how many have been sent.
+    """
+
+    uplink: HeartbeatUplink
+    period_ns: int
+    next_ns: int | None = field(init=False)
+    beats: int = 0
+
+    def __post_init__(self) -> None:
+        """Begin a period after mission start, when something else is sent."""
+        self.next_ns = self.period_ns or None
+
+    def send_due(self, now_ns: int) -> None:
+        """Send the heartbeat that is due, if one is."""
+        if self.next_ns is None or self.next_ns > now_ns:
+            return
+        number = self.beats
+        self.uplink(now_ns, lambda arrives_ns: Heartbeat(number, now_ns, arrives_ns))
+        self.beats += 1
+        self.next_ns += self.period_ns
 
 
 class Station:
@@ -23,19 +58,25 @@ class Station:
         console_is_open: whether a person may still send something.
     """
 
-    def __init__(self, operator: Operator, schedule: Agenda[Order], dispatcher: Dispatcher, pulse: Pulse) -> None:
+    def __init__(
+        self,
+        operator: Operator,
+        schedule: EventQueue[CommandRequest],
+        dispatcher: Dispatcher,
+        heartbeats: HeartbeatSender,
+    ) -> None:
         """Put the ground together."""
         self.operator = operator
         self.dispatcher = dispatcher
         self.console_is_open = False
         self._schedule = schedule
-        self._pulse = pulse
-        self._concluded: set[int] = set()  # commands whose end has been heard of
+        self._heartbeats = heartbeats
+        self._on_final: set[int] = set()  # commands whose end has been heard of
 
     @property
-    def belief(self) -> Belief:
+    def view(self) -> OperatorView:
         """What the ground knows of the robot."""
-        return self.operator.belief
+        return self.operator.view
 
     @property
     def reached(self) -> tuple[int, ...]:
@@ -43,9 +84,9 @@ class Station:
         return self.operator.reached
 
     @property
-    def verdict(self) -> str:
+    def failure(self) -> str:
         """Why the operator ended the mission, where that is a failure."""
-        return self.operator.verdict
+        return self.operator.failure
 
     @property
     def finished(self) -> bool:
@@ -53,14 +94,14 @@ class Station:
 
         A person at the console may try again where the script has given up, but nobody can make a fallen robot walk.
         """
-        if not self.operator.finished or (self.console_is_open and self.verdict != FALL):
+        if not self.operator.finished or (self.console_is_open and self.failure != FALL):
             return False
-        if self.verdict == FALL:
+        if self.failure == FALL:
             return True
-        return self._schedule.next_ns is None and not self.dispatcher.awaits and self.belief.is_whole
+        return self._schedule.next_ns is None and not self.dispatcher.awaits and self.view.is_current
 
     @property
-    def plans_nothing(self) -> bool:
+    def is_idle(self) -> bool:
         """Whether it wants to send nothing more by itself, but for signs of life."""
         return self._schedule.next_ns is None and self.operator.wake_ns is None and self.dispatcher.wake_ns is None
 
@@ -70,9 +111,9 @@ class Station:
         return self.operator.acts_on_states
 
     @property
-    def next_beat_ns(self) -> int | None:
+    def next_heartbeat_ns(self) -> int | None:
         """When it sends the next sign of life [ns]; None for never."""
-        return self._pulse.next_ns
+        return self._heartbeats.next_ns
 
     @property
     def missing(self) -> str:
@@ -84,7 +125,7 @@ class Station:
     def wake_ns(self) -> int | None:
         """When the ground wants to act next, if nothing arrives before [ns]; None for never."""
         earliest = self._schedule.next_ns
-        for time_ns in (self.operator.wake_ns, self.dispatcher.wake_ns, self._pulse.next_ns):
+        for time_ns in (self.operator.wake_ns, self.dispatcher.wake_ns, self._heartbeats.next_ns):
             if time_ns is not None and (earliest is None or time_ns < earliest):
                 earliest = time_ns
         return earliest
@@ -93,52 +134,52 @@ class Station:
         """Send what is sent at mission start."""
         self.issue(0, self.operator.begin(), own=True)
 
-    def hear(self, now_ns: int, message: Ack | Telemetry) -> None:
+    def on_message(self, now_ns: int, message: Ack | Telemetry) -> None:
         """Take what has arrived, and do what follows from it."""
-        self.dispatcher.hear(now_ns, message)
+        self.dispatcher.on_message(now_ns, message)
         if isinstance(message, Ack) and message.stage in FINAL_STAGES:
             self._conclude(now_ns, message)
         else:
-            self.issue(now_ns, self.operator.hear(now_ns, message), own=True)
+            self.issue(now_ns, self.operator.on_message(now_ns, message), own=True)
 
     def _conclude(self, now_ns: int, end: Ack) -> None:
         """Let the operator hear of a command's end, once: the link may double it, and it may be asked for once more."""
-        if end.command_id not in self._concluded:
-            self._concluded.add(end.command_id)
-            self.issue(now_ns, self.operator.hear(now_ns, end), own=True)
+        if end.command_id not in self._on_final:
+            self._on_final.add(end.command_id)
+            self.issue(now_ns, self.operator.on_message(now_ns, end), own=True)
 
-    def see(self, now_ns: int, frame: BodyFrame) -> GroundControl | None:
+    def on_state(self, now_ns: int, frame: BodyFrame) -> GroundControl | None:
         """Take a state of the body that has arrived; return the action that answers it, where a pilot flies."""
-        if not isinstance(self.operator, Pilot):
+        if not isinstance(self.operator, JointOperator):
             return None
-        control, orders = self.operator.see(now_ns, frame)
-        self.issue(now_ns, orders, own=True)
+        control, requests = self.operator.on_state(now_ns, frame)
+        self.issue(now_ns, requests, own=True)
         return control
 
     def wake(self, now_ns: int) -> None:
         """Do what is due now."""
-        self._pulse.beat(now_ns)
+        self._heartbeats.send_due(now_ns)
         self.issue(now_ns, self._schedule.due(now_ns))
         self.issue(now_ns, [] if self.operator.finished else self.operator.wake(now_ns), own=True)
         for end in self.dispatcher.wake(now_ns):
             self._conclude(now_ns, end)
 
-    def issue(self, now_ns: int, orders: Iterable[Order], *, own: bool = False) -> None:
+    def issue(self, now_ns: int, requests: Iterable[CommandRequest], *, own: bool = False) -> None:
         """Send orders; the operator is told the ids of its own."""
-        for order in orders:
-            command_id = self.dispatcher.issue(now_ns, order)
-            self.operator.note_kind(command_id, order.kind)
+        for request in requests:
+            command_id = self.dispatcher.issue(now_ns, request)
+            self.operator.note_kind(command_id, request.kind)
             if own:
-                self.operator.issued(command_id, order)
+                self.operator.on_issued(command_id, request)
             elif not self.operator.finished:
-                self.issue(now_ns, self.operator.interfered(now_ns, order), own=True)
+                self.issue(now_ns, self.operator.on_external_request(now_ns, request), own=True)
 
     def state(self) -> dict[str, object]:
         """Return what the ground does next depends on, as plain data."""
-        scheduled = [[at_ns, order.words] for at_ns, order in self._schedule.entries()]
+        scheduled = [[at_ns, request.words] for at_ns, request in self._schedule.entries()]
         return {
             "operator": self.operator.state(),
             "commands": dict(self.dispatcher.state()),
             "scheduled": scheduled,
-            "heartbeats": self._pulse.beats,
+            "heartbeats": self._heartbeats.beats,
         }

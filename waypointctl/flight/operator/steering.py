@@ -16,8 +16,8 @@ from typing import Final
 
 from waypointctl.flight.executive.rules import FALL, TIMEOUT
 from waypointctl.flight.operator.leg_clock import LegClock
-from waypointctl.flight.operator.operator import LOOKAHEAD, Operator, ended_by_robot, leg_failed, rule_of_leg
-from waypointctl.flight.operator.order import Order
+from waypointctl.flight.operator.operator import Operator, ended_by_robot, leg_failed, rule_of_leg
+from waypointctl.flight.operator.requests import LOOKAHEAD, CommandRequest
 from waypointctl.log.messages import Ack, CommandKind, Event, EventKind, PlannedWaypoint, Stage, Telemetry
 from waypointctl.mission.fields import FURTHEST_M
 from waypointctl.mission.mission import Mission
@@ -54,44 +54,44 @@ class ShortRangeGoalOperator(Operator):
         self._at_task = False  # a waypoint with a hold or an observation is under way
         self._leg = 0
         self._clock = clock or LegClock(lambda left_ns: left_ns)
-        self._beat_ns: int | None = 0  # when the next goal is due under `continuous`
+        self._next_goal_ns: int | None = 0  # when the next goal is due under `continuous`
 
     @property
     def wake_ns(self) -> int | None:
         """When it wants to act next, if nothing arrives before [ns]."""
-        beat_ns = None if self.suspended or self._at_task else self._beat_ns
-        times = [time for time in (self._agenda.next_ns, beat_ns) if time is not None]
+        next_ns_ = None if self.suspended or self._at_task else self._next_goal_ns
+        times = [time for time in (self._queue.next_ns, next_ns_) if time is not None]
         return None if self.finished else min(times, default=None)
 
-    def begin(self) -> list[Order]:
+    def begin(self) -> list[CommandRequest]:
         """Send the first goal."""
-        self._beat_ns = self._period_ns if self._continuous else None
+        self._next_goal_ns = self._period_ns if self._continuous else None
         return [self._lookahead_goal()]
 
-    def issued(self, command_id: int, order: Order) -> None:
+    def on_issued(self, command_id: int, request: CommandRequest) -> None:
         """Learn the id of an order that has been sent."""
-        super().issued(command_id, order)
-        self._clock.issued(command_id, order)
+        super().on_issued(command_id, request)
+        self._clock.on_issued(command_id, request)
 
-    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+    def on_message(self, now_ns: int, message: Ack | Telemetry) -> list[CommandRequest]:
         """Take what has arrived; steering continuously, the next leg begins when the robot reports the waypoint."""
-        self._clock.hear(message)
-        orders = super().hear(now_ns, message)
+        self._clock.on_message(message)
+        requests = super().on_message(now_ns, message)
         if self._continuous and not self.finished and not self._at_task and self._leg_is_over():
-            return orders + self._next_leg(now_ns)
-        return orders
+            return requests + self._next_leg(now_ns)
+        return requests
 
-    def wake(self, now_ns: int) -> list[Order]:
+    def wake(self, now_ns: int) -> list[CommandRequest]:
         """Send what is due: thought about, or the period's goal."""
-        orders = self._unless_suspended(self._agenda.due(now_ns))
-        if self._beat_ns is None or self._beat_ns > now_ns or self.suspended or self._at_task:
-            return orders
-        self._beat_ns += self._period_ns
+        requests = self._unless_suspended(self._queue.due(now_ns))
+        if self._next_goal_ns is None or self._next_goal_ns > now_ns or self.suspended or self._at_task:
+            return requests
+        self._next_goal_ns += self._period_ns
         if self._is_out_of_time(now_ns) and not self._leg_is_over():
-            return orders + self._give_up_leg(now_ns, TIMEOUT)
-        return orders + self._after_thought(now_ns, self._lookahead_goal())
+            return requests + self._give_up_leg(now_ns, TIMEOUT)
+        return requests + self._after_think_time(now_ns, self._lookahead_goal())
 
-    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+    def _on_final(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
         if ack.reason == FALL:
             return self._finish(FALL)
         if self.finished or ack.command_id != self._newest.get(CommandKind.GO_TO):
@@ -103,7 +103,7 @@ class ShortRangeGoalOperator(Operator):
                 return self._next_leg(now_ns)
             if self._clock.is_over(self._plan[self._leg].timeout_ns):
                 return self._give_up_leg(now_ns, TIMEOUT)
-            return self._unless_suspended(self._after_thought(now_ns, self._lookahead_goal()))
+            return self._unless_suspended(self._after_think_time(now_ns, self._lookahead_goal()))
         return (
             self._give_up_leg(now_ns, ack.reason) if leg_failed(ack) else self._finish(ended_by_robot(ack, self._kinds))
         )
@@ -114,49 +114,51 @@ class ShortRangeGoalOperator(Operator):
         return self._clock.is_over(timeout_ns) or self._clock.is_silent(now_ns, timeout_ns)
 
     def _leg_is_over(self) -> bool:
-        return self.belief.knows_reached(self._plan[self._leg].index)
+        return self.view.knows_reached(self._plan[self._leg].index)
 
-    def _give_up_leg(self, now_ns: int, code: str) -> list[Order]:
+    def _give_up_leg(self, now_ns: int, code: str) -> list[CommandRequest]:
         if not self._skips:
             return self._finish(code)
-        self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, self._plan[self._leg], f"skipped: {code}")
+        self._announce_decision(now_ns, EventKind.WAYPOINT_SKIPPED, self._plan[self._leg], f"skipped: {code}")
         return self._next_leg(now_ns)
 
-    def _next_leg(self, now_ns: int) -> list[Order]:
+    def _next_leg(self, now_ns: int) -> list[CommandRequest]:
         if self._leg + 1 == len(self._plan):
             return self._finish()
         self._leg, self._at_task = self._leg + 1, False
-        self._beat_again(now_ns)
-        self._clock.restart((now_ns if self._beat_ns is None else self._beat_ns) + self._think_ns)
-        return [] if self._continuous else self._unless_suspended(self._after_thought(now_ns, self._lookahead_goal()))
+        self._skip_missed_goals(now_ns)
+        self._clock.restart((now_ns if self._next_goal_ns is None else self._next_goal_ns) + self._think_time_ns)
+        return (
+            [] if self._continuous else self._unless_suspended(self._after_think_time(now_ns, self._lookahead_goal()))
+        )
 
-    def _unless_suspended(self, orders: list[Order]) -> list[Order]:
+    def _unless_suspended(self, requests: list[CommandRequest]) -> list[CommandRequest]:
         """Return what to send, or put it off until the hold is over."""
         if not self.suspended:
-            return orders
-        self._put_off = self._put_off or bool(orders)
+            return requests
+        self._put_off = self._put_off or bool(requests)
         return []
 
-    def _beat_again(self, now_ns: int) -> None:
+    def _skip_missed_goals(self, now_ns: int) -> None:
         """Let the next beat be one that is not over yet: there were none during a hold or a task."""
-        if self._beat_ns is not None and self._beat_ns < now_ns:
-            self._beat_ns -= (self._beat_ns - now_ns) // self._period_ns * self._period_ns
+        if self._next_goal_ns is not None and self._next_goal_ns < now_ns:
+            self._next_goal_ns -= (self._next_goal_ns - now_ns) // self._period_ns * self._period_ns
 
-    def _go_on(self, now_ns: int) -> list[Order]:
-        self._beat_again(now_ns)
+    def _resume(self, now_ns: int) -> list[CommandRequest]:
+        self._skip_missed_goals(now_ns)
         self._clock.restart(now_ns)
         put_off, self._put_off = self._put_off, False
         return [self._lookahead_goal()] if put_off else []
 
-    def _lookahead_goal(self) -> Order:
-        waypoint, frame = self._plan[self._leg], self.belief.telemetry
+    def _lookahead_goal(self) -> CommandRequest:
+        waypoint, frame = self._plan[self._leg], self.view.telemetry
         x_m, y_m = self._start if frame is None else (frame.x_m, frame.y_m)
         distance_m = math.dist((x_m, y_m), (waypoint.x_m, waypoint.y_m))
         if distance_m <= self._lookahead_m:
             # Where there is something to do the robot is not to be called away from it.
             self._at_task = bool(waypoint.hold_ns or waypoint.task)
-            fleeting = self._continuous and not self._at_task
-            return self._clock.of_this_leg(Order(CommandKind.GO_TO, (waypoint,), self._rule, fleeting=fleeting))
+            transient = self._continuous and not self._at_task
+            return self._clock.include(CommandRequest(CommandKind.GO_TO, (waypoint,), self._rule, transient=transient))
         part = self._lookahead_m / distance_m
         place = PlannedWaypoint(
             index=LOOKAHEAD,
@@ -168,8 +170,8 @@ class ShortRangeGoalOperator(Operator):
             timeout_ns=waypoint.timeout_ns,
             hold_ns=0,
         )
-        order = Order(CommandKind.GO_TO, (place,), self._rule, fleeting=self._continuous)
-        return self._clock.of_this_leg(order)
+        request = CommandRequest(CommandKind.GO_TO, (place,), self._rule, transient=self._continuous)
+        return self._clock.include(request)
 
 
 def _in_bounds(coordinate_m: float) -> float:

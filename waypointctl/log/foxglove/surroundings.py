@@ -90,9 +90,9 @@ class Surroundings:
 
     def lost(self, record: LinkRecord) -> None:
         """Take note of a message that the link did more to than to delay it."""
-        if record.fate in NOT_DELIVERED and record.way in self._counts:
+        if record.outcome in NOT_DELIVERED and record.direction in self._counts:
             count = sum(self._counts.values())
-            self._counts[record.way] += 1
+            self._counts[record.direction] += 1
             if count % self._stride == 0:
                 self._lost.append(self._place)
             if len(self._lost) > MAX_LOST:

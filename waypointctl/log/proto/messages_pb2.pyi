@@ -535,19 +535,19 @@ class LinkRecord(_message.Message):
     DESCRIPTOR: _descriptor.Descriptor
 
     TIME_NS_FIELD_NUMBER: _builtins.int
-    WAY_FIELD_NUMBER: _builtins.int
-    WHAT_FIELD_NUMBER: _builtins.int
+    DIRECTION_FIELD_NUMBER: _builtins.int
+    MESSAGE_FIELD_NUMBER: _builtins.int
     NUMBER_FIELD_NUMBER: _builtins.int
     SIZE_BYTES_FIELD_NUMBER: _builtins.int
     DEPARTS_NS_FIELD_NUMBER: _builtins.int
     ARRIVES_NS_FIELD_NUMBER: _builtins.int
-    FATE_FIELD_NUMBER: _builtins.int
+    OUTCOME_FIELD_NUMBER: _builtins.int
     DELAY_S_FIELD_NUMBER: _builtins.int
     time_ns: _builtins.int
     """when it was handed to the link"""
-    way: _builtins.str
+    direction: _builtins.str
     """"up" or "down" """
-    what: _builtins.str
+    message: _builtins.str
     """"command", "ack", "telemetry", ..."""
     number: _builtins.int
     """the command's id, the frame's number, or the control step"""
@@ -555,8 +555,8 @@ class LinkRecord(_message.Message):
     """on the wire"""
     departs_ns: _builtins.int
     """when its first bit leaves; -1 if it does not"""
-    fate: _builtins.str
-    """"waited", "doubled", "lost", "queue_full" or "no_contact" """
+    outcome: _builtins.str
+    """"queued", "duplicated", "lost", "queue_full" or "no_contact" """
     delay_s: _builtins.float
     """its first arrival - time; 0 if it does not arrive"""
     @_builtins.property
@@ -567,18 +567,18 @@ class LinkRecord(_message.Message):
         self,
         *,
         time_ns: _builtins.int = ...,
-        way: _builtins.str = ...,
-        what: _builtins.str = ...,
+        direction: _builtins.str = ...,
+        message: _builtins.str = ...,
         number: _builtins.int = ...,
         size_bytes: _builtins.int = ...,
         departs_ns: _builtins.int = ...,
         arrives_ns: _abc.Iterable[_builtins.int] | None = ...,
-        fate: _builtins.str = ...,
+        outcome: _builtins.str = ...,
         delay_s: _builtins.float = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["arrives_ns", b"arrives_ns", "delay_s", b"delay_s", "departs_ns", b"departs_ns", "fate", b"fate", "number", b"number", "size_bytes", b"size_bytes", "time_ns", b"time_ns", "way", b"way", "what", b"what"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["arrives_ns", b"arrives_ns", "delay_s", b"delay_s", "departs_ns", b"departs_ns", "direction", b"direction", "message", b"message", "number", b"number", "outcome", b"outcome", "size_bytes", b"size_bytes", "time_ns", b"time_ns"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 

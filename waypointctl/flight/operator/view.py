@@ -9,7 +9,7 @@ from waypointctl.log.messages import FINAL_STAGES, Ack, Mode, Stage, Telemetry
 
 
 @dataclass(slots=True)
-class Belief:
+class OperatorView:
     """The operator's picture of the robot.
 
     Attributes:
@@ -37,11 +37,11 @@ class Belief:
         return index in self._reached
 
     @property
-    def is_whole(self) -> bool:
+    def is_current(self) -> bool:
         """Whether a frame has arrived that is no older than the last end heard of: the one before it may be lost."""
         return self.ended_ns < 0 or (self.telemetry is not None and self.telemetry.issued_ns >= self.ended_ns)
 
-    def hear(self, message: Ack | Telemetry) -> None:
+    def on_message(self, message: Ack | Telemetry) -> None:
         """Take what has arrived."""
         if isinstance(message, Telemetry):
             if self.telemetry is None or message.frame >= self.telemetry.frame:  # one that was overtaken is no news

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.flight.executive.rig import A, Rig
-from waypointctl.flight.executive.life import Life
+from waypointctl.flight.executive.command_tracker import CommandTracker
 from waypointctl.log.messages import Command, CommandKind, Stage
 
 
@@ -33,7 +33,7 @@ def test_what_is_not_in_a_checkpoint_any_more_is_still_obeyed_once() -> None:
     for number in range(1, 400):
         rig.send(1.0, CommandKind.GO_TO, A, id=number)
     rig.send(2.0, CommandKind.GO_TO, A, id=1)
-    assert rig.life(1) == [Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED, Stage.SUPERSEDED]
+    assert rig.stages_of(1) == [Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED, Stage.SUPERSEDED]
     assert rig.reminders[-1].stage is Stage.SUPERSEDED
 
 
@@ -63,31 +63,31 @@ times = st.integers(-1, 20)
 def test_what_has_arrived_waits_and_expires_as_when_each_command_is_looked_at(
     arrivals: list[tuple[int, int, int]], cancelled: list[int], looks: list[int]
 ) -> None:
-    life, commands = Life(lambda _: None, lambda _: None), {}
+    tracker, commands = CommandTracker(lambda _: None, lambda _: None), {}
     for number, not_before, expires in arrivals:
         if number in commands:
             continue
         commands[number] = command = Command(
             number, CommandKind.HOLD, (), "", 0, 0, not_before_ns=not_before, expires_ns=expires
         )
-        life.receive(0, command)
-        life.advance(0, number, Stage.ACCEPTED)
-        life.postpone(command)
+        tracker.receive(0, command)
+        tracker.advance(0, number, Stage.ACCEPTED)
+        tracker.postpone(command)
     for number in range(1, 14):
-        assert life.knows_all_before(number) == all(one in commands for one in range(1, number))
+        assert tracker.knows_all_before(number) == all(one in commands for one in range(1, number))
     still = dict(commands)
     for number in cancelled:
         if number in still:
-            life.advance(0, number, Stage.CANCELLED)
+            tracker.advance(0, number, Stage.CANCELLED)
             del still[number]
     for now in sorted(looks):
         over = [number for number, command in still.items() if 0 <= command.expires_ns < now]
         expiries = [command.expires_ns for command in still.values() if command.expires_ns >= 0]
-        assert life.next_expiry_ns == min(expiries, default=None)
-        assert life.expired(now) == over
+        assert tracker.next_expiry_ns == min(expiries, default=None)
+        assert tracker.expired(now) == over
         for number in over:
-            life.advance(now, number, Stage.EXPIRED)
+            tracker.advance(now, number, Stage.EXPIRED)
             del still[number]
     due = sorted(still.values(), key=lambda command: (command.not_before_ns, command.id))
-    assert life.pending == due
-    assert [life.take_due(20) for _ in due] == due
+    assert tracker.pending == due
+    assert [tracker.take_due(20) for _ in due] == due

@@ -40,7 +40,7 @@ class Record:
 
 
 @dataclass(slots=True)
-class Life:
+class CommandTracker:
     """Every command that has arrived, by its id.
 
     Attributes:

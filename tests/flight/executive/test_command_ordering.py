@@ -30,7 +30,7 @@ def test_the_carrot_that_is_followed_never_goes_back(order: list[int], doubled: 
     assert followed == sorted(followed)
     assert followed[-1] == (29, 29.0)
     late = [number for place, number in enumerate(order) if number < max(order[: place + 1])]
-    assert [rig.life(number) for number in late] == [[Stage.RECEIVED, Stage.SKIPPED]] * len(late)
+    assert [rig.stages_of(number) for number in late] == [[Stage.RECEIVED, Stage.SKIPPED]] * len(late)
     assert all(rig.ended(number)[1].startswith("overtaken by command ") for number in late)
 
 
@@ -62,7 +62,7 @@ def test_what_is_cancelled_before_it_comes_is_not_done() -> None:
     assert rig.ended(2) == (Stage.CANCELLED, "by command 3")
     assert rig.executive.mode is Mode.IDLE
     rig = arrived([Sent(GO_TO, (A,)), Sent(HOLD), Sent(CANCEL, target_id=2)], (1, 3, 2))
-    assert rig.life(2) == [Stage.RECEIVED, Stage.CANCELLED]
+    assert rig.stages_of(2) == [Stage.RECEIVED, Stage.CANCELLED]
     assert rig.executive.mode is Mode.NAVIGATING
 
 
@@ -133,7 +133,7 @@ def test_what_has_waited_until_now_comes_before_what_arrives_now() -> None:
     rig.sense(9.98, "start")
     assert rig.send(10.0, RESUME, id=3) is Stage.COMPLETED
     assert rig.sense(10.0, "start") is Mode.NAVIGATING
-    assert rig.life(2)[-1] is Stage.COMPLETED
+    assert rig.stages_of(2)[-1] is Stage.COMPLETED
     late = arrived([Sent(GO_TO, (A,))], (1,))
     late.send(2.0, HOLD, id=2, not_before=9.985, expires=9.99)
     late.send(10.0, GO_TO, B, id=3)
@@ -160,7 +160,7 @@ def test_of_two_settings_that_follow_a_command_the_one_that_starts_last_is_taken
 def test_what_is_cancelled_before_its_time_ends_nothing_when_it_comes() -> None:
     rig = arrived([Sent(GO_TO, (A,)), Sent(GO_TO, (B,), not_before=10.0), Sent(CANCEL, target_id=2)], (1, 3))
     rig.send(11.0, GO_TO, B, id=2, not_before=10.0)
-    assert rig.life(2) == [Stage.RECEIVED, Stage.CANCELLED]
+    assert rig.stages_of(2) == [Stage.RECEIVED, Stage.CANCELLED]
     assert rig.executive.target == A
 
 

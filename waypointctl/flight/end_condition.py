@@ -14,15 +14,15 @@ from typing import Any, Final
 from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.link.direction import Direction
 from waypointctl.flight.link.frames import Heartbeat
-from waypointctl.flight.news import News
 from waypointctl.flight.operator.station import Station
+from waypointctl.flight.reporter import TelemetryChanges
 from waypointctl.log.messages import Ack, Mode, Telemetry
 
 DEAF_AFTER: Final = 1000  # frames that tell the same and are all lost: then nobody waits for the next
 
 
 @dataclass(frozen=True, slots=True)
-class Closing:
+class EndCondition:
     """Tells whether a flight is over.
 
     Attributes:
@@ -36,7 +36,7 @@ class Closing:
 
     station: Station
     executive: Executive
-    news: News
+    changes: TelemetryChanges
     up: Direction[Any]
     down: Direction[Any]
     is_still: Callable[[int], bool]
@@ -47,7 +47,7 @@ class Closing:
 
     def is_silent(self, now_ns: int) -> bool:
         """Tell whether nothing can happen any more: the robot rests, and nobody sends or hears anything."""
-        if not self.is_still(now_ns) or self.station.console_is_open or not self.station.plans_nothing:
+        if not self.is_still(now_ns) or self.station.console_is_open or not self.station.is_idle:
             return False
         if not self._is_quiet(now_ns):
             return False
@@ -69,20 +69,20 @@ class Closing:
 
     def _is_heard(self, now_ns: int) -> bool:
         """Tell whether the robot will hear from the ground, if only a sign of life."""
-        beats = self.station.next_beat_ns is not None and not self.up.is_dead(now_ns)
+        beats = self.station.next_heartbeat_ns is not None and not self.up.is_dead(now_ns)
         return beats or self.up.next_arrival_ns is not None
 
     def _is_heard_before(self, now_ns: int, time_ns: int) -> bool:
         """Tell whether the robot will hear from the ground before a time [ns], unless the link loses it."""
-        arrival_ns, beat_ns = self.up.next_arrival_ns, self.station.next_beat_ns
-        if arrival_ns is None and beat_ns is not None and not self.up.is_dead(now_ns):
-            arrival_ns = self.up.latest_arrival_ns(beat_ns, 1)
+        arrival_ns, next_ns_ = self.up.next_arrival_ns, self.station.next_heartbeat_ns
+        if arrival_ns is None and next_ns_ is not None and not self.up.is_dead(now_ns):
+            arrival_ns = self.up.latest_arrival_ns(next_ns_, 1)
         return arrival_ns is not None and arrival_ns <= time_ns
 
     def _is_told(self, now_ns: int) -> bool:
         """Tell whether the operator has heard how the robot stands, or cannot hear it any more."""
-        if self.news.are_in(self.station.belief.telemetry):
+        if self.changes.reported_in(self.station.view.telemetry):
             return True
-        if not self.down.is_dead(now_ns) and self.news.newest - self.news.first < DEAF_AFTER:
+        if not self.down.is_dead(now_ns) and self.changes.newest - self.changes.first < DEAF_AFTER:
             return False
-        return not any(isinstance(one, Telemetry) and self.news.are_in(one) for _, one in self.down.under_way)
+        return not any(isinstance(one, Telemetry) and self.changes.reported_in(one) for _, one in self.down.under_way)

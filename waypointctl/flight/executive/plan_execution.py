@@ -9,12 +9,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.flight.executive.command_ordering import Sequence
+from waypointctl.flight.executive.command_tracker import CommandTracker
 from waypointctl.flight.executive.leg import Leg
-from waypointctl.flight.executive.life import Life
-from waypointctl.flight.executive.machine import ON_AGAIN, SUSPENDED, UNDER_WAY, Machine, Signal
-from waypointctl.flight.executive.plan import Item, Plan
+from waypointctl.flight.executive.plan import Plan, PlanItem
 from waypointctl.flight.executive.rules import AT_HOME, RETURN_FAILED, Rules
-from waypointctl.flight.executive.sequence import Sequence
+from waypointctl.flight.executive.state_machine import RESUME_SIGNALS, SUSPENDED, UNDER_WAY, Signal, StateMachine
 from waypointctl.log.messages import Clock, Event, EventKind, Mode, PlannedWaypoint, Severity, Stage
 
 FloatArray = NDArray[np.float64]
@@ -25,7 +25,7 @@ _NO_GOALS: Final = np.zeros((1, 2, 2))
 
 
 @dataclass(slots=True)
-class Walk:
+class PlanExecution:
     """What the robot is doing about its plan.
 
     Attributes:
@@ -47,11 +47,11 @@ class Walk:
     """
 
     rules: Rules
-    life: Life
+    tracker: CommandTracker
     announce: Callable[[Event], None]
-    machine: Machine = field(default_factory=Machine)
+    machine: StateMachine = field(default_factory=StateMachine)
     plan: Plan = field(default_factory=Plan)
-    sequence: Sequence = field(default_factory=Sequence)
+    ordering: Sequence = field(default_factory=Sequence)
     leg: Leg | None = None
     stood_ns: int = 0
     reached: tuple[int, ...] = ()
@@ -87,15 +87,15 @@ class Walk:
         item = self.plan.current
         assert item is not None
         self.suspended, self.leg, self.cause, self.command_id = None, None, "", item.command_id
-        if not self.life.has_started(item.command_id):
-            self.life.advance(now_ns, item.command_id, Stage.STARTED)
+        if not self.tracker.has_started(item.command_id):
+            self.tracker.advance(now_ns, item.command_id, Stage.STARTED)
         if not item.released:
-            self.machine.signal(Signal.WITHHELD)
-            self.tell(now_ns, EventKind.RELEASE_AWAITED, f"waiting for the release of {item.waypoint.name}", item)
+            self.machine.signal(Signal.AWAIT_RELEASE)
+            self.emit(now_ns, EventKind.RELEASE_AWAITED, f"waiting for the release of {item.waypoint.name}", item)
             return
-        self.machine.signal(Signal.SET_OUT)
+        self.machine.signal(Signal.START_LEG)
         self.leg = Leg(item.waypoint, self.plan.following or item.waypoint, now_ns, best_ns=now_ns)
-        self.tell(now_ns, EventKind.LEG_STARTED, f"walking to {item.waypoint.name}", item)
+        self.emit(now_ns, EventKind.LEG_STARTED, f"walking to {item.waypoint.name}", item)
 
     def suspend(self, now_ns: int, signal: Signal, cause: str) -> None:
         """Stand, and keep what was under way for later; from a stand for one reason into one for another."""
@@ -106,12 +106,12 @@ class Walk:
         paused = signal is Signal.PAUSE
         kind = EventKind.NAVIGATION_PAUSED if paused else EventKind.SAFE_HOLD_STARTED
         severity = Severity.INFO if paused else Severity.WARNING
-        self.tell(now_ns, kind, f"standing: {cause}", self.plan.current, severity)
+        self.emit(now_ns, kind, f"standing: {cause}", self.plan.current, severity)
 
-    def go_on(self, now_ns: int) -> None:
+    def resume(self, now_ns: int) -> None:
         """Go on with what a pause kept it from; its clocks stood still meanwhile."""
-        self.tell(now_ns, EventKind.NAVIGATION_RESUMED, "going on", self.plan.current)
-        signal = None if self.suspended is None else ON_AGAIN.get(self.suspended)
+        self.emit(now_ns, EventKind.NAVIGATION_RESUMED, "going on", self.plan.current)
+        signal = None if self.suspended is None else RESUME_SIGNALS.get(self.suspended)
         self.cause = "" if self.home_id is None else self.home_cause
         if signal is None:  # it waited for a release, or what was under way is over
             self.proceed(now_ns)
@@ -122,13 +122,13 @@ class Walk:
         if self.leg is not None:
             self.leg.shift(now_ns - self.suspended_ns)
 
-    def pass_over(self, now_ns: int, item: Item, cause: str) -> None:
+    def skip_item(self, now_ns: int, item: PlanItem, cause: str) -> None:
         """Leave the plan's current waypoint without having reached it, or with its task undone."""
         text = f"{item.waypoint.name} skipped: {cause}"
-        self.tell(now_ns, EventKind.WAYPOINT_SKIPPED, text, item, Severity.WARNING)
-        self.conclude(now_ns, item)
+        self.emit(now_ns, EventKind.WAYPOINT_SKIPPED, text, item, Severity.WARNING)
+        self.finish_item(now_ns, item)
 
-    def conclude(self, now_ns: int, item: Item) -> None:
+    def finish_item(self, now_ns: int, item: PlanItem) -> None:
         """Have done with a waypoint of the plan; after the current one go on with the next, unless it is paused."""
         was_current = item is self.plan.current
         self.plan.end([item])
@@ -136,43 +136,43 @@ class Walk:
             self.finish(now_ns, item.command_id)
             return
         if not self.plan.has_open(item.command_id):
-            self.life.advance(now_ns, item.command_id, Stage.COMPLETED)
+            self.tracker.advance(now_ns, item.command_id, Stage.COMPLETED)
         self._after_a_change(now_ns, moved_on=was_current)
 
     def finish(self, now_ns: int, command_id: int) -> None:
         """Stand, with all done: the command's last waypoint is over, or it is home."""
-        self.machine.signal(Signal.FINISH)
+        self.machine.signal(Signal.COMPLETE)
         self.leg, self.suspended, self.home_id, self.cause = None, None, None, ""
-        self.tell(now_ns, EventKind.PLAN_COMPLETED, f"command {command_id} completed", command_id=command_id)
-        self.life.advance(now_ns, command_id, Stage.COMPLETED)
+        self.emit(now_ns, EventKind.PLAN_COMPLETED, f"command {command_id} completed", command_id=command_id)
+        self.tracker.advance(now_ns, command_id, Stage.COMPLETED)
 
     def stay_home(self) -> None:
         """Stand at home, where a rule has sent it."""
         self.leg, self.suspended, self.home_id = None, None, None
-        self.machine.signal(Signal.SECURE)
+        self.machine.signal(Signal.SAFE_HOLD)
         self.cause = AT_HOME + self.home_cause
 
-    def look_again(self) -> None:
+    def retarget(self) -> None:
         """Take what has changed in the plan into the leg that is under way."""
         item = self.plan.current
         if self.leg is not None and item is not None and self.home_id is None:
             self.leg.aim(item.waypoint, self.plan.following or item.waypoint)
 
-    def drop(self, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
+    def remove_command(self, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
         """Take a command that is under way out of the plan; go on with what other commands want, or stand."""
         before = self.plan.current
         self.plan.end(self.plan.open_items(command_id))
         if self.plan.current is None:  # nothing is left; on the way home there is no plan either
-            self.rest()
-            self.life.advance(now_ns, command_id, stage, reason)
+            self.stand_idle()
+            self.tracker.advance(now_ns, command_id, stage, reason)
             return
-        self.life.advance(now_ns, command_id, stage, reason)
+        self.tracker.advance(now_ns, command_id, stage, reason)
         self._after_a_change(now_ns, moved_on=self.plan.current is not before)
 
-    def rest(self) -> None:
+    def stand_idle(self) -> None:
         """Stand, with nothing to do."""
         self.clear()
-        self.machine.signal(Signal.DROP)
+        self.machine.signal(Signal.CLEAR)
 
     def clear(self) -> None:
         """Forget the plan, and the way home; its commands' stages and the mode are for the caller to set."""
@@ -183,16 +183,16 @@ class Walk:
         commands = self.under_way
         self.clear()
         for command_id in commands:
-            self.life.advance(now_ns, command_id, stage, reason)
+            self.tracker.advance(now_ns, command_id, stage, reason)
 
     def fail_all(self, now_ns: int, code: str) -> None:
         """Forget the plan, and the way home; the command under way has failed, and the rest is cancelled."""
         commands = self.under_way
         self.clear()
         for command_id in commands[:1]:
-            self.life.advance(now_ns, command_id, Stage.FAILED, code)
+            self.tracker.advance(now_ns, command_id, Stage.FAILED, code)
         for command_id in commands[1:]:
-            self.life.advance(now_ns, command_id, Stage.CANCELLED, f"plan given up: {code}")
+            self.tracker.advance(now_ns, command_id, Stage.CANCELLED, f"plan given up: {code}")
 
     @property
     def under_way(self) -> list[int]:
@@ -206,11 +206,11 @@ class Walk:
         self.home_id = self.command_id = command_id
         self.cause = self.home_cause = cause
         self.leg = Leg(self.rules.home, self.rules.home, now_ns, best_ns=now_ns)
-        self.tell(now_ns, EventKind.RETURN_STARTED, f"walking home: {cause}" if cause else "walking home")
+        self.emit(now_ns, EventKind.RETURN_STARTED, f"walking home: {cause}" if cause else "walking home")
 
-    def give_up(self, now_ns: int, code: str) -> None:
+    def fail(self, now_ns: int, code: str) -> None:
         """End what is under way as failed: the plan, a single goal, or the way home."""
-        self.machine.signal(Signal.GIVE_UP)
+        self.machine.signal(Signal.FAIL)
         item = self.plan.current
         kind, what = EventKind.PLAN_FAILED, "plan given up at {}"
         if item is None:
@@ -218,16 +218,16 @@ class Walk:
         elif item.alone:  # what follows is for the ground to decide, which has the rest of the plan
             what = "{} given up"
         text = f"{what.format(item.waypoint.name if item else '')}: {code}"
-        self.tell(now_ns, kind, text, item, Severity.ERROR)
+        self.emit(now_ns, kind, text, item, Severity.ERROR)
         self.fail_all(now_ns, code)
         self.cause = RETURN_FAILED + code if item is None else ""
 
-    def tell(
+    def emit(
         self,
         now_ns: int,
         kind: EventKind,
         text: str,
-        item: Item | None = None,
+        item: PlanItem | None = None,
         severity: Severity = Severity.INFO,
         command_id: int | None = None,
     ) -> None:
@@ -240,7 +240,7 @@ class Walk:
     def _after_a_change(self, now_ns: int, *, moved_on: bool) -> None:
         """Follow a change of the plan, which has waypoints left."""
         if not moved_on:
-            self.look_again()
+            self.retarget()
         elif self.mode in SUSPENDED:
             self.suspended, self.leg = None, None
         else:

@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 
 @dataclass(slots=True)
-class Agenda(Generic[T]):
+class EventQueue(Generic[T]):
     """Things to do at a time, in the order of their times, and as they were noted where those are the same."""
 
     _entries: list[tuple[int, int, T]] = field(default_factory=list)  # a heap: (time, number, what)
@@ -21,7 +21,7 @@ class Agenda(Generic[T]):
         """When the first is due [ns]; None where there is none."""
         return self._entries[0][0] if self._entries else None
 
-    def note(self, at_ns: int, what: T) -> None:
+    def add(self, at_ns: int, what: T) -> None:
         """Note something to do."""
         self._noted += 1
         heapq.heappush(self._entries, (at_ns, self._noted, what))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from waypointctl.flight.executive.rules import AT_HOME, FALL, TIMEOUT
 from waypointctl.flight.link.frames import BodyFrame
 from waypointctl.flight.operator.operator import Operator, ended_by_robot, leg_failed
-from waypointctl.flight.operator.order import Order
+from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import (
     Ack,
     CommandKind,
@@ -41,7 +41,7 @@ from waypointctl.task.progress import reached
 FloatArray = NDArray[np.float64]
 
 
-class Pilot(Operator):
+class JointOperator(Operator):
     """Walks the robot from the ground."""
 
     def __init__(self, mission: Mission, policy: Policy, noise: FloatArray, announce: Callable[[Event], None]) -> None:
@@ -68,28 +68,28 @@ class Pilot(Operator):
         """Whether every state of the robot that arrives may make it send something."""
         return not (self.finished or self.suspended or self._at_task)
 
-    def begin(self) -> list[Order]:
+    def begin(self) -> list[CommandRequest]:
         """Send nothing: the first state is answered."""
         return []
 
-    def hear(self, now_ns: int, message: Ack | Telemetry) -> list[Order]:
+    def on_message(self, now_ns: int, message: Ack | Telemetry) -> list[CommandRequest]:
         """Take what has arrived; a fall ends it."""
-        orders = super().hear(now_ns, message)
+        requests = super().on_message(now_ns, message)
         if isinstance(message, Telemetry) and message.mode is Mode.FALLEN and not self.finished:
             return self._finish(FALL)
-        return orders
+        return requests
 
-    def see(self, now_ns: int, frame: BodyFrame) -> tuple[GroundControl | None, list[Order]]:
+    def on_state(self, now_ns: int, frame: BodyFrame) -> tuple[GroundControl | None, list[CommandRequest]]:
         """Take a state that has arrived; return the action that answers it, and what else to send."""
         if self.finished or self.suspended or self._stands(frame):
             return None, []
-        orders = self._judge(now_ns, frame)
+        requests = self._judge(now_ns, frame)
         if self.finished or self._stands(frame):
-            return None, orders
+            return None, requests
         body = body_of(frame.qpos[np.newaxis], frame.qvel[np.newaxis])
         observation = self._layout.observe(body, Goals(self._goals, self._noise))
         action = self._policy.act(observation)
-        return GroundControl(now_ns, frame.step, frame.issued_ns, observation[0], action[0]), orders
+        return GroundControl(now_ns, frame.step, frame.issued_ns, observation[0], action[0]), requests
 
     def state(self) -> dict[str, object]:
         """Return what it will do next depends on, as plain data."""
@@ -100,7 +100,7 @@ class Pilot(Operator):
         """Tell whether the robot is to be left alone: it holds, or does what is to be done at a waypoint."""
         return self._at_task or frame.issued_ns < self._rests_until_ns
 
-    def _judge(self, now_ns: int, frame: BodyFrame) -> list[Order]:
+    def _judge(self, now_ns: int, frame: BodyFrame) -> list[CommandRequest]:
         """See whether the leg is over. It is judged after its first control period, as on board."""
         waypoint = self._plan[self._leg]
         if frame.issued_ns <= self._since_ns:
@@ -108,39 +108,41 @@ class Pilot(Operator):
         acceptance = Acceptance.of(waypoint.acceptance, waypoint.tolerance_m)
         if reached(acceptance, frame.qpos[np.newaxis, :2], self._goals[:, 0])[0]:
             self._reached.append(waypoint.index)
-            self._tell(now_ns, EventKind.WAYPOINT_REACHED, waypoint, "reached, as seen from the ground", Severity.INFO)
+            self._announce_decision(
+                now_ns, EventKind.WAYPOINT_REACHED, waypoint, "reached, as seen from the ground", Severity.INFO
+            )
             if waypoint.task or (waypoint.hold_ns and self._is_last):
                 self._at_task = True
-                return [Order(CommandKind.GO_TO, (waypoint,), "abort")]
+                return [CommandRequest(CommandKind.GO_TO, (waypoint,), "abort")]
             return self._next_leg(frame.issued_ns, waypoint.hold_ns)
         if frame.issued_ns - self._since_ns < waypoint.timeout_ns:
             return []
-        self._tell(now_ns, EventKind.WAYPOINT_TIMEOUT, waypoint, "not reached in time")
+        self._announce_decision(now_ns, EventKind.WAYPOINT_TIMEOUT, waypoint, "not reached in time")
         if self._skips:
-            self._tell(now_ns, EventKind.WAYPOINT_SKIPPED, waypoint, f"skipped: {TIMEOUT}")
+            self._announce_decision(now_ns, EventKind.WAYPOINT_SKIPPED, waypoint, f"skipped: {TIMEOUT}")
             return self._next_leg(frame.issued_ns, 0)
         return [*self._stop(), *self._finish(self._taken_by or TIMEOUT)]
 
-    def _next_leg(self, since_ns: int, hold_ns: int) -> list[Order]:
+    def _next_leg(self, since_ns: int, hold_ns: int) -> list[CommandRequest]:
         """Turn to the next waypoint, after a hold; since_ns is on the robot's clock."""
-        orders = self._stop() if hold_ns or self._is_last else []
+        requests = self._stop() if hold_ns or self._is_last else []
         if self._is_last:
-            return orders + self._finish()
+            return requests + self._finish()
         self._leg += 1
         self._goals = self._goals_of(self._leg)
         self._rests_until_ns = since_ns + hold_ns if hold_ns else -1
         self._since_ns = max(since_ns, self._rests_until_ns)
-        return orders
+        return requests
 
-    def _stop(self) -> list[Order]:
+    def _stop(self) -> list[CommandRequest]:
         """Return what makes the robot stand; nothing where it is known to be on its way home, which is not cut off."""
-        frame = self.belief.telemetry
-        return [] if frame is not None and frame.mode is Mode.RETURNING else [Order(CommandKind.HOLD)]
+        frame = self.view.telemetry
+        return [] if frame is not None and frame.mode is Mode.RETURNING else [CommandRequest(CommandKind.HOLD)]
 
     @property
     def _taken_by(self) -> str:
         """The rule on board that has taken the motors from the ground, as the newest frame tells it; empty for none."""
-        frame = self.belief.telemetry
+        frame = self.view.telemetry
         taken = frame is not None and frame.mode in (Mode.RETURNING, Mode.SAFE)
         return frame.cause.removeprefix(AT_HOME) if frame is not None and taken else ""
 
@@ -153,7 +155,7 @@ class Pilot(Operator):
         two = self._plan[leg], self._plan[min(leg + 1, len(self._plan) - 1)]
         return np.array([[[waypoint.x_m, waypoint.y_m] for waypoint in two]])
 
-    def _concluded(self, now_ns: int, ack: Ack) -> list[Order]:
+    def _on_final(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
         if self.finished:
             return []
         if ack.reason == FALL:

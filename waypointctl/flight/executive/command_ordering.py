@@ -82,7 +82,7 @@ class Sequence:
         self.kept = self.kept and command_id == self._newest + 1
         self._newest = max(self._newest, command_id)
 
-    def obey(self, command: Command, start_ns: int) -> None:
+    def execute(self, command: Command, start_ns: int) -> None:
         """Take note of what is obeyed now, and of when it was to start [ns]."""
         kind, released = command.kind, 0
         if kind is CommandKind.ABORT:
