@@ -81,7 +81,7 @@ class EndCondition:
 
     def _is_told(self, now_ns: int) -> bool:
         """Tell whether the operator has heard how the robot stands, or cannot hear it any more."""
-        if self.changes.reported_in(self.station.view.telemetry):
+        if self.changes.reported_in(self.station.reported.telemetry):
             return True
         if not self.down.is_dead(now_ns) and self.changes.newest - self.changes.first < DEAF_AFTER:
             return False

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from waypointctl.flight.executive.rules import AT_HOME, FALL, GEOFENCE, LEG_FAILED, LINK_LOST, RETURN_FAILED, rules_of
+from waypointctl.flight.executive.rules import AT_HOME, FALL, GEOFENCE, LEG_FAILED, LINK_LOST, RETURN_FAILED, home_of
 from waypointctl.flight.executive.state_machine import POLICY_MODES
 from waypointctl.flight.operator.station import Station
 from waypointctl.log.messages import Mode, Telemetry
@@ -51,7 +51,7 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     """
     total, reached = mission.num_legs, len(station.reached)
     told_ns = ended_ns if known_ns is None else known_ns
-    where = last_known_place(mission, station.view.telemetry, went_home=station.view.went_home)
+    where = last_known_place(mission, station.reported.telemetry, went_home=station.reported.went_home)
     limit_s = mission.expect.max_time_s
     late = late or (limit_s is not None and known_ns is not None and known_ns > ns(limit_s))
     problem, expected = problem_of(mission, station, over=known_ns is not None, late=late)
@@ -59,14 +59,14 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     if problem:
         reason = f"{problem}: {facts}{'; ' * bool(where)}{where}"
         return FlightResult("failure", reason, reached, total, ended_ns, told_ns)
-    reason = f"{facts}; {where}" if station.view.went_home else facts
+    reason = f"{facts}; {where}" if station.reported.went_home else facts
     return FlightResult("success", reason, reached, total, ended_ns, told_ns)
 
 
 def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: str, *, late: bool) -> str:
     """Return how many waypoints are known to be reached; and when that was, or both times where the flight went on."""
     reached, told, ended = len(station.reached), f"{seconds(told_ns):.2f} s", f"{seconds(ended_ns):.2f} s"
-    goes_on = late or station.view.went_home or reached < total
+    goes_on = late or station.reported.went_home or reached < total
     if told == ended or not goes_on:
         return f"{reached} of {total} waypoints reached in {told}{expected}"
     times = f"the end of the plan was known at {told}, the flight ended at {ended}"
@@ -75,7 +75,7 @@ def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: 
 
 def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) -> tuple[str, str]:
     """Return why a mission failed, empty if it did not, and what was expected of it, where that says why."""
-    total, reached, frame = mission.num_legs, len(station.reached), station.view.telemetry
+    total, reached, frame = mission.num_legs, len(station.reached), station.reported.telemetry
     wanted = total if mission.expect.reached == "all" else mission.expect.reached
     stands = standing_reason(mission, frame)
     if late:
@@ -137,7 +137,7 @@ def last_known_place(mission: Mission, frame: Telemetry | None, *, went_home: bo
         return f"the robot has fallen {place}"
     if frame.mode in POLICY_MODES:
         return f"the robot walks{' home' * (frame.mode is Mode.RETURNING)}, {place}"
-    home = rules_of(mission).home
+    home = home_of(mission)
     away_m = math.dist((frame.x_m, frame.y_m), (home.x_m, home.y_m))
     is_home = frame.cause.startswith(AT_HOME) or (went_home and away_m <= _NEARLY * home.tolerance_m)
     return f"the robot is at home, {place}" if is_home else f"the robot stands {place}"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from waypointctl.flight.executive.rules import rules_of
+from waypointctl.flight.executive.rules import home_of
 from waypointctl.flight.link.build import contacts_of
 from waypointctl.flight.link.contacts import FOREVER_NS, Contacts
 from waypointctl.log.setting import ContactWindows, MissionSetting
@@ -22,7 +22,7 @@ def setting_of(mission: Mission) -> MissionSetting:
     """
     onboard = mission.onboard
     return MissionSetting(
-        home=rules_of(mission).home,
+        home=home_of(mission),
         may_return=onboard.home.position_m is not None or "return_home" in _reactions(mission),
         zones=zones_of(onboard.geofence),
         up=_windows(contacts_of(mission.link.up, mission.files)),

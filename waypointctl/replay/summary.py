@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
+from waypointctl.flight.command_life import StageReport
 from waypointctl.log.messages import FINAL_STAGES, Ack, CommandKind, Event, EventKind, PlannedWaypoint, Stage
 from waypointctl.log.setting import MissionSetting, Span
 from waypointctl.replay.effort import Effort
@@ -28,15 +29,6 @@ class WaypointStatus(StrEnum):
     TIMED_OUT = "timed out"
     SKIPPED = "skipped"
     OPEN = "not reached"
-
-
-@dataclass(frozen=True, slots=True)
-class StageReport:
-    """A stage of a command as the operator knows it."""
-
-    stage: Stage
-    reason: str  # empty, or why it was rejected or failed
-    time_ns: int  # on the clock of the end at which the command came to this stage
 
 
 @dataclass(frozen=True, slots=True)

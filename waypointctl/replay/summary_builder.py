@@ -8,6 +8,7 @@ from dataclasses import replace
 from itertools import islice
 from typing import Any, Final
 
+from waypointctl.flight.command_life import StageReport
 from waypointctl.flight.executive.plan import names
 from waypointctl.log.messages import (
     FINAL_STAGES,
@@ -36,7 +37,6 @@ from waypointctl.replay.summary import (
     UNFINISHED,
     CommandSummary,
     FlightSummary,
-    StageReport,
     WaypointStatus,
     WaypointSummary,
 )
@@ -237,16 +237,16 @@ class FlightSummaryBuilder:
         if it.stage in FINAL_STAGES and command.telemetry_end is None:
             command = self._update(command, telemetry_end=(it.stage, frame.received_ns))
         known = command.report
-        is_newer = known is None or (
-            known.stage not in FINAL_STAGES and frame.issued_ns > known.time_ns and it.stage != known.stage
-        )
-        if is_newer:  # an acknowledgement of its end is final
-            self._update(command, report=StageReport(it.stage, it.reason, frame.issued_ns))
+        report = StageReport(it.stage, it.reason, frame.issued_ns)
+        if report.counts_after(known) and (known is None or known.stage != report.stage):
+            self._update(command, report=report)
 
     def _on_ack(self, ack: Ack) -> None:
         self.now_ns = max(self.now_ns, ack.received_ns)
         command = self._command(ack.command_id)
-        self._update(command, acks=(*command.acks, ack), report=StageReport(ack.stage, ack.reason, ack.issued_ns))
+        report = StageReport(ack.stage, ack.reason, ack.issued_ns)
+        known = report if report.counts_after(command.report) else command.report
+        self._update(command, acks=(*command.acks, ack), report=known)
         self._acknowledged = max(self._acknowledged, ack.command_id)
         self._returns.on_report(ack)
 

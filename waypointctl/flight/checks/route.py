@@ -10,7 +10,7 @@ from typing import Final
 from waypointctl.flight.checks.finding import Finding
 from waypointctl.flight.executive.fence import Fence, Point, crosses
 from waypointctl.flight.executive.leg_update import OBSERVATION_NS
-from waypointctl.flight.executive.rules import rules_of
+from waypointctl.flight.executive.rules import fence_of
 from waypointctl.mission.mission import Leg, Mission
 from waypointctl.units import seconds
 
@@ -60,7 +60,7 @@ def _ways(mission: Mission) -> Iterator[tuple[Leg, Point, float]]:
 
 
 def _fence(mission: Mission) -> Iterator[Finding]:
-    fence = rules_of(mission).fence
+    fence = fence_of(mission)
     if not fence.keep_in and not fence.keep_out:
         return
     if breach := fence.breach(*mission.start.position_m):

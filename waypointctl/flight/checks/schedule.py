@@ -8,7 +8,7 @@ from typing import Final
 from waypointctl.flight.checks.finding import Finding
 from waypointctl.flight.checks.link import loses_all
 from waypointctl.flight.checks.traffic import Traffic
-from waypointctl.flight.executive.rules import rules_of
+from waypointctl.flight.executive.rules import fence_of
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.schedule import ScheduledCommand
 from waypointctl.units import ns, seconds
@@ -32,7 +32,7 @@ _ENDING: Final = ("go_to", "return_home", "abort", "cancel", "skip")  # these en
 
 def schedule_findings(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
     """Yield scheduled commands that the robot does not obey, and a plan that is never released to its end."""
-    fence = rules_of(mission).fence
+    fence = fence_of(mission)
     for place, command in enumerate(mission.schedule):
         path = ("schedule", place)
         if command.position_m is not None and (breach := fence.breach(*command.position_m)):

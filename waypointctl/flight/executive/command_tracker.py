@@ -1,4 +1,4 @@
-"""The life of each command on board: what stage it has come to, and that no stage follows a final one."""
+"""Every command that has arrived on board, its stage, and when those that wait are due or expire."""
 
 from __future__ import annotations
 
@@ -10,14 +10,9 @@ from dataclasses import asdict, dataclass, field
 from itertools import islice
 from typing import Final
 
+from waypointctl.flight.command_life import NOT_STARTED, may_follow
 from waypointctl.log.messages import FINAL_STAGES, Clock, Command, CommandStage, CommandStatus, Stage
 
-# Which stage may follow which. A command that ends on arrival was never accepted.
-_ONWARD: Final = {
-    Stage.RECEIVED: FINAL_STAGES - {Stage.COMPLETED, Stage.FAILED, Stage.SUPERSEDED} | {Stage.ACCEPTED},
-    Stage.ACCEPTED: FINAL_STAGES - {Stage.REJECTED} | {Stage.STARTED},
-    Stage.STARTED: FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED},
-}
 _IN_A_FRAME: Final = 3  # commands whose stage a frame of telemetry tells
 _REMEMBERED: Final = 256  # of the commands that have ended, in a checkpoint: its size is not to grow with the flight
 
@@ -92,7 +87,7 @@ class CommandTracker:
             RuntimeError: that stage cannot follow the one the command is in. That is a bug.
         """
         record = self.records[command_id]
-        if stage not in _ONWARD.get(record.stage, ()):
+        if not may_follow(stage, record.stage):
             raise RuntimeError(f"command {command_id} cannot be {stage} after it was {record.stage}")
         record.stage, record.reason = stage, reason
         self._statuses = None
@@ -123,7 +118,7 @@ class CommandTracker:
 
     def has_started(self, command_id: int) -> bool:
         """Tell whether a command is under way, or has been."""
-        return self.records[command_id].stage not in (Stage.RECEIVED, Stage.ACCEPTED)
+        return self.records[command_id].stage not in NOT_STARTED
 
     @property
     def open_ids(self) -> list[int]:

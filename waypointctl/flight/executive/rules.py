@@ -9,7 +9,7 @@ from waypointctl.flight.executive.fence import Area, Circle, Fence, Polygon
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.onboard import Area as AreaModel
-from waypointctl.mission.onboard import Geofence, Home
+from waypointctl.mission.onboard import Home
 from waypointctl.units import ns, whole_ns
 
 # Why a command was rejected or has failed, as acknowledgements say it.
@@ -75,10 +75,9 @@ class Rules:
 def rules_of(mission: Mission) -> Rules:
     """Return the rules that a mission loads into the robot."""
     onboard, failure = mission.onboard, mission.failure_rule
-    x_m, y_m = onboard.home.position_m or mission.start.position_m
     loss = onboard.link_loss
     return Rules(
-        home=home_at(x_m, y_m, onboard.home),
+        home=home_of(mission),
         retries=failure.retry,
         then=failure.then,
         slip_m=onboard.slip_m,
@@ -87,12 +86,20 @@ def rules_of(mission: Mission) -> Rules:
         stuck_fails=onboard.stuck is not None,
         link_loss_ns=0 if loss is None else whole_ns(loss.after_s),
         on_link_loss="finish" if loss is None else loss.do,
-        fence=_fence(onboard.geofence),
+        fence=fence_of(mission),
         on_breach=onboard.geofence.do,
     )
 
 
-def _fence(model: Geofence) -> Fence:
+def home_of(mission: Mission) -> PlannedWaypoint:
+    """Return where a mission's robot returns to: where it begins, unless the mission says otherwise."""
+    home = mission.onboard.home
+    return home_at(*(home.position_m or mission.start.position_m), home)
+
+
+def fence_of(mission: Mission) -> Fence:
+    """Return a mission's geofence."""
+    model = mission.onboard.geofence
     return Fence(_areas(model.keep_in), _areas(model.keep_out), keep_in_all=model.keep_in_match == "all")
 
 

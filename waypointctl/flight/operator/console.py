@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Final, Protocol, get_args
 
 from waypointctl.flight.executive.arguments import is_hold, is_timeout, is_tolerance
-from waypointctl.flight.executive.rules import rules_of
+from waypointctl.flight.executive.rules import fence_of
 from waypointctl.flight.operator.requests import CommandRequest, place
 from waypointctl.log.messages import CommandKind, PlannedWaypoint
 from waypointctl.mission.fields import FURTHEST_M, Hold, Timeout, Tolerance
@@ -175,7 +175,7 @@ def impossible(request: CommandRequest, mission: Mission) -> str:
             return f"release: {request.released} is no number of waypoints; type 0 or more, or -1 for all"
         case CommandKind.CANCEL if request.target_id < 1:
             return f"cancel: {request.target_id} is no command; their ids count from 1, and `status` lists them"
-    fence = rules_of(mission).fence
+    fence = fence_of(mission)
     breaches = ((place, fence.breach(place.x_m, place.y_m)) for place in request.waypoints)
     outside = next((f"({place.x_m:g}, {place.y_m:g}) {breach}" for place, breach in breaches if breach), "")
     return f"goto: {outside}; the robot takes no goal there, the mission's geofence says so" if outside else ""

@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
+from waypointctl.flight.command_life import ONBOARD, StageReport
 from waypointctl.flight.link.direction import NEVER, Delivery
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import (
@@ -54,7 +55,7 @@ class RetryPolicy:
 
 
 UNANSWERED: Final = "no acknowledgement"
-_UNDER_WAY: Final = (Stage.RECEIVED, Stage.ACCEPTED, Stage.STARTED)
+_JUST_SENT: Final = StageReport(Stage.QUEUED, "", -1)  # nothing has been reported
 _AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN})  # no command is under way
 
 
@@ -66,9 +67,8 @@ Uplink: TypeAlias = Callable[[int, Callable[[int], Command]], Delivery]
 class _Sent:
     request: CommandRequest
     attempt: int = 0
-    told_ns: int = -1  # when the newest word of it was issued, on the robot's clock
-    stage: Stage = Stage.QUEUED  # as the ground believes
-    end: Ack | None = None  # as telemetry has told it, while its acknowledgement may still come
+    known: StageReport = _JUST_SENT  # the newest that counts; its time is the robot's
+    end: Ack | None = None  # as telemetry has reported it, while its acknowledgement may still come
     answer_by_ns: int | None = None
 
 
@@ -118,12 +118,12 @@ class Dispatcher:
         if sent is None or not self.retry_policy.acknowledged:
             return ""
         command = f"command {command_id} ({sent.request.words})"
-        if sent.stage not in _UNDER_WAY:
+        if sent.known.stage not in ONBOARD:
             return f"{UNANSWERED} of {command}"
-        return f"the end of {command} was not heard of, only that it was {sent.stage}"
+        return f"the end of {command} was not heard of, only that it was {sent.known.stage}"
 
     def issue(self, now_ns: int, request: CommandRequest) -> int:
-        """Send an order; return the id that it has from now on."""
+        """Send a request; return the id that it has from now on."""
         self._issued += 1
         command_id = self._issued
         self._open[command_id] = _Sent(request)
@@ -160,7 +160,7 @@ class Dispatcher:
         return {
             "issued": self._issued,
             "open": [
-                [command_id, sent.attempt, sent.stage.value, sent.answer_by_ns]
+                [command_id, sent.attempt, sent.known.stage.value, sent.answer_by_ns]
                 for command_id, sent in self._open.items()
             ],
             "unanswered": list(self._unanswered),
@@ -181,8 +181,9 @@ class Dispatcher:
                 sent.end = report
                 self._expect(command_id, now_ns + self.retry_policy.patience_ns)
         elif sent.end is None:
-            if report.issued_ns >= sent.told_ns:  # one that was overtaken is no news
-                sent.stage, sent.told_ns = report.stage, report.issued_ns
+            reported = StageReport(report.stage, report.reason, report.issued_ns)
+            if reported.counts_after(sent.known):
+                sent.known = reported
             sent.answer_by_ns = None
 
     def _conclude(self, now_ns: int, command_id: int) -> Ack:
@@ -215,9 +216,9 @@ class Dispatcher:
         """Send a command again of which nothing, or not the end, was heard, as often as that is allowed."""
         sent = self._open[command_id]
         sent.answer_by_ns = None
-        heard = sent.stage in _UNDER_WAY
+        heard = sent.known.stage in ONBOARD
         if not heard:
-            sent.stage = Stage.UNKNOWN
+            sent.known = StageReport(Stage.UNKNOWN, UNANSWERED, sent.known.time_ns)
             self._log_stage(now_ns, command_id, Stage.UNKNOWN, UNANSWERED)
         expired = 0 <= sent.request.expires_ns <= now_ns
         if expired or sent.attempt > self.retry_policy.retries:
@@ -226,7 +227,7 @@ class Dispatcher:
             return
         why = f"sending {sent.attempt} was not acknowledged"
         if heard:
-            why = f"its end was not heard of, only that it was {sent.stage}"
+            why = f"its end was not heard of, only that it was {sent.known.stage}"
         self._announce(
             now_ns,
             EventKind.COMMAND_SENT,
@@ -241,11 +242,11 @@ class Dispatcher:
         nothing_to_do = frame.mode in _AT_REST or (frame.mode is Mode.SAFE and frame.target < 0)
         if not self.retry_policy.acknowledged or not nothing_to_do:
             return
-        report = {each.command_id for each in frame.commands}
+        reported = {each.command_id for each in frame.commands}
         for command_id, sent in self._open.items():
             kept = sent.request.not_before_ns > frame.issued_ns
-            silent = sent.stage in _UNDER_WAY and sent.answer_by_ns is None and frame.issued_ns > sent.told_ns
-            if silent and not kept and command_id not in report and sent.attempt <= self.retry_policy.retries:
+            silent = sent.known.stage in ONBOARD and sent.answer_by_ns is None and frame.issued_ns > sent.known.time_ns
+            if silent and not kept and command_id not in reported and sent.attempt <= self.retry_policy.retries:
                 self._expect(command_id, now_ns + self.retry_policy.patience_ns)
 
     def _expect(self, command_id: int, by_ns: int | None) -> None:

@@ -136,13 +136,13 @@ class JointOperator(Operator):
 
     def _stop(self) -> list[CommandRequest]:
         """Return what makes the robot stand; nothing where it is known to be on its way home, which is not cut off."""
-        frame = self.view.telemetry
+        frame = self.reported.telemetry
         return [] if frame is not None and frame.mode is Mode.RETURNING else [CommandRequest(CommandKind.HOLD)]
 
     @property
     def _taken_by(self) -> str:
         """The rule on board that has taken the motors from the ground, as the newest frame tells it; empty for none."""
-        frame = self.view.telemetry
+        frame = self.reported.telemetry
         taken = frame is not None and frame.mode in (Mode.RETURNING, Mode.SAFE)
         return frame.cause.removeprefix(AT_HOME) if frame is not None and taken else ""
 

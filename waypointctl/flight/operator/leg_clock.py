@@ -15,10 +15,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
+from waypointctl.flight.command_life import NEVER_STARTED
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import FINAL_STAGES, Ack, Mode, Stage, Telemetry
 
-_NOT_BEGUN: Final = frozenset({Stage.RECEIVED, Stage.ACCEPTED, Stage.REJECTED, Stage.SKIPPED})
 _STANDING: Final = frozenset({Mode.PAUSED, Mode.SAFE, Mode.WAITING})
 
 
@@ -93,7 +93,7 @@ class LegClock:
 
     def _update(self, at_ns: int, command_id: int, stage: Stage) -> None:
         """Take what is told of a command: a goal of the leg has begun, or has ended."""
-        if command_id not in self._goals or stage in _NOT_BEGUN or command_id <= self._ended:
+        if command_id not in self._goals or stage in NEVER_STARTED or command_id <= self._ended:
             return
         if self.began_ns is None:
             self.began_ns = self._changed_ns = at_ns

@@ -9,8 +9,8 @@ from typing import Final
 
 from waypointctl.flight.executive.rules import STUCK, TIMEOUT
 from waypointctl.flight.operator.event_queue import EventQueue
+from waypointctl.flight.operator.reported_state import ReportedState
 from waypointctl.flight.operator.requests import CommandRequest
-from waypointctl.flight.operator.view import OperatorView
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
@@ -47,7 +47,7 @@ class Operator(ABC):
     def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
         """Take charge of a mission; `announce` takes what it decides."""
         self._announce = announce
-        self.view = OperatorView()
+        self.reported = ReportedState()
         self.finished = False
         self.failure = ""
         self.suspended = False  # somebody has told the robot to hold
@@ -65,7 +65,7 @@ class Operator(ABC):
     @property
     def reached(self) -> tuple[int, ...]:
         """The waypoints that it knows to be reached: their indices in the mission."""
-        return self.view.reached
+        return self.reported.reached
 
     @abstractmethod
     def begin(self) -> list[CommandRequest]:
@@ -98,7 +98,7 @@ class Operator(ABC):
 
     def on_message(self, now_ns: int, message: Ack | Telemetry) -> list[CommandRequest]:
         """Take what has arrived; return what to send on hearing it."""
-        self.view.on_message(message)
+        self.reported.on_message(message)
         if isinstance(message, Ack) and message.stage in FINAL_STAGES:
             return self._on_final(now_ns, message)
         return []

@@ -13,8 +13,8 @@ from waypointctl.flight.operator.dispatcher import Dispatcher
 from waypointctl.flight.operator.event_queue import EventQueue
 from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.operator import Operator
+from waypointctl.flight.operator.reported_state import ReportedState
 from waypointctl.flight.operator.requests import CommandRequest
-from waypointctl.flight.operator.view import OperatorView
 from waypointctl.log.messages import FINAL_STAGES, Ack, GroundControl, Telemetry
 
 # Takes a heartbeat on its way at a time [ns]; it is told when the heartbeat arrives, and makes it.
@@ -74,9 +74,9 @@ class Station:
         self._on_final: set[int] = set()  # commands whose end has been heard of
 
     @property
-    def view(self) -> OperatorView:
+    def reported(self) -> ReportedState:
         """What the ground knows of the robot."""
-        return self.operator.view
+        return self.operator.reported
 
     @property
     def reached(self) -> tuple[int, ...]:
@@ -98,7 +98,7 @@ class Station:
             return False
         if self.failure == FALL:
             return True
-        return self._schedule.next_ns is None and not self.dispatcher.awaits and self.view.is_current
+        return self._schedule.next_ns is None and not self.dispatcher.awaits and self.reported.is_current
 
     @property
     def is_idle(self) -> bool:

@@ -114,7 +114,7 @@ class ShortRangeGoalOperator(Operator):
         return self._clock.is_over(timeout_ns) or self._clock.is_silent(now_ns, timeout_ns)
 
     def _leg_is_over(self) -> bool:
-        return self.view.knows_reached(self._plan[self._leg].index)
+        return self.reported.knows_reached(self._plan[self._leg].index)
 
     def _give_up_leg(self, now_ns: int, code: str) -> list[CommandRequest]:
         if not self._skips:
@@ -151,7 +151,7 @@ class ShortRangeGoalOperator(Operator):
         return [self._lookahead_goal()] if put_off else []
 
     def _lookahead_goal(self) -> CommandRequest:
-        waypoint, frame = self._plan[self._leg], self.view.telemetry
+        waypoint, frame = self._plan[self._leg], self.reported.telemetry
         x_m, y_m = self._start if frame is None else (frame.x_m, frame.y_m)
         distance_m = math.dist((x_m, y_m), (waypoint.x_m, waypoint.y_m))
         if distance_m <= self._lookahead_m:

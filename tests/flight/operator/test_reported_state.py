@@ -1,0 +1,32 @@
+"""What the operator knows, of messages that the link brings in any order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tests.flight.operator.channel import ack, frame
+from waypointctl.flight.operator.reported_state import ReportedState
+from waypointctl.log.messages import Mode, Stage
+
+
+def test_a_frame_that_arrives_out_of_order_is_not_taken_for_the_newest() -> None:
+    reported = ReportedState()
+    newer = replace(frame(Mode.DONE), frame=5, reached=(0, 1))
+    reported.on_message(newer)
+    reported.on_message(replace(frame(Mode.RETURNING), frame=4, reached=(0,)))
+    assert reported.telemetry == newer
+    assert reported.went_home, "a way home that is over is still one"
+    assert reported.knows_reached(1)
+
+
+def test_the_state_is_current_when_a_frame_is_no_older_than_the_last_end() -> None:
+    reported = ReportedState()
+    assert reported.is_current
+    reported.on_message(replace(ack(Stage.FAILED), issued_ns=7))
+    reported.on_message(replace(ack(Stage.COMPLETED), issued_ns=6))
+    reported.on_message(replace(ack(Stage.STARTED), issued_ns=9))
+    assert not reported.is_current
+    reported.on_message(replace(frame(Mode.FAILED), issued_ns=6))
+    assert not reported.is_current
+    reported.on_message(replace(frame(Mode.FAILED), frame=1, issued_ns=7))
+    assert reported.is_current
