@@ -10,6 +10,7 @@ from waypointctl.flight.link.build import direction
 from waypointctl.flight.link.direction import Direction
 from waypointctl.flight.link.frames import BodyFrame, ControlFrame, Heartbeat
 from waypointctl.flight.link.logged import DOWN, UP, LoggedDirection, link_state
+from waypointctl.flight.navigator.navigator import Navigator
 from waypointctl.flight.operator.build import answer_time, leaving_time, patience_ns, station_for
 from waypointctl.flight.operator.console import QUIT, LineSource, NullConsole, request_from
 from waypointctl.flight.outcome import FlightResult, result_of
@@ -32,7 +33,13 @@ class Flight:
     """Everything that changes during a flight, and the steps of its loop."""
 
     def __init__(
-        self, mission: Mission, policy: Policy, sink: Sink, robot: Robot, console: LineSource | None = None
+        self,
+        mission: Mission,
+        policy: Policy,
+        sink: Sink,
+        robot: Robot,
+        console: LineSource | None = None,
+        navigator: Navigator | None = None,
     ) -> None:
         """Set the robot at its start; nothing has been sent yet."""
         self._console = console or NullConsole()
@@ -50,7 +57,7 @@ class Flight:
             mission, policy, noise, sink, self._uplink.send, self._uplink.send, answer_by, patience, leaving_time(up)
         )
         reporter = _reporter(mission, self._downlink)
-        self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission))
+        self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission), navigator)
         self._end_condition = EndCondition(
             self._station, self._vehicle.executive, reporter.changes, up, down, self._vehicle.is_still
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from waypointctl.flight.flight import Flight
+from waypointctl.flight.navigator.navigator import Navigator
 from waypointctl.flight.operator.console import LineSource
 from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.sink import Sink
@@ -22,18 +23,20 @@ def fly(
     robot: Robot | None = None,
     interrupted: Callable[[], bool] = lambda: False,
     console: LineSource | None = None,
+    navigator: Navigator | None = None,
 ) -> FlightResult:
     """Fly a mission to its end and hand every message to the sink.
 
     Args:
         mission: what is asked.
-        policy: who walks; made for the mission's robot.
+        policy: the policy that drives the robot; made for the mission's robot.
         sink: takes each message as it happens.
         robot: the robot to fly, where it is not the shipped one (a log brings its own).
         interrupted: asked before every control step; True ends the flight.
         console: where a person's commands come from, if there is a person.
+        navigator: gives the policy its goals; straight to the plan's waypoints where there is none.
     """
-    flight = Flight(mission, policy, sink, robot or load_robot(mission.robot), console)
+    flight = Flight(mission, policy, sink, robot or load_robot(mission.robot), console, navigator)
     flight.begin()
     while True:
         flight.exchange()

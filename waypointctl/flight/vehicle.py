@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.executive.rules import Rules
 from waypointctl.flight.link.frames import ControlFrame, Heartbeat
+from waypointctl.flight.navigator.navigator import DirectNavigator, Navigator
 from waypointctl.flight.pay import reward_weights
 from waypointctl.flight.reporter import Reporter
 from waypointctl.flight.sink import Sink
@@ -47,12 +48,11 @@ _STILL: Final = np.zeros(1)
 _NOTHING: Final = np.zeros((1, len(TERMS)))
 
 STILL_SPEED: Final = 1e-2  # [m/s, rad/s] of every part; slower is standing still
-TELEOPERATION_TIMEOUT_NS: Final = (
-    60 * NS_PER_S
-)  # so long without an action from the ground, then there is no pilot any more
-REST_AFTER_NS: Final = 10 * NS_PER_S  # so long, then physics sleeps
+# Teleoperation times out after this long without an action from the ground.
+TELEOPERATION_TIMEOUT_NS: Final = 60 * NS_PER_S
+REST_AFTER_NS: Final = 10 * NS_PER_S  # a robot that has stood still for this long rests: physics sleeps
 
-# The end of a command is told after a frame of telemetry: the operator hears of the waypoints before the verdict.
+# The end of a command is reported after a frame of telemetry: the operator knows the waypoints before the result.
 _TOLD_WITH_A_FRAME: Final = FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED}
 
 
@@ -66,6 +66,7 @@ class Vehicle:
         sink: Sink,
         reporter: Reporter,
         rules: Rules,
+        navigator: Navigator | None = None,
     ) -> None:
         """Make a robot that reports to the ground and logs its truth into `sink`; `place` it before flight."""
         self.robot = robot
@@ -73,6 +74,8 @@ class Vehicle:
         self.executive = Executive(self._report, sink, remind=reporter.acknowledge, rules=rules)
         self.step = 0
         self._policy = policy
+        self._navigator = navigator or DirectNavigator()
+        self._goals: FloatArray = np.zeros((1, 2, 2))  # that the policy walks to
         self._layout = layout(policy.observation_layout)
         self._weights = reward_weights(policy)
         self._limits = JointLimits.of_range(robot.joint_low, robot.joint_high)
@@ -96,9 +99,9 @@ class Vehicle:
         self._observe()
 
     def execute(self, now_ns: int, arrived: Command | ControlFrame | Heartbeat) -> None:
-        """Take what has arrived: a command, an action of a pilot on the ground, or a sign of life."""
+        """Take what has arrived: a command, an action from the ground, or a sign of life."""
         if isinstance(arrived, ControlFrame):
-            if arrived.step > self._control_step:  # one that was overtaken is old
+            if arrived.step > self._control_step:  # ignore actions that arrive out of order
                 self._control, self._control_step = arrived.values[np.newaxis], arrived.step
                 self._control_ns = now_ns
             self.executive.on_action(now_ns)
@@ -181,13 +184,15 @@ class Vehicle:
 
     def log_checkpoint(self, now_ns: int, link: Mapping[str, object]) -> None:
         """Log all that a replay needs to begin here; `link` is the state of the link."""
-        integration, executive = self.plant.integration_state(), json.dumps(self.executive.state())
-        policy = state_text(self._policy.state())
+        navigator = self._navigator.state()
+        executive = json.dumps(self.executive.state() | ({"navigator": navigator} if navigator else {}))
+        integration, policy = self.plant.integration_state(), state_text(self._policy.state())
         self._sink(Checkpoint(now_ns, self.step, integration, executive, json.dumps(link), policy))
 
     def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
         if self.executive.policy_active:
-            observation = self._layout.observe(self._body, Goals(self.executive.goals, self._noise))
+            self._goals = self._navigator.goals(self._body, self.executive.goals)
+            observation = self._layout.observe(self._body, Goals(self._goals, self._noise))
             self._sink(Observation(now_ns, self.step, observation[0]))
             return "policy", self._policy.act(observation)
         if self.executive.mode is Mode.TELEOPERATED:
@@ -212,7 +217,7 @@ class Vehicle:
         body, approach = self._body, _STILL
         if self.executive.policy_active:
             period_s = self.robot.control_period_ns / 1e9
-            approach = progress_speed(before, body.position, self.executive.goals[:, 0], period_s)
+            approach = progress_speed(before, body.position, self._goals[:, 0], period_s)
         at_limit = self._limits.count(body.joints)
         return reward_terms(self._weights, body, approach, applied, at_limit, np.array([self._fell]))
 
