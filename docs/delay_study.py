@@ -17,8 +17,7 @@ import sys
 from pathlib import Path
 
 from waypointctl.errors import WaypointctlError
-from waypointctl.studies.delay import DelayStudy, read_study
-from waypointctl.studies.files import PICTURE, STUDY
+from waypointctl.studies.delay import PICTURE, STUDY, DelayStudy, read_study
 from waypointctl.studies.tables import tables
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.studies.case import Case
-from waypointctl.studies.cell import Cell, cells_of
-from waypointctl.studies.measure import Flown
+from waypointctl.studies.case import DelayCase
+from waypointctl.studies.cells import Cell, cells_of
+from waypointctl.studies.flights import DelayFlight
 
 # Reached as soon as it is asked for: what a flight takes is what the link takes.
 HERE = b"""\
@@ -24,9 +24,9 @@ def here(name: str = "here") -> MissionFile:
     return MissionFile(parse_mission(source, "here.yaml"), source, Path("here.yaml"))
 
 
-def flight(case: Case, time_s: float | None, exchanges: int = 1) -> Flown:
+def flight(case: DelayCase, time_s: float | None, exchanges: int = 1) -> DelayFlight:
     """Return a flight that took `time_s`, or failed."""
-    return Flown(
+    return DelayFlight(
         route=case.route,
         autonomy=case.autonomy,
         rtt_s=case.rtt_s,
@@ -41,15 +41,15 @@ def flight(case: Case, time_s: float | None, exchanges: int = 1) -> Flown:
     )
 
 
-def line(autonomy: str, times_s: Mapping[float, Sequence[float | None]], exchanges: int = 1) -> list[Flown]:
+def line(autonomy: str, times_s: Mapping[float, Sequence[float | None]], exchanges: int = 1) -> list[DelayFlight]:
     """Return flights of an autonomy: by round trip, the time of each trial."""
     return [
-        flight(Case("r", autonomy, rtt_s, seed), time_s, exchanges)
+        flight(DelayCase("r", autonomy, rtt_s, seed), time_s, exchanges)
         for rtt_s, trials in times_s.items()
         for seed, time_s in enumerate(trials)
     ]
 
 
-def cells(flown: Sequence[Flown]) -> tuple[Cell, ...]:
+def cells(flown: Sequence[DelayFlight]) -> tuple[Cell, ...]:
     by_case = {one.case: one for one in flown}
     return cells_of(by_case, by_case)

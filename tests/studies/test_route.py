@@ -6,7 +6,7 @@ import pytest
 
 from tests.studies.standing import HERE
 from waypointctl.errors import InputError, MissionError
-from waypointctl.studies.autonomy import AUTONOMIES, autonomies_of
+from waypointctl.studies.case import AUTONOMIES, autonomies_of
 from waypointctl.studies.route import BUILT_IN, load_route, load_routes
 
 
@@ -42,8 +42,8 @@ def test_two_routes_of_one_name_are_refused() -> None:
 
 
 def test_autonomies_come_in_their_own_order() -> None:
-    assert [one.name for one in autonomies_of(["joint", "mission"])] == ["mission", "joint"]
-    assert [one.name for one in autonomies_of(list(AUTONOMIES))] == list(AUTONOMIES)
+    assert list(autonomies_of(["joint", "mission"])) == ["mission", "joint"]
+    assert list(autonomies_of(list(AUTONOMIES))) == list(AUTONOMIES)
     with pytest.raises(
         InputError, match="--autonomy: 'steer' is not an autonomy; choose from mission, waypoint, short_range_goal"
     ):

@@ -14,7 +14,7 @@ from tests.studies.standing import cells, line
 from tests.studies.test_study_tables import study
 from waypointctl.figure import BLUE as LINE
 from waypointctl.studies.delay import DelayStudy, Route
-from waypointctl.studies.measure import Flown
+from waypointctl.studies.flights import DelayFlight
 from waypointctl.studies.picture import _draw_times, _places, _scale, draw
 
 BLUE, GREEN, GOLD = (0x00, 0x72, 0xB2), (0x00, 0x9E, 0x73), (0xB8, 0x86, 0x0B)
@@ -28,7 +28,7 @@ def of(picture: NDArray[np.float64], color: tuple[int, int, int]) -> int:
     return int((np.abs(picture - color).max(axis=2) < 20).sum())
 
 
-def with_cells(flown: list[Flown]) -> DelayStudy:
+def with_cells(flown: list[DelayFlight]) -> DelayStudy:
     return study(swept=False).model_copy(update={"cells": cells(flown)})
 
 
@@ -61,10 +61,23 @@ def test_failures_alone_can_be_drawn(times_s: list[float | None]) -> None:
     assert of(pixels(with_cells(line("joint", {0.0: times_s, 0.4: [None]}))), GOLD) > 50
 
 
+def test_an_interval_that_is_wider_than_the_axis_ends_at_its_limits() -> None:
+    drawn = with_cells(line("mission", {0.0: [5.0, 15.0], 10.0: [20.0, 21.0]}))  # 10 ± 64 s
+    figure = Figure()
+    axes = figure.subplots()
+    _draw_times(axes, drawn, drawn.routes[0])
+    figure.canvas.draw()
+    low_s, high_s = axes.get_ylim()
+    bars = [np.asarray(path.vertices)[:, 1] for one in axes.collections for path in one.get_paths()]
+    assert bars
+    assert all(low_s <= end <= high_s for bar in bars for end in bar)
+    assert high_s < 40
+
+
 rtts = st.lists(st.floats(0, 1e5).map(lambda value: round(value, 3)), min_size=1, max_size=6, unique=True)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(rtts, st.booleans())
 def test_all_of_the_axis_of_round_trips_is_used_and_lines_are_straight(rtts_s: list[float], swept: bool) -> None:
     rtts_s = sorted(rtts_s)

@@ -12,12 +12,10 @@ from tests.studies.standing import here
 from waypointctl.errors import PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.flight_log import FlightLog
-from waypointctl.studies.case import Case, grid
-from waypointctl.studies.delay import DelayStudy, delay_cases, read_study
-from waypointctl.studies.files import PICTURE, STUDY, TABLES, VALUES
-from waypointctl.studies.pilot import Plan, fly_cases
+from waypointctl.studies.case import DelayCase, grid
+from waypointctl.studies.delay import LOGS, PICTURE, STUDY, TABLES, VALUES, DelayStudy, read_study, study_delay
+from waypointctl.studies.flights import FlyCase
 from waypointctl.studies.results_file import RESULTS
-from waypointctl.studies.run import LOGS, Progress, study_delay
 
 PERIOD_S = 0.02
 RTTS_S = (0.0, 0.4, 2.56)
@@ -61,8 +59,8 @@ def test_it_has_not_walked_but_stood(found: tuple[Path, DelayStudy]) -> None:
     assert cell.standing_share.value > 0.9
 
 
-def test_the_verdicts_are_those_of_the_link(found: tuple[Path, DelayStudy]) -> None:
-    findings = {one.claim.partition(" ")[0].strip(","): one.finding for one in found[1].verdicts}
+def test_the_claims_hold_on_the_link_alone(found: tuple[Path, DelayStudy]) -> None:
+    findings = {one.claim.partition(" ")[0].strip(","): one.finding for one in found[1].claims}
     assert findings["waypoint"] == "holds"
     assert findings["short_range_goal"] == "holds"
 
@@ -77,7 +75,7 @@ def test_what_comes_of_it_is_in_the_folder(found: tuple[Path, DelayStudy]) -> No
 def test_flights_side_by_side_give_the_same_bytes(
     found: tuple[Path, DelayStudy], tmp_path: Path, still: LoadedPolicy
 ) -> None:
-    study(tmp_path, still, jobs=2)
+    study(tmp_path, still, processes=2)
     for name in (RESULTS, STUDY, TABLES, VALUES, PICTURE):
         ours, theirs = (hashlib.sha256((folder / name).read_bytes()).hexdigest() for folder in (tmp_path, found[0]))
         assert ours == theirs, name
@@ -86,33 +84,33 @@ def test_flights_side_by_side_give_the_same_bytes(
 def test_an_interrupted_study_goes_on_where_it_was(
     found: tuple[Path, DelayStudy], tmp_path: Path, still: LoadedPolicy
 ) -> None:
-    seen: list[Progress] = []
-    assert study(tmp_path, still, watch=seen.append, interrupted=lambda: len(seen) > 5) is None
+    seen: list[int] = []
+    watch = {"progress": lambda flown, total: seen.append(flown), "interrupted": lambda: len(seen) > 5}
+    assert study(tmp_path, still, **watch) is None
     assert not (tmp_path / STUDY).exists()
-    assert [one.flown for one in seen] == [0, 1, 2, 3, 4, 5]
-    again: list[Progress] = []
-    assert study(tmp_path, still, watch=again.append) == found[1]
-    assert (again[0].flown, again[0].total, again[1].last) == (5, len(CASES), CASES[5])
+    assert seen == [0, 1, 2, 3, 4, 5]
+    seen.clear()
+    assert study(tmp_path, still, progress=lambda flown, total: seen.append(flown)) == found[1]
+    assert seen == list(range(5, len(CASES) + 1))
     assert (tmp_path / RESULTS).read_bytes() == (found[0] / RESULTS).read_bytes()
 
 
 def test_a_finished_study_flies_nothing_again_and_takes_more_in(tmp_path: Path, still: LoadedPolicy) -> None:
-    few, _ = delay_cases(["here"], ["mission"], [0.0], [1])
-    more, _ = delay_cases(["here"], ["mission"], [0.0, 0.4], [1, 2])
+    few = grid(["here"], ["mission"], [0.0], [1])
+    more = grid(["here"], ["mission"], [0.0, 0.4], [1, 2])
     study(tmp_path, still, cases=few)
-    seen: list[Progress] = []
-    assert study(tmp_path, still, cases=few, watch=seen.append) is not None
-    assert [one.last for one in seen] == [None]
-    larger = study(tmp_path, still, cases=more, watch=seen.append)
+    seen: list[tuple[int, int]] = []
+    assert study(tmp_path, still, cases=few, progress=lambda *both: seen.append(both)) is not None
+    larger = study(tmp_path, still, cases=more, progress=lambda *both: seen.append(both))
     assert larger is not None
     assert [cell.flights for cell in larger.cells] == [2, 2]
-    assert [one.last for one in seen[2:]] == more[1:]
+    assert seen == [(1, 1), (1, 4), (2, 4), (3, 4), (4, 4)]
 
 
 def test_an_interruption_in_the_middle_of_a_flight_leaves_it_out(still: LoadedPolicy) -> None:
     asked = iter([False] * 10 + [True] * 10)
-    plan = Plan({"here": here()}, still.files, "still", 0.0)
-    assert list(fly_cases(plan, [Case("here", "mission", 10.0, 0)], 1, lambda: next(asked))) == []
+    fly_case = FlyCase({"here": here()}, still.files, 0.0)
+    assert fly_case(DelayCase("here", "mission", 10.0, 0), lambda: next(asked)) is None
 
 
 def test_logs_are_kept_that_tell_the_same_story(tmp_path: Path, still: LoadedPolicy) -> None:

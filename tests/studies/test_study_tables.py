@@ -4,9 +4,9 @@ import csv
 import io
 
 from tests.studies.standing import cells, line
+from waypointctl.studies.claims import assess_claims, joint_limits
 from waypointctl.studies.delay import DelayStudy, Route
-from waypointctl.studies.tables import overview, route_grid, sweep_grid, tables, to_csv, to_markdown, verdict_grid
-from waypointctl.studies.verdict import joint_limits, verdicts
+from waypointctl.studies.tables import claims_grid, overview, route_grid, sweep_grid, tables, to_csv, to_markdown
 
 FLOWN = line("mission", {0.0: [10.0, 11.0], 2.56: [13.0, 13.0]}) + line(
     "joint", {0.0: [10.0, None], 2.56: [None, None]}
@@ -26,7 +26,7 @@ def study(*, swept: bool = True) -> DelayStudy:
         cells=found,
         joint_sweep=sweep,
         joint_limits=joint_limits((*found, *sweep)),
-        verdicts=verdicts(found, FLOWN),
+        claims=assess_claims(found, FLOWN),
     )
 
 
@@ -48,13 +48,13 @@ def test_a_routes_table_has_all_that_was_measured() -> None:
     assert grid.rows[3] == ("joint", "2.56", "0/2", "0.0-65.8", "", "", "", "", "2", "")
 
 
-def test_a_few_flights_give_figures_and_no_verdict() -> None:
+def test_of_a_few_flights_no_claim_is_tested() -> None:
     few, enough = study(), study().model_copy(update={"seeds": (0, 1, 2, 3, 4)})
-    findings = [one.finding for one in few.verdicts]
+    findings = [one.finding for one in few.claims]
     assert findings == ["holds", "not measured"]
-    assert [row[2] for row in verdict_grid(few).rows] == ["too few flights: 2 a cell", "not measured"]
-    assert [row[2] for row in verdict_grid(enough).rows] == findings
-    assert verdict_grid(few).rows[0][3] == few.verdicts[0].found
+    assert [row[2] for row in claims_grid(few).rows] == ["too few flights: 2 a cell", "not measured"]
+    assert [row[2] for row in claims_grid(enough).rows] == findings
+    assert claims_grid(few).rows[0][3] == few.claims[0].found
 
 
 def test_the_finer_sweep_is_a_table_of_its_own() -> None:

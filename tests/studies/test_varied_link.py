@@ -18,11 +18,9 @@ from waypointctl.mission.link import Link
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.presets import PRESETS
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.studies.autonomy import AUTONOMIES
-from waypointctl.studies.case import Case, mission_of
-from waypointctl.studies.route import load_route
-from waypointctl.studies.run import route_digest
-from waypointctl.studies.varied_link import least_round_trip_s, refuse_what_is_not_kept, with_round_trip
+from waypointctl.studies.case import AUTONOMIES, DelayCase, mission_of
+from waypointctl.studies.delay import route_digest
+from waypointctl.studies.route import least_round_trip_s, load_route, refuse_what_is_not_kept, with_round_trip
 
 ROOT = Path(__file__).parents[2]
 RTTS_S = (0.0, 0.4, 8.0, 40.0)
@@ -67,7 +65,7 @@ def test_everything_but_the_delay_stays(text: str, autonomy: str) -> None:
     for rtt_s in (
         one for one in (*RTTS_S, least_round_trip_s(mission.link)) if one >= least_round_trip_s(mission.link)
     ):
-        varied = mission_of(mission, Case("r", autonomy, rtt_s, 3))
+        varied = mission_of(mission, DelayCase("r", autonomy, rtt_s, 3))
         up_s, down_s = varied.link.up.delay_s, varied.link.down.delay_s
         assert up_s + down_s == pytest.approx(rtt_s)
         assert without_delays(varied.link) == without_delays(mission.link)
@@ -89,7 +87,7 @@ def test_a_round_trip_is_shared_as_the_mission_shares_it() -> None:
 def test_a_contact_plan_keeps_its_windows_and_rates_and_files() -> None:
     mission = load_mission(ROOT / "missions" / "contact-plan.yaml").mission
     for rtt_s in (0.0, 3.0):
-        varied = mission_of(mission, Case("r", "waypoint", rtt_s, 3))
+        varied = mission_of(mission, DelayCase("r", "waypoint", rtt_s, 3))
         assert without_delays(varied.link) == without_delays(mission.link)
         assert varied.files == mission.files
         assert not varied.link.up.has_own_delay or varied.link.up.delay_table is not None
@@ -132,7 +130,7 @@ def test_the_shipped_routes_have_nothing_but_a_delay(name: str, autonomy: str) -
     """What docs/delay.md shows was flown over a link of two equal delays and nothing else."""
     mission = load_route(name).mission
     refuse_what_is_not_kept({name: load_route(name)}, RTTS_S)
-    varied = mission_of(mission, Case(name, autonomy, 2.56, 7))
+    varied = mission_of(mission, DelayCase(name, autonomy, 2.56, 7))
     assert varied.link == Link.model_validate({"delay_s": 1.28})
     assert varied.operator.think_s == 0.0
     assert varied.expect.max_time_s is not None
@@ -157,7 +155,7 @@ def test_a_link_makes_a_difference(tmp_path: Path, make_policy: Callable[..., Lo
     still = make_policy(tmp_path / "still", gain=0.0)
     plain, harsh = here().mission, here().mission
     harsh = harsh.model_copy(update={"link": route(HARSH).link})
-    case = Case("here", "waypoint", 8.0, 1)
+    case = DelayCase("here", "waypoint", 8.0, 1)
     flown = [fly(mission_of(one, case), still, lambda _: None) for one in (plain, harsh)]
     assert [one.outcome for one in flown] == ["success", "success"]
     assert flown[1].sim_time_ns > flown[0].sim_time_ns

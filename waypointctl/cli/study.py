@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -14,13 +15,16 @@ from waypointctl.errors import InputError
 from waypointctl.mission.policy_name import FLAGSHIP
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from waypointctl.mission.files import MissionFile
+    from waypointctl.studies.case import DelayCase
     from waypointctl.studies.delay import DelayStudy
 
 _LONGEST_RTT_S: Final = 86_400.0
 _MOST_SEEDS: Final = 10_000
+# Routes, round trips [s] and flights of each kind.
+_USUAL: Final = ("two-point,ten-point", "0,0.4,2.56,5,10,40", 20)
 _QUICK: Final = ("short", "0,0.4,2.56", 2)
 
 study = typer.Typer(help="Fly many missions and compare them.", no_args_is_help=True)
@@ -44,7 +48,7 @@ def delay(
         str | None, typer.Option(metavar="S,S,...", help="Round trips in s.", show_default="0,0.4,2.56,5,10,40")
     ] = None,
     autonomy: Annotated[
-        str, typer.Option(metavar="NAME,...", help="Who decides what.")
+        str, typer.Option(metavar="NAME,...", help="Autonomies to compare.")
     ] = "mission,waypoint,short_range_goal,short_range_goal-continuous,joint",
     route: Annotated[
         str | None,
@@ -82,50 +86,60 @@ def delay(
     What has been flown stays in the folder: the same command goes on where it was interrupted. Exit with 0 when all
     has been flown, whatever came of it; 130 if it was interrupted.
     """
-    from waypointctl.cli.interruption import interruption
-    from waypointctl.cli.tui.progress import flights_progress
     from waypointctl.policy.bundle import load_policy
-    from waypointctl.studies.autonomy import autonomies_of
-    from waypointctl.studies.delay import delay_cases
-    from waypointctl.studies.route import load_routes
-    from waypointctl.studies.run import study_delay
-    from waypointctl.studies.varied_link import refuse_what_is_not_kept
+    from waypointctl.studies.delay import study_delay
 
-    quick_route, quick_rtt, quick_seeds = _QUICK
-    routes = load_routes(_parts(route or (quick_route if quick else "two-point,ten-point")))
-    names = [one.name for one in autonomies_of(_parts(autonomy))]
-    refuse_what_is_not_kept(routes)
-    rtts_s = rtts_of(rtt) if rtt else _possible(rtts_of(quick_rtt if quick else "0,0.4,2.56,5,10,40"), routes)
-    trials = range(seed, seed + (seeds or (quick_seeds if quick else 20)))
-    cases, fine = delay_cases(list(routes), names, rtts_s, trials, find_joint_limit=find_joint_limit)
+    cases, fine, routes = _cases(route, rtt, autonomy, seed, seeds, quick=quick, find_joint_limit=find_joint_limit)
     folder = out or Path("runs/study-delay-quick" if quick else "runs/study-delay")
-    loaded = load_policy(policy)
-    with interruption() as interrupted, flights_progress() as show:
-        found = study_delay(
-            loaded,
-            routes,
-            cases,
-            fine,
-            folder,
-            think_s=think,
-            jobs=jobs or _cores(),
-            keep_logs=keep_logs,
-            watch=lambda progress: show(progress.flown, progress.total),
-            interrupted=interrupted,
-        )
-    if found is None:
-        typer.echo(f"interrupted; {printable(folder)} has what was flown, and the same command goes on", err=True)
-        raise typer.Exit(130)
-    _tell(found, folder, stderr=json)
+    options: dict[str, Any] = {"think_s": think, "processes": jobs, "keep_logs": keep_logs}
+    found = _flown(partial(study_delay, load_policy(policy), routes, cases, fine, folder, **options), folder)
+    _show(found, folder, stderr=json)
     if json:
         sys.stdout.write(f"{found.model_dump_json(indent=2)}\n")
+
+
+def _cases(
+    route: str | None,
+    rtt: str | None,
+    autonomy: str,
+    seed: int,
+    seeds: int | None,
+    *,
+    quick: bool,
+    find_joint_limit: bool,
+) -> tuple[list[DelayCase], list[DelayCase], dict[str, MissionFile]]:
+    """Return the cases of the study, those of its finer sweep, and its routes, as the options say."""
+    from waypointctl.studies.case import autonomies_of, fine_grid, grid
+    from waypointctl.studies.route import load_routes, refuse_what_is_not_kept
+
+    usual_route, usual_rtts, usual_seeds = _QUICK if quick else _USUAL
+    routes = load_routes(_parts(route or usual_route))
+    names = autonomies_of(_parts(autonomy))
+    refuse_what_is_not_kept(routes)
+    rtts_s = rtts_of(rtt) if rtt else _possible(rtts_of(usual_rtts), routes)
+    trials = range(seed, seed + (seeds or usual_seeds))
+    return grid(routes, names, rtts_s, trials), fine_grid(routes, trials) if find_joint_limit else [], routes
+
+
+def _flown(fly: Callable[..., DelayStudy | None], folder: Path) -> DelayStudy:
+    """Fly a study with a progress bar; an interruption ends the program with 130."""
+    from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.main import INTERRUPTED
+    from waypointctl.cli.tui.progress import flights_progress
+
+    with interruption() as interrupted, flights_progress() as show:
+        found = fly(progress=show, interrupted=interrupted)
+    if found is None:
+        typer.echo(f"interrupted; {printable(folder)} has what was flown, and the same command goes on", err=True)
+        raise typer.Exit(INTERRUPTED)
+    return found
 
 
 def rtts_of(text: str) -> tuple[float, ...]:
     """Return round trips [s], ascending, from a list such as "0,0.4,2.56".
 
     Raises:
-        InputError: one is no number of seconds, too long, or there twice.
+        InputError: one is not a number of seconds, too long, or there twice.
     """
     hint = "Give seconds, separated by commas, as in --rtt 0,0.4,2.56."
     rtts_s = []
@@ -133,7 +147,7 @@ def rtts_of(text: str) -> tuple[float, ...]:
         try:
             rtt_s = float(part)
         except ValueError:
-            raise InputError(f"--rtt: {part!r} is no number", hint=hint) from None
+            raise InputError(f"--rtt: {part!r} is not a number", hint=hint) from None
         if not 0 <= rtt_s <= _LONGEST_RTT_S:
             raise InputError(f"--rtt: {part} is not within 0 and {_LONGEST_RTT_S:g} s", hint=hint)
         rtts_s.append(rtt_s)
@@ -144,7 +158,7 @@ def rtts_of(text: str) -> tuple[float, ...]:
 
 def _possible(rtts_s: tuple[float, ...], routes: Mapping[str, MissionFile]) -> tuple[float, ...]:
     """Return those of the usual round trips that the routes' links can have; say which are left out."""
-    from waypointctl.studies.varied_link import least_round_trip_s
+    from waypointctl.studies.route import least_round_trip_s
 
     least_s = max(least_round_trip_s(file.mission.link) for file in routes.values())
     if short := [f"{rtt_s:g}" for rtt_s in rtts_s if rtt_s < least_s]:
@@ -157,16 +171,10 @@ def _parts(text: str) -> list[str]:
     return [part.strip() for part in text.split(",")]
 
 
-def _cores() -> int:
-    import os
-
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _tell(found: DelayStudy, folder: Path, *, stderr: bool) -> None:
+def _show(found: DelayStudy, folder: Path, *, stderr: bool) -> None:
     from waypointctl.cli.console import console
     from waypointctl.cli.tui.grid_view import GridView
-    from waypointctl.studies.files import PICTURE, TABLES, VALUES
+    from waypointctl.studies.delay import PICTURE, TABLES, VALUES
     from waypointctl.studies.tables import tables
 
     people = console(stderr=stderr)

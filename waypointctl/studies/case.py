@@ -1,4 +1,4 @@
-"""A flight of a study, and the mission that it is."""
+"""The flights of a delay study, and the mission that each of them is."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
+from waypointctl.errors import InputError
 from waypointctl.flight.link.build import contacts_of
 from waypointctl.mission.mission import DAY_S, Mission
-from waypointctl.studies.autonomy import AUTONOMIES
-from waypointctl.studies.varied_link import with_round_trip
+from waypointctl.studies.route import with_round_trip
 from waypointctl.units import seconds
 
 # The finer sweep in which `joint` is followed to where it fails [s].
@@ -21,16 +21,54 @@ _MOST_SENDS: Final = 10  # of a command over a link that loses messages, which l
 _LONGEST_S: Final = 100 * DAY_S
 
 
+@dataclass(frozen=True, slots=True)
+class Autonomy:
+    """A way of commanding, which a study compares with others.
+
+    Attributes:
+        name: as tables call it.
+        level: the mission's `autonomy`.
+        steering: the operator's, where the level is `short_range_goal`.
+        waits: the operator sends nothing more until it knows how its last command ended.
+    """
+
+    name: str
+    level: Literal["mission", "waypoint", "short_range_goal", "joint"]
+    steering: Literal["move_and_wait", "continuous"] = "move_and_wait"
+    waits: bool = True
+
+
+MISSION: Final = Autonomy("mission", "mission")
+WAYPOINT: Final = Autonomy("waypoint", "waypoint")
+SHORT_RANGE_GOAL: Final = Autonomy("short_range_goal", "short_range_goal")
+CONTINUOUS: Final = Autonomy("short_range_goal-continuous", "short_range_goal", "continuous", waits=False)
+JOINT: Final = Autonomy("joint", "joint", waits=False)
+
+AUTONOMIES: Final = {one.name: one for one in (MISSION, WAYPOINT, SHORT_RANGE_GOAL, CONTINUOUS, JOINT)}
+
+
+def autonomies_of(names: Sequence[str]) -> list[str]:
+    """Return names of autonomies in the order of AUTONOMIES, each once.
+
+    Raises:
+        InputError: there is none of a name.
+    """
+    if unknown := [name for name in names if name not in AUTONOMIES]:
+        problem = f"--autonomy: {unknown[0]!r} is not an autonomy; choose from {', '.join(AUTONOMIES)}"
+        raise InputError(problem, hint="Separate several by commas, as in --autonomy mission,waypoint.")
+    return [name for name in AUTONOMIES if name in names]
+
+
 @dataclass(frozen=True, slots=True, order=True)
-class Case:
+class DelayCase:
     """One flight: nothing else decides how it goes but the policy, the route and the operator's think time.
 
     Attributes:
         route: its name.
         autonomy: its name.
         rtt_s: the link's round trip, half of it each way.
-        seed: the mission's. It is the trial's number: a trial starts in the same posture however it is commanded, so
-            that what differs between two autonomies or two round trips is the delay.
+        seed: the mission's. Flights with one seed start in the same posture however they are commanded, so that what
+            differs between two autonomies or two round trips is the delay.
     """
 
     route: str
@@ -39,12 +77,19 @@ class Case:
     seed: int
 
 
-def grid(routes: Iterable[str], autonomies: Iterable[str], rtts_s: Sequence[float], seeds: Sequence[int]) -> list[Case]:
+def grid(
+    routes: Iterable[str], autonomies: Iterable[str], rtts_s: Sequence[float], seeds: Sequence[int]
+) -> list[DelayCase]:
     """Return a case for each combination, the seeds innermost."""
-    return [Case(*key) for key in itertools.product(routes, autonomies, rtts_s, seeds)]
+    return [DelayCase(*key) for key in itertools.product(routes, autonomies, rtts_s, seeds)]
 
 
-def mission_of(route: Mission, case: Case, think_s: float | None = None) -> Mission:
+def fine_grid(routes: Iterable[str], seeds: Sequence[int]) -> list[DelayCase]:
+    """Return the cases of the finer sweep, which find out where `joint` fails."""
+    return grid(routes, [JOINT.name], FINE_RTTS_S, seeds)
+
+
+def mission_of(route: Mission, case: DelayCase, think_s: float | None = None) -> Mission:
     """Return the mission of a case: the route with its delay, its autonomy, its seed and its time limits.
 
     Limits grow with the round trip, and with what the link loses and lets wait: they are there for a robot that has
@@ -77,7 +122,7 @@ def mission_of(route: Mission, case: Case, think_s: float | None = None) -> Miss
 
 
 def _exchanges_of_a_leg(route: Mission) -> int:
-    """Return how often the operator may command during the longest leg: twice what its short-range goals take."""
+    """Return how often the operator may command during the longest leg: twice the number of its short-range goals."""
     places = [route.start.position_m, *((leg.x_m, leg.y_m) for leg in route.legs())]
     longest_m = max(math.dist(a, b) for a, b in itertools.pairwise(places))
     return 2 * math.ceil(longest_m / route.operator.lookahead_m) + 2

@@ -1,24 +1,35 @@
-"""The delay study: round trips by autonomies by routes, and what came of it."""
+"""The delay study: round trips by autonomies by routes, flown into a folder, and what was found."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import InputError
+from waypointctl.flight.header import source_revision
+from waypointctl.flight.record import refuse_misfit
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.mission.files import MissionFile
-from waypointctl.studies.autonomy import JOINT, MISSION
-from waypointctl.studies.case import FINE_RTTS_S, Case, grid
-from waypointctl.studies.cell import Cell, cells_of
-from waypointctl.studies.measure import Flown
-from waypointctl.studies.results_file import Conditions
-from waypointctl.studies.verdict import JointLimit, Verdict, joint_limits, verdicts
+from waypointctl.paths import write_whole
+from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.robots.load import load_robot
+from waypointctl.studies.case import MISSION, DelayCase
+from waypointctl.studies.cells import Cell, cells_of
+from waypointctl.studies.claims import ClaimResult, JointLimit, assess_claims, joint_limits
+from waypointctl.studies.engine import Interrupted, engine_for
+from waypointctl.studies.flights import DelayFlight, FlyCase
+from waypointctl.studies.results_file import ResultsFile, StudyInputs
+from waypointctl.studies.route import refuse_what_is_not_kept
 
-RTTS_S: Final = (0.0, 0.4, 2.56, 5.0, 10.0, 40.0)
+LOGS: Final = "logs"
+STUDY: Final = "study.json"
+TABLES: Final = "tables.md"
+VALUES: Final = "cells.csv"
+PICTURE: Final = "delay.png"
 
 
 class Route(BaseModel):
@@ -30,6 +41,11 @@ class Route(BaseModel):
     waypoints: int
     length_m: float  # of the straight path
     think_s: float = 0.0  # how long the operator thinks on it
+
+    @property
+    def what(self) -> str:
+        """Its number of waypoints, in words."""
+        return f"{self.waypoints} waypoint{'s' * (self.waypoints != 1)}"
 
 
 class DelayStudy(BaseModel):
@@ -46,7 +62,7 @@ class DelayStudy(BaseModel):
     cells: tuple[Cell, ...]
     joint_sweep: tuple[Cell, ...]  # `joint` at the finer round trips, where it was asked for
     joint_limits: tuple[JointLimit, ...]
-    verdicts: tuple[Verdict, ...]
+    claims: tuple[ClaimResult, ...]
 
     def cells_of(self, route: str, autonomy: str) -> tuple[Cell, ...]:
         """Return the cells of a line of the picture, by round trip; those of the finer sweep among them."""
@@ -72,57 +88,119 @@ class DelayStudy(BaseModel):
         return walk_s + sum(counts) / len(counts) * (rtt_s + think_s)
 
 
-def delay_cases(
-    routes: Sequence[str],
-    autonomies: Sequence[str],
-    rtts_s: Sequence[float],
-    seeds: Sequence[int],
+def study_delay(
+    policy: LoadedPolicy,
+    routes: Mapping[str, MissionFile],
+    cases: Sequence[DelayCase],
+    fine: Sequence[DelayCase],
+    folder: Path,
     *,
-    find_joint_limit: bool = False,
-) -> tuple[list[Case], list[Case]]:
-    """Return the cases of the study and those of the finer sweep, in the order in which they are flown."""
-    fine = grid(routes, [JOINT.name], FINE_RTTS_S, seeds) if find_joint_limit else []
-    return grid(routes, autonomies, rtts_s, seeds), fine
+    think_s: float | None = None,
+    processes: int = 1,
+    keep_logs: bool = False,
+    progress: Callable[[int, int], None] = lambda flown, total: None,
+    interrupted: Interrupted = lambda: False,
+) -> DelayStudy | None:
+    """Fly the cases that `folder` does not have yet, and write what all of them came to; None if interrupted.
+
+    Args:
+        policy: that drives the robot.
+        routes: by name.
+        cases: of the study.
+        fine: of the finer sweep of `joint`.
+        folder: for the flights and what they came to; what is there already is not flown again.
+        think_s: how long the operator thinks before it sends [s]; each route's own time if it is left out.
+        processes: that fly; 0 for one a core. The results do not depend on it.
+        keep_logs: write the logs of the flights, too.
+        progress: called with the number of flights that have ended, those of an earlier run among them, and of all.
+        interrupted: whether to stop.
+
+    Raises:
+        PolicyError: the policy was made for another robot or another observation layout.
+        InputError: a route has what a study cannot keep; the folder has the flights of another study.
+        OutputError: something cannot be written, or another study is writing there.
+        WaypointctlError: a worker process was killed.
+    """
+    for name in {file.mission.robot for file in routes.values()}:
+        refuse_misfit(policy, load_robot(name))
+    refuse_what_is_not_kept(routes, sorted({case.rtt_s for case in cases}))
+    inputs = StudyInputs(
+        policy=policy.manifest.name,
+        policy_sha256=policy.sha256,
+        think_s=think_s,
+        source=source_revision(),
+        routes={name: route_digest(file) for name, file in routes.items()},
+    )
+    with ResultsFile.held(folder, inputs) as results:
+        logs = folder / LOGS if keep_logs else None
+        if logs is not None:
+            logs.mkdir(exist_ok=True)
+        every = list(dict.fromkeys((*cases, *fine)))
+        to_fly = [case for case in every if case not in results.flown]
+        ended = len(every) - len(to_fly)
+        progress(ended, len(every))
+
+        def keep(case: DelayCase, flight: DelayFlight) -> None:
+            nonlocal ended
+            results.add(flight)
+            ended += 1
+            progress(ended, len(every))
+
+        fly_case = FlyCase(routes, policy.files, think_s, logs)
+        flown = engine_for(processes, len(to_fly)).map(fly_case, to_fly, keep, interrupted)
+        results.write_in_order(every)
+        if flown is None:
+            return None
+        study = conclude(cases, fine, results.flown, routes, inputs)
+        write_study(study, folder)
+    return study
 
 
 def conclude(
-    cases: Sequence[Case],
-    fine: Sequence[Case],
-    flown: Mapping[Case, Flown],
+    cases: Sequence[DelayCase],
+    fine: Sequence[DelayCase],
+    flown: Mapping[DelayCase, DelayFlight],
     routes: Mapping[str, MissionFile],
-    conditions: Conditions,
+    inputs: StudyInputs,
 ) -> DelayStudy:
-    """Return what the flights of `cases` and of the finer sweep found.
-
-    Args:
-        cases: of the study.
-        fine: of the finer sweep.
-        flown: at least those.
-        routes: by name.
-        conditions: under which they were flown.
-    """
+    """Return what the flights of `cases` and of the finer sweep found; `flown` has at least those."""
     cells, sweep = cells_of(cases, flown), cells_of(fine, flown)
     every = (*cells, *(cell for cell in sweep if cell not in cells))
     return DelayStudy(
-        policy=conditions.policy,
-        policy_sha256=conditions.policy_sha256,
-        source=conditions.source,
-        think_s=conditions.think_s,
+        policy=inputs.policy,
+        policy_sha256=inputs.policy_sha256,
+        source=inputs.source,
+        think_s=inputs.think_s,
         seeds=tuple(sorted({case.seed for case in cases})),
         routes=tuple(
             Route(
                 name=name,
                 waypoints=file.mission.num_legs,
                 length_m=file.mission.path_length_m(),
-                think_s=file.mission.operator.think_s if conditions.think_s is None else conditions.think_s,
+                think_s=file.mission.operator.think_s if inputs.think_s is None else inputs.think_s,
             )
             for name, file in routes.items()
         ),
         cells=cells,
         joint_sweep=sweep,
         joint_limits=joint_limits(every),
-        verdicts=verdicts(every, [flown[case] for case in cases if case in flown]),
+        claims=assess_claims(every, [flown[case] for case in cases if case in flown]),
     )
+
+
+def write_study(study: DelayStudy, folder: Path) -> None:
+    """Write what a study found into its folder: as JSON, as tables, as comma-separated values and as a picture.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    from waypointctl.studies.picture import draw
+    from waypointctl.studies.tables import tables, to_csv, to_markdown
+
+    write_whole(folder / STUDY, f"{study.model_dump_json(indent=2)}\n".encode(), "the study")
+    write_whole(folder / TABLES, to_markdown(tables(study)).encode(), "the tables")
+    write_whole(folder / VALUES, to_csv(study).encode(), "the values")
+    write_whole(folder / PICTURE, draw(study), "the picture")
 
 
 def read_study(path: Path) -> DelayStudy:
@@ -138,3 +216,11 @@ def read_study(path: Path) -> DelayStudy:
     except ValidationError as error:
         problem = f"not a delay study: {error.errors(include_url=False)[0]['msg']}"
         raise InputError(problem, where=str(path), hint=hint) from error
+
+
+def route_digest(file: MissionFile) -> str:
+    """Return the SHA-256 of a mission's file and of what stands in the files that it refers to."""
+    digest = hashlib.sha256(file.source)
+    for name, content in sorted(file.mission.files.items()):
+        digest.update(name.encode() + b"\0" + hashlib.sha256(content).digest())
+    return digest.hexdigest()

@@ -15,19 +15,19 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator, PercentFormatter
 
 from waypointctl.figure import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, VERMILION, picture
-from waypointctl.studies.autonomy import AUTONOMIES, JOINT
-from waypointctl.studies.cell import Cell
+from waypointctl.studies.case import AUTONOMIES, JOINT
+from waypointctl.studies.cells import Cell, Estimate
 from waypointctl.studies.delay import DelayStudy, Route
-from waypointctl.studies.estimate import Estimate
 
 _DPI: Final = 110
 _COLUMN_IN: Final = 6.6
 _HEIGHT_IN: Final = 8.6
 _LINEAR_RATIO: Final = 12.0  # of the longest round trip to the shortest but 0: up to this the axis is linear
+_TIME_MARGIN: Final = 1.25  # times the longest mean time, and by the shortest one
 _MARGIN: Final = 0.04  # of the axis of round trips, on either side of what was flown
 _SPARE_TICK: Final = 0.04  # of the axis: a round trip nearer to the one before it has no label
 _LETTER_IN: Final = 0.085  # of the note
-_LOOKS: Final = {
+_PLOT_STYLES: Final = {
     "mission": (BLUE, "o"),
     "waypoint": (GREEN, "s"),
     "short_range_goal": (VERMILION, "^"),
@@ -60,47 +60,56 @@ def _draw(figure: Figure, study: DelayStudy, width_in: float) -> None:
 def _draw_times(axes: Axes, study: DelayStudy, route: Route) -> None:
     first_s, last_s = (end(cell.rtt_s for cell in study.cells) for end in (min, max))
     dense_s = first_s + np.linspace(0.0, 1.0, 200) ** 3 * (last_s - first_s)  # dense where the axis is
+    times_s = [cell.time_s.value for cell in study.cells if cell.route == route.name and cell.time_s is not None]
+    low_s, high_s = (min(times_s) / _TIME_MARGIN, max(times_s) * _TIME_MARGIN) if times_s else (1.0, 10.0)
     axes.set_yscale("log")
-    for name, (color, mark) in _LOOKS.items():
+    for name, (color, mark) in _PLOT_STYLES.items():
         cells = study.cells_of(route.name, name)
         predicted = [study.predicted_s(route.name, name, float(rtt_s)) for rtt_s in dense_s]
         if cells and AUTONOMIES[name].waits and None not in predicted:
             axes.plot(dense_s, np.array(predicted, float), color=color, linestyle=(0, (4, 3)), linewidth=0.9, alpha=0.8)
-        _draw_line(axes, cells, [cell.time_s for cell in cells], color, mark)
+        _draw_line(axes, cells, [cell.time_s for cell in cells], (color, mark), (low_s, high_s))
         for cell in cells:
             _mark_failures(axes, cell, color)
     for limit in study.joint_limits:
         if limit.route == route.name and limit.mostly_fails_s is not None:
             _mark_limit(axes, limit.mostly_fails_s)
-    times_s = {cell.time_s.value for cell in study.cells if cell.route == route.name and cell.time_s is not None}
-    if len(times_s) == 1:  # matplotlib finds no limits round one value on a logarithmic axis
-        axes.set_ylim(min(times_s) / 2, max(times_s) * 2)
+    axes.set_ylim(low_s, high_s)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.set_title(f"{route.name}: {route.waypoints} waypoints, {route.length_m:.0f} m", fontweight="bold", pad=16)
+    axes.set_title(f"{route.name}: {route.what}, {route.length_m:.0f} m", fontweight="bold", pad=16)
 
 
 def _draw_standing(axes: Axes, study: DelayStudy, route: Route) -> None:
-    for name, (color, mark) in _LOOKS.items():
+    for name, style in _PLOT_STYLES.items():
         cells = study.cells_of(route.name, name)
-        _draw_line(axes, cells, [cell.standing_share for cell in cells], color, mark)
+        _draw_line(axes, cells, [cell.standing_share for cell in cells], style, (0.0, 1.0))
     axes.set_ylim(0.0, 1.02)
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.set_xlabel("round trip [s]")
 
 
-def _draw_line(axes: Axes, cells: Sequence[Cell], estimates: Sequence[Estimate | None], color: str, mark: str) -> None:
-    """Draw what the successes came to; where there are few of them, pale."""
+def _draw_line(
+    axes: Axes,
+    cells: Sequence[Cell],
+    estimates: Sequence[Estimate | None],
+    style: tuple[str, str],
+    limits: tuple[float, float],
+) -> None:
+    """Draw the successes' means with intervals, which end at the limits of the axis; where few succeed, pale."""
+    color, mark = style
+    low, high = limits
     shown = [(cell, one) for cell, one in zip(cells, estimates, strict=True) if one is not None]
     for (before, one), (after, other) in itertools.pairwise(shown):
         alpha = 1.0 if before.mostly_succeeds and after.mostly_succeeds else 0.35
-        # Straight on the page: between two round trips nothing was flown, and a curve would seem to know.
+        # Straight on the page: between two round trips nothing was flown, and a curve would suggest more.
         axes.plot((before.rtt_s, after.rtt_s), (one.value, other.value), color=color, linewidth=1.5, alpha=alpha)
     for cell, one in shown:
-        face = color if cell.mostly_succeeds else "white"
+        face, half = color if cell.mostly_succeeds else "white", one.half or 0.0
+        ends = [[min(half, max(one.value - low, 0.0))], [min(half, max(high - one.value, 0.0))]]
         axes.errorbar(
-            cell.rtt_s, one.value, yerr=one.half or 0.0, color=color, marker=mark, markerfacecolor=face, markersize=5,
+            cell.rtt_s, one.value, yerr=ends, color=color, marker=mark, markerfacecolor=face, markersize=5,
             capsize=2.5, linewidth=1.0,
         )  # fmt: skip
 
@@ -121,7 +130,7 @@ def _mark_failures(axes: Axes, cell: Cell, color: str) -> None:
 
 def _mark_limit(axes: Axes, rtt_s: float) -> None:
     """Say from which round trip on `joint` fails more often than not."""
-    color, _ = _LOOKS[JOINT.name]
+    color, _ = _PLOT_STYLES[JOINT.name]
     axes.axvline(rtt_s, color=color, linestyle=":", linewidth=1.2)
     axes.annotate(
         f"joint: fewer than half at {rtt_s:g} s", (rtt_s, 0.96), xycoords=axes.get_xaxis_transform(),
@@ -172,7 +181,7 @@ def _write(figure: Figure, study: DelayStudy, left: float) -> None:
     drawn = {cell.autonomy for cell in (*study.cells, *study.joint_sweep)}
     handles = [
         Line2D([], [], color=color, marker=mark, markersize=5, label=name)
-        for name, (color, mark) in _LOOKS.items()
+        for name, (color, mark) in _PLOT_STYLES.items()
         if name in drawn
     ]
     if any(study.walk_s(route.name) is not None for route in study.routes):
@@ -184,7 +193,7 @@ def _write(figure: Figure, study: DelayStudy, left: float) -> None:
     thinks = " and ".join(f"{think_s:g}" for think_s in dict.fromkeys(route.think_s for route in study.routes))
     think = f", think time {thinks} s" if thinks != "0" else ""
     figure.text(left, 0.972, f"What a delay costs: {study.policy}", fontsize=13, fontweight="bold", va="center")
-    marks = "7/20: 7 of 20 trials succeeded; open mark: fewer than half did"
+    marks = "beside a mark: successes of all flights, where one failed; open mark: fewer than half succeeded"
     note = f"{seeds}{think}; means of the successes, 95 % intervals; {marks}"
     lines = textwrap.fill(note, round(figure.get_figwidth() / _LETTER_IN))
     figure.text(left, 0.95, lines, va="top")

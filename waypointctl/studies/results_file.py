@@ -17,8 +17,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from waypointctl.errors import InputError, OutputError
 from waypointctl.input_file import read_input
 from waypointctl.paths import open_lock, write_whole
-from waypointctl.studies.case import Case
-from waypointctl.studies.measure import Flown
+from waypointctl.studies.case import DelayCase
+from waypointctl.studies.flights import DelayFlight
 
 RESULTS: Final = "flights.jsonl"
 
@@ -29,7 +29,7 @@ _WHAT: Final = "the results"
 _MEND: Final = "Give another --out, or remove that file to begin again."
 
 
-class Conditions(BaseModel):
+class StudyInputs(BaseModel):
     """What decides how a case goes, beside the case itself."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -40,11 +40,11 @@ class Conditions(BaseModel):
     source: str  # a hash of the code that flies
     routes: dict[str, str]  # SHA-256 of each route's file and of those that it refers to, by name
 
-    def together_with(self, others: Conditions) -> Conditions:
-        """Return the conditions of the flights of both.
+    def together_with(self, others: StudyInputs) -> StudyInputs:
+        """Return the inputs of the flights of both studies.
 
         Raises:
-            ValueError: one flight would not go under both as it does under one.
+            ValueError: a flight would not go with both as it does with one.
         """
         for field, what in (
             ("policy_sha256", "policy"),
@@ -60,28 +60,28 @@ class Conditions(BaseModel):
 
 
 class ResultsFile:
-    """The flights that have been flown under some conditions, in memory and on disk.
+    """The flights that have been flown with some inputs, in memory and on disk.
 
     Attributes:
         path: of the file.
         flown: by case.
     """
 
-    def __init__(self, path: Path, conditions: Conditions) -> None:
-        """Read what is there; a new file begins with the conditions.
+    def __init__(self, path: Path, inputs: StudyInputs) -> None:
+        """Read what is there; a new file begins with the inputs.
 
         Raises:
             InputError: it holds the flights of another study, or something else.
             OutputError: it cannot be written.
         """
         self.path = path
-        self.flown: dict[Case, Flown] = {}
-        self._conditions = self._read(conditions) if path.exists() else conditions
+        self.flown: dict[DelayCase, DelayFlight] = {}
+        self._inputs = self._read(inputs) if path.exists() else inputs
         self.write_in_order(self.flown)
 
     @classmethod
     @contextmanager
-    def held(cls, folder: Path, conditions: Conditions) -> Iterator[Self]:
+    def held(cls, folder: Path, inputs: StudyInputs) -> Iterator[Self]:
         """Make the folder of a study, keep every other study out of it, and yield its results.
 
         Raises:
@@ -97,9 +97,9 @@ class ResultsFile:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # let go of when the process ends, however it does
             except BlockingIOError:
                 raise OutputError("another study is writing here", where=str(folder), hint="Wait for it.") from None
-            yield cls(folder / RESULTS, conditions)
+            yield cls(folder / RESULTS, inputs)
 
-    def add(self, flown: Flown) -> None:
+    def add(self, flown: DelayFlight) -> None:
         """Write a flight down, at once and for good.
 
         Raises:
@@ -112,28 +112,28 @@ class ResultsFile:
             raise OutputError(f"{_WHAT} cannot be written: {error.strerror}", where=str(self.path)) from error
         self.flown[flown.case] = flown
 
-    def write_in_order(self, cases: Iterable[Case]) -> None:
+    def write_in_order(self, cases: Iterable[DelayCase]) -> None:
         """Write the file again, the flights of `cases` first and in that order: as they end, they come in any.
 
         Raises:
             OutputError: it cannot be written; what was there before still is.
         """
         order = dict.fromkeys([*(case for case in cases if case in self.flown), *sorted(self.flown)])
-        lines = [_line(self._conditions), *(_line(self.flown[case]) for case in order)]
+        lines = [_line(self._inputs), *(_line(self.flown[case]) for case in order)]
         write_whole(self.path, b"".join(lines), _WHAT)
 
-    def _read(self, conditions: Conditions) -> Conditions:
-        """Take in the flights that are there; return the conditions of all."""
+    def _read(self, inputs: StudyInputs) -> StudyInputs:
+        """Take in the flights that are there; return the inputs of all."""
         content = read_input(self.path, _LARGEST, OutputError, within=self.path.parent, hint=_MEND)
         *lines, _ = content.split(b"\n")  # what follows the last line break is torn, or nothing
         if not lines:
-            return conditions
-        there = self._parsed(Conditions, lines[0], 1)
+            return inputs
+        there = self._parsed(StudyInputs, lines[0], 1)
         for number, line in enumerate(lines[1:], 2):
-            flown = self._parsed(Flown, line, number)
+            flown = self._parsed(DelayFlight, line, number)
             self.flown[flown.case] = flown
         try:
-            return conditions.together_with(there)
+            return inputs.together_with(there)
         except ValueError as error:
             raise InputError(str(error), where=str(self.path), hint=_MEND) from error
 

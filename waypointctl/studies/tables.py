@@ -9,11 +9,10 @@ from typing import Final
 
 from waypointctl.evaluation.grid import Column, Grid
 from waypointctl.evaluation.results_grid import interval
-from waypointctl.studies.autonomy import JOINT
-from waypointctl.studies.cell import Cell
+from waypointctl.studies.case import JOINT
+from waypointctl.studies.cells import Cell, Estimate
+from waypointctl.studies.claims import FEWEST, UNMEASURED
 from waypointctl.studies.delay import DelayStudy, Route
-from waypointctl.studies.estimate import Estimate
-from waypointctl.studies.verdict import FEWEST, UNMEASURED
 
 MARKDOWN_HEAD: Final = "<!-- waypointctl study delay -->\n"
 
@@ -46,7 +45,7 @@ def overview(study: DelayStudy, route: Route) -> Grid:
 def route_grid(study: DelayStudy, route: Route) -> Grid:
     """Return all that was measured on a route: a row for each autonomy and round trip."""
     rows = [_row(cell) for cell in study.cells if cell.route == route.name]
-    title = f"{route.name}: {route.waypoints} waypoints, {route.length_m:.1f} m"
+    title = f"{route.name}: {route.what}, {route.length_m:.1f} m"
     return Grid(title, _COLUMNS, tuple(rows))
 
 
@@ -68,27 +67,27 @@ def sweep_grid(study: DelayStudy) -> Grid | None:
     return Grid(f"{JOINT.name}, by round trip", tuple(columns), tuple(rows))
 
 
-def verdict_grid(study: DelayStudy) -> Grid:
-    """Return the verdicts, or of a few flights that they are too few for one."""
+def claims_grid(study: DelayStudy) -> Grid:
+    """Return the tested claims; of a few flights, that they are too few to test one."""
     seeds = len(study.seeds)
     few = f"too few flights: {seeds} a cell"
     columns = (
         Column("claim", is_text=True),
         Column("route", is_text=True),
-        Column("verdict", is_text=True),
+        Column("result", is_text=True),
         Column("found", is_text=True),
     )
     rows = [
         (one.claim, one.route, few if seeds < FEWEST and one.finding != UNMEASURED else one.finding, one.found)
-        for one in study.verdicts
+        for one in study.claims
     ]
     return Grid("Claims tested", columns, tuple(rows))
 
 
 def tables(study: DelayStudy) -> list[Grid]:
-    """Return all tables: times at a glance, verdicts, each route, the finer sweep."""
+    """Return all tables: times at a glance, claims, each route, the finer sweep."""
     glances = [overview(study, route) for route in study.routes]
-    grids = [*glances, verdict_grid(study), *(route_grid(study, route) for route in study.routes)]
+    grids = [*glances, claims_grid(study), *(route_grid(study, route) for route in study.routes)]
     sweep = sweep_grid(study)
     return grids if sweep is None else [*grids, sweep]
 

@@ -1,4 +1,4 @@
-"""What the delay study was made to show, each time said from its flights: it holds, is refuted, or was not measured."""
+"""Claims on delay, tested with a study's flights: each holds, is refuted, or was not measured."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from typing import Final, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict
 
-from waypointctl.studies.autonomy import JOINT, MISSION, SHORT_RANGE_GOAL, WAYPOINT
-from waypointctl.studies.cell import Cell
-from waypointctl.studies.estimate import slope
-from waypointctl.studies.measure import Flown
+from waypointctl.studies.case import JOINT, MISSION, SHORT_RANGE_GOAL, WAYPOINT
+from waypointctl.studies.cells import Cell, slope
+from waypointctl.studies.flights import DelayFlight
 
 Finding: TypeAlias = Literal["holds", "refuted", "not measured"]
 
@@ -19,7 +18,7 @@ SLOWER: Final = 2.5
 NEAR_S: Final = 0.4  # a round trip that is hardly noticed
 MOON_S: Final = 2.56
 QUARTER_S: Final = 0.25
-FEWEST: Final = 5  # flights of a cell; a verdict of fewer is one of chance, and is not shown
+FEWEST: Final = 5  # flights of a cell; with fewer chance would decide
 UNMEASURED: Final = "not measured"
 
 _CLAIMS: Final = {
@@ -31,8 +30,8 @@ _CLAIMS: Final = {
 }
 
 
-class Verdict(BaseModel):
-    """A claim, on one route, and what the flights say to it."""
+class ClaimResult(BaseModel):
+    """A claim, on one route, and what the flights show."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -43,7 +42,7 @@ class Verdict(BaseModel):
 
 
 class JointLimit(BaseModel):
-    """Between which round trips [s] the robot ceases to be walked from the ground, on one route."""
+    """The round trips [s] between which `joint` ceases to succeed mostly, on one route."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -52,8 +51,8 @@ class JointLimit(BaseModel):
     mostly_fails_s: float | None  # the shortest one at which less than half of the flights succeed; None for none
 
 
-def verdicts(cells: Sequence[Cell], flown: Sequence[Flown]) -> tuple[Verdict, ...]:
-    """Return each verdict for each route, of the autonomies that were flown.
+def assess_claims(cells: Sequence[Cell], flown: Sequence[DelayFlight]) -> tuple[ClaimResult, ...]:
+    """Return each claim on each route, tested, of the autonomies that were flown.
 
     Args:
         cells: of all flights.
@@ -63,11 +62,11 @@ def verdicts(cells: Sequence[Cell], flown: Sequence[Flown]) -> tuple[Verdict, ..
     for autonomy, judge in ((MISSION, _mission), (SHORT_RANGE_GOAL, _short_range_goal), (JOINT, _joint)):
         for route, own in _by_route(cells, autonomy.name).items():
             finding, text = judge(own)
-            found.append(Verdict(claim=_CLAIMS[autonomy.name], route=route, finding=finding, found=text))
+            found.append(ClaimResult(claim=_CLAIMS[autonomy.name], route=route, finding=finding, found=text))
     for route in _by_route(cells, WAYPOINT.name):
         finding, text = _waypoint([one for one in flown if (one.route, one.autonomy) == (route, WAYPOINT.name)])
-        found.append(Verdict(claim=_CLAIMS[WAYPOINT.name], route=route, finding=finding, found=text))
-    return tuple(sorted(found, key=lambda verdict: list(_CLAIMS.values()).index(verdict.claim)))
+        found.append(ClaimResult(claim=_CLAIMS[WAYPOINT.name], route=route, finding=finding, found=text))
+    return tuple(sorted(found, key=lambda tested: list(_CLAIMS.values()).index(tested.claim)))
 
 
 def joint_limits(cells: Sequence[Cell]) -> tuple[JointLimit, ...]:
@@ -99,13 +98,13 @@ def _mission(cells: list[Cell]) -> tuple[Finding, str]:
     return ("holds" if shares[worst] <= 1 + ALLOWED else "refuted"), text
 
 
-def _waypoint(flown: list[Flown]) -> tuple[Finding, str]:
+def _waypoint(flown: list[DelayFlight]) -> tuple[Finding, str]:
     won = [one for one in flown if one.succeeded]
     if len({one.rtt_s for one in won}) < 2:
         return UNMEASURED, "needs successes at two round trips"
     found = slope([one.rtt_s for one in won], [one.time_s for one in won])
     waited = sum(one.exchanges for one in won) / len(won)
-    text = f"{found} s a second of round trip, {waited:g} commands waited for"
+    text = f"{found} s a second of round trip, {waited:g} command{'s' * (waited != 1)} waited for"
     return ("holds" if abs(found.value - waited) <= ALLOWED * waited else "refuted"), text
 
 

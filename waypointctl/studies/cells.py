@@ -1,14 +1,18 @@
-"""Estimates from a few flights: a mean or a slope, with its 95 % interval after Student."""
+"""What the flights of one route, autonomy and round trip came to: rates and means with their 95 % intervals."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from typing import Final
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
+
+from waypointctl.evaluation.wilson import wilson_interval
+from waypointctl.studies.case import DelayCase
+from waypointctl.studies.flights import DelayFlight
 
 _CONFIDENCE: Final = 0.95
 _NODES: Final = 64  # of the quadrature: exact to ten digits and more
@@ -74,3 +78,63 @@ def _central(t: float, freedom: int) -> float:
     area = float(weights @ np.cos(angles) ** (freedom - 1)) * end / 2
     scale = math.exp(math.lgamma((freedom + 1) / 2) - math.lgamma(freedom / 2)) / math.sqrt(math.pi)
     return 2 * scale * area
+
+
+class Cell(BaseModel):
+    """The flights of a route, an autonomy and a round trip.
+
+    Times and distances are those of the successes; None where there is none.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    route: str
+    autonomy: str
+    rtt_s: float
+    flights: int
+    successes: int
+    rate: float
+    wilson95: tuple[float, float]
+    falls: int  # of all flights
+    time_s: Estimate | None
+    distance_m: Estimate | None
+    standing_s: Estimate | None
+    standing_share: Estimate | None  # of the time
+    exchanges: float | None  # commands that the operator waited for, mean of a flight
+
+    @property
+    def mostly_succeeds(self) -> bool:
+        """Whether at least half of the flights succeeded."""
+        return 2 * self.successes >= self.flights
+
+
+def cells_of(cases: Iterable[DelayCase], flown: Mapping[DelayCase, DelayFlight]) -> tuple[Cell, ...]:
+    """Return a cell for each route, autonomy and round trip of `cases`, in their order, of those that were flown."""
+    groups: dict[tuple[str, str, float], list[DelayFlight]] = {}
+    for case in cases:
+        if case in flown:
+            groups.setdefault((case.route, case.autonomy, case.rtt_s), []).append(flown[case])
+    return tuple(_cell(group) for group in groups.values())
+
+
+def _cell(group: list[DelayFlight]) -> Cell:
+    first, won = group[0], [one for one in group if one.succeeded]
+
+    def of_successes(value: Callable[[DelayFlight], float]) -> Estimate | None:
+        return mean([value(one) for one in won]) if won else None
+
+    return Cell(
+        route=first.route,
+        autonomy=first.autonomy,
+        rtt_s=first.rtt_s,
+        flights=len(group),
+        successes=len(won),
+        rate=len(won) / len(group),
+        wilson95=wilson_interval(len(won), len(group)),
+        falls=sum(one.falls for one in group),
+        time_s=of_successes(lambda one: one.time_s),
+        distance_m=of_successes(lambda one: one.distance_m),
+        standing_s=of_successes(lambda one: one.standing_s),
+        standing_share=of_successes(lambda one: one.standing_s / one.time_s),
+        exchanges=float(np.mean([one.exchanges for one in won])) if won else None,
+    )
