@@ -1,7 +1,7 @@
 """Fly the delay study and show it in docs/delay.md.
 
     python docs/delay_study.py                 all of it, into runs/study-delay; it goes on where it was interrupted
-    python docs/delay_study.py --tables-only   the page's tables again, from what was found
+    python docs/delay_study.py --tables-only   the page's tables and picture again, from what was found
 
 What was found is kept in docs/delay-study.json, the picture is docs/delay.png. The page's block, between a comment
 that names this command and the next `<!-- end -->`, is written from that file.
@@ -17,7 +17,8 @@ import sys
 from pathlib import Path
 
 from waypointctl.errors import WaypointctlError
-from waypointctl.studies.delay import PICTURE, STUDY, DelayStudy, read_study
+from waypointctl.studies.delay import STUDY, DelayStudy, read_study
+from waypointctl.studies.picture import draw
 from waypointctl.studies.tables import tables
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -48,16 +49,16 @@ def fly(root: Path) -> None:
     if done.returncode:
         sys.exit(done.returncode)
     shutil.copyfile(folder / STUDY, root / FOUND)
-    shutil.copyfile(folder / PICTURE, root / "docs" / DRAWN)
 
 
 def write_page(root: Path) -> None:
-    """Write the block into the page in `root`."""
+    """Write the picture, and the block into the page in `root`."""
     page = root / PAGE
     text, count = BLOCK.subn(lambda match: match[1] + block(root) + match[2], page.read_text(encoding="utf-8"))
     if count != 1:
         sys.exit(f"{page}: {count} blocks from '<!-- python docs/delay_study.py -->' to '<!-- end -->'; one is needed")
     page.write_text(text, encoding="utf-8")
+    (root / "docs" / DRAWN).write_bytes(draw(read_study(root / FOUND)))
 
 
 def main() -> None:

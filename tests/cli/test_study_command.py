@@ -86,38 +86,21 @@ def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
     assert few[2].splitlines() == ["5 of 5 flights"], "those were flown before the interruption"
 
 
-def test_a_process_that_is_killed_ends_the_study_and_nothing_is_lost(field: Path) -> None:
-    many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "10", "--seeds", "100")
-    running = start(field, *many, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    assert running.stderr is not None
-    while b"10 of 100 flights" not in running.stderr.readline():
-        assert running.poll() is None
-    children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
-    flying = [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
-    os.kill(int(flying[0]), signal.SIGKILL)
-    _, err = running.communicate(timeout=60)
-    assert running.returncode == 1
-    assert b"error: a worker process was killed" in err
-    assert b"Traceback" not in err
-    assert len((field / "runs/study-delay/flights.jsonl").read_bytes().splitlines()) > 10
-
-
-def starting(running: subprocess.Popen[bytes], loaded: bytes) -> list[int]:
-    """Wait until a process that is to fly has loaded a library of this name; return all that have been started."""
+def starting(running: subprocess.Popen[bytes]) -> list[int]:
+    """Wait until a process that is to fly is importing; return all that have been started."""
     while running.poll() is None:
         children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
         flying = [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
-        if any(loaded in Path(f"/proc/{pid}/maps").read_bytes() for pid in flying):
+        if any(b"numpy" in Path(f"/proc/{pid}/maps").read_bytes() for pid in flying):
             return [int(pid) for pid in flying]
         sleep(0.001)
     raise AssertionError("it has ended before")
 
 
-@pytest.mark.parametrize("loaded", [b"", b"numpy"])
-def test_ctrl_c_while_its_processes_start_is_no_traceback_and_no_hang(field: Path, loaded: bytes) -> None:
+def test_ctrl_c_while_its_processes_start_is_no_traceback_and_no_hang(field: Path) -> None:
     many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "10", "--seeds", "100")
     running = start(field, *many, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    for pid in (*starting(running, loaded), running.pid):  # a terminal sends it to all of them
+    for pid in (*starting(running), running.pid):  # a terminal sends it to all of them
         os.kill(pid, signal.SIGINT)
     out, err = running.communicate(timeout=60)
     assert (running.returncode, out) == (130, b"")

@@ -18,7 +18,7 @@ from waypointctl.mission.link import Link
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.presets import PRESETS
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.studies.case import AUTONOMIES, DelayCase, mission_of
+from waypointctl.studies.case import AUTONOMIES, CONTINUOUS, DelayCase, mission_of
 from waypointctl.studies.delay import route_digest
 from waypointctl.studies.route import least_round_trip_s, load_route, refuse_what_is_not_kept, with_round_trip
 
@@ -59,7 +59,7 @@ def without_delays(link: Link) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("text", LINKS.values(), ids=LINKS)
-@pytest.mark.parametrize("autonomy", AUTONOMIES)
+@pytest.mark.parametrize("autonomy", ["mission", CONTINUOUS.name])
 def test_everything_but_the_delay_stays(text: str, autonomy: str) -> None:
     mission = route(text)
     for rtt_s in (
