@@ -109,7 +109,7 @@ def test_a_finished_study_flies_nothing_again_and_takes_more_in(tmp_path: Path, 
 
 def test_an_interruption_in_the_middle_of_a_flight_leaves_it_out(still: LoadedPolicy) -> None:
     asked = iter([False] * 10 + [True] * 10)
-    fly_case = FlyCase({"here": here()}, still.files, 0.0)
+    fly_case = FlyCase({"here": here()}, still, 0.0)
     assert fly_case(DelayCase("here", "mission", 10.0, 0), lambda: next(asked)) is None
 
 

@@ -68,6 +68,10 @@ class LoadedPolicy(Policy):
         """
         return self.network.run(observation)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what is pickled for another process: the files, which are loaded again there."""
+        return load_policy_bytes, (self.files, self.name)
+
 
 def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
     """Read the bundle in `folder`.

@@ -146,7 +146,7 @@ def study_delay(
             ended += 1
             progress(ended, len(every))
 
-        fly_case = FlyCase(routes, policy.files, think_s, logs)
+        fly_case = FlyCase(routes, policy, think_s, logs)
         flown = engine_for(processes, len(to_fly)).map(fly_case, to_fly, keep, interrupted)
         results.write_in_order(every)
         if flown is None:

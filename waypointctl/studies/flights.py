@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
@@ -15,7 +15,7 @@ from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.record import record
 from waypointctl.log.messages import EventKind
 from waypointctl.mission.files import MissionFile, dump_mission
-from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
+from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.summary_builder import FlightSummaryBuilder
 from waypointctl.studies.case import AUTONOMIES, DelayCase, mission_of
@@ -53,39 +53,32 @@ class DelayFlight(BaseModel):
         return self.outcome == "success"
 
 
-@dataclass
+@dataclass(frozen=True, slots=True)
 class FlyCase:
-    """Flies cases of a delay study; plain data, which goes to the processes that fly.
+    """Flies cases of a delay study.
 
     Attributes:
         routes: by name.
-        policy_files: the bundle of the policy.
+        policy: that drives the robot.
         think_s: the operator's, in place of the routes' own.
         logs: the folder for the flights' logs, which is there; None for none.
     """
 
     routes: Mapping[str, MissionFile]
-    policy_files: Mapping[str, bytes]
+    policy: LoadedPolicy
     think_s: float | None = None
     logs: Path | None = None
-    _loaded: list[LoadedPolicy] = field(default_factory=list)  # once it has flown: the policy
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return what is pickled: the policy is loaded again."""
-        return self.__dict__ | {"_loaded": []}
 
     def __call__(self, case: DelayCase, interrupted: Interrupted) -> DelayFlight | None:
         """Fly a case; return how it went, None if it was interrupted."""
-        if not self._loaded:
-            self._loaded.append(load_policy_bytes(self.policy_files, "policy"))
-        (policy,) = self._loaded
         file, flight = self.routes[case.route], FlightSummaryBuilder()
         mission = mission_of(file.mission, case, self.think_s)
         if self.logs is None:
-            result = fly(mission, policy, flight, interrupted=interrupted)
+            result = fly(mission, self.policy, flight, interrupted=interrupted)
         else:
             given = replace(file, mission=mission, source=dump_mission(mission).encode())
-            result = record(given, policy, self.logs / log_name(case), watch=flight, interrupted=interrupted).result
+            log = self.logs / log_name(case)
+            result = record(given, self.policy, log, watch=flight, interrupted=interrupted).result
         return None if result.outcome == "interrupted" else measured(case, result, flight.summary())
 
 

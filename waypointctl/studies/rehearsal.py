@@ -5,7 +5,7 @@ from __future__ import annotations
 import statistics
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Final, Literal, TypeAlias, get_args
 
 from waypointctl.evaluation.wilson import wilson_interval
@@ -13,7 +13,7 @@ from waypointctl.flight.fly import fly
 from waypointctl.flight.record import refuse_misfit
 from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkRecord, Message
 from waypointctl.mission.mission import Mission
-from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
+from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
 from waypointctl.studies.engine import Interrupted, engine_for
@@ -172,8 +172,7 @@ def rehearse(
         ended += 1
         progress(ended, len(cases))
 
-    function = _Flights([mission for mission, _ in missions], [policy.files for _, policy in missions])
-    flown = engine_for(processes, len(cases)).map(function, cases, count, interrupted)
+    flown = engine_for(processes, len(cases)).map(_Fly(missions), cases, count, interrupted)
     if flown is None:
         return None
     found: list[list[Rehearsal]] = [[] for _ in missions]
@@ -182,24 +181,17 @@ def rehearse(
     return found
 
 
-@dataclass
-class _Flights:
-    """Flies cases of rehearsals; picklable until it is called."""
+@dataclass(frozen=True, slots=True)
+class _Fly:
+    """Flies cases of rehearsals."""
 
-    missions: Sequence[Mission]
-    policy_files: Sequence[Mapping[str, bytes]]
-    _policies: dict[int, LoadedPolicy] = field(default_factory=dict)
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {"missions": self.missions, "policy_files": self.policy_files, "_policies": {}}
+    missions: Sequence[tuple[Mission, LoadedPolicy]]
 
     def __call__(self, case: RehearsalCase, interrupted: Interrupted) -> RehearsedFlight | None:
-        if case.mission not in self._policies:
-            self._policies[case.mission] = load_policy_bytes(self.policy_files[case.mission], "policy")
-        changes = {"autonomy": case.autonomy, "seed": case.seed}
-        mission = self.missions[case.mission].model_copy(update=changes)
+        mission, policy = self.missions[case.mission]
+        mission = mission.model_copy(update={"autonomy": case.autonomy, "seed": case.seed})
         watch = _Watch()
-        result = fly(mission, self._policies[case.mission], watch, interrupted=interrupted)
+        result = fly(mission, policy, watch, interrupted=interrupted)
         if result.outcome == "interrupted":
             return None
         failed = result.outcome != "success"
