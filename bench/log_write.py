@@ -32,9 +32,9 @@ from mcap.writer import CompressionType, Writer
 from waypointctl.log.channels import CHUNK_BYTES
 from waypointctl.log.chunk import ZSTD_LEVEL
 from waypointctl.log.header import LogHeader
-from waypointctl.log.kinematics import Geom
 from waypointctl.log.messages import Action, FloatArray, Message, Observation, PlannedWaypoint, Reward, State
 from waypointctl.log.writer import LogWriter
+from waypointctl.sim.geometry import Geom
 from waypointctl.task.reward import TERMS
 from waypointctl.units import NS_PER_S
 

@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 
 from waypointctl.log.header import Attachment, LogHeader
-from waypointctl.log.kinematics import WORLD, Geom
 from waypointctl.log.messages import (
     Ack,
     Action,
@@ -37,6 +36,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.log.writer import LogWriter
+from waypointctl.sim.geometry import WORLD, Geom
 from waypointctl.units import NS_PER_S
 
 STEP_NS = NS_PER_S // 50

@@ -15,10 +15,9 @@ from mcap import records as mcap
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
+from waypointctl.log.channels import Summary
 from waypointctl.log.chunk import SealedChunk, encoded
-from waypointctl.log.decompress import chunk_bytes
-from waypointctl.log.records import MAGIC, Record, body_stream, inner_records, raw_message, records
-from waypointctl.log.summary import Summary
+from waypointctl.log.records import MAGIC, Record, body_stream, chunk_bytes, inner_records, raw_message, records
 
 HEAD_BYTES = 9  # opcode and length of a record
 
@@ -124,7 +123,8 @@ class Forgery:
                     with suppress(McapError, ValueError, struct.error):  # one that is damaged is listed nowhere
                         _list(summary, opcode, body)
                 if part.is_indexed:
-                    summary.add_chunk(replace(sealed, index=replace(sealed.index, **part.index_lies)))
+                    summary.chunks.append(replace(sealed.index, **part.index_lies))
+                    summary.counts.update(sealed.counts)
             case mcap.Attachment():
                 out += encoded(part)
                 times = {"log_time": part.log_time, "create_time": part.create_time}

@@ -14,8 +14,7 @@ from waypointctl.errors import LogError
 from waypointctl.log.audit import audit
 from waypointctl.log.comparison import FileDiffers
 from waypointctl.log.reader import LogReader, open_log
-from waypointctl.log.same_readers import compare_readers
-from waypointctl.log.same_records import compare_records
+from waypointctl.log.same_records import compare_readers, compare_records
 
 
 def check(log: LogReader) -> None:

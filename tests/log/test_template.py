@@ -11,7 +11,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waypointctl.log.template import MOMENT, NUMBER, Template, moment
+from waypointctl.log.steps import MOMENT, NUMBER, Template, moment
 from waypointctl.units import NS_PER_S
 
 numbers = st.floats(allow_nan=False)  # a message that holds NaN is not equal to itself

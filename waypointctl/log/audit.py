@@ -9,12 +9,12 @@ from typing import Any, Final, NoReturn
 from mcap import records as mcap
 from mcap.opcode import Opcode
 
+from waypointctl.log.channels import Summary, attachment_index
 from waypointctl.log.chunk import encoded
 from waypointctl.log.comparison import FileDifference, FileDiffers, brief, kind_of
-from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.opening import DAMAGE, open_file
 from waypointctl.log.reader import LogReader
-from waypointctl.log.records import MAGIC, Record, body_stream, inner_records, raw_message, records, shown
+from waypointctl.log.records import MAGIC, Record, body_stream, chunk_bytes, inner_records, raw_message, records, shown
 
 _HEAD_BYTES: Final = 9  # opcode and length of a record
 _TYPES: Final[dict[int, Any]] = {
@@ -75,11 +75,9 @@ class _Audit:
         self._allowed: tuple[Opcode, ...] = (Opcode.HEADER,)
         self._record = Record(0, 0, b"")
         self._names: set[str] = set()  # of attachments
-        self._metadata_count = 0
         self._definitions: dict[tuple[int, int], bytes] = {}  # of schemas and channels, by opcode and id
         self._topics: set[str] = set()
-        self._counts: Counter[int] = Counter()  # messages by channel
-        self._chunks: list[mcap.ChunkIndex] = []
+        self._summary = Summary()  # what the file's has to be
         self._unindexed: dict[int, list[tuple[int, int]]] = {}  # of the last chunk: log times and offsets by channel
         self._listed: Counter[bytes] = Counter()  # what the summary has to list, each record as its bytes
         self._groups: dict[int, tuple[int, int]] = {}  # of the summary: first and last byte by opcode
@@ -111,11 +109,10 @@ class _Audit:
                 self._require(it.name not in self._names, f"a second attachment {brief(it.name)!r}", "one of each name")
                 self._require(not (it.log_time or it.create_time), "a time of an attachment", "none: no clock is read")
                 self._names.add(it.name)
-                self._list(_attachment_index(record, it))
+                self._summary.attachments.append(attachment_index(it, record.offset, len(record.raw)))
             case mcap.Metadata():
-                self._metadata_count += 1
-                self._require(self._metadata_count == 1, "a second metadata record", "one")
-                self._list(mcap.MetadataIndex(record.offset, len(record.raw), it.name))
+                self._require(not self._summary.metadata, "a second metadata record", "one")
+                self._summary.metadata.append(mcap.MetadataIndex(record.offset, len(record.raw), it.name))
             case mcap.Chunk():
                 self._take_chunk(record, it)
             case mcap.MessageIndex():
@@ -136,7 +133,7 @@ class _Audit:
                 known = (Opcode.CHANNEL, raw.channel) in self._definitions
                 self._require(known, f"a message of channel {raw.channel}", "a message of a channel that is defined")
                 self._unindexed.setdefault(raw.channel, []).append((raw.log_time_ns, offset))
-                self._counts[raw.channel] += 1
+                self._summary.counts[raw.channel] += 1
                 times.append(raw.log_time_ns)
             else:
                 self._define(opcode, body)
@@ -155,7 +152,7 @@ class _Audit:
             message_start_time=chunk.message_start_time,
             uncompressed_size=chunk.uncompressed_size,
         )
-        self._chunks.append(index)
+        self._summary.chunks.append(index)
 
     def _define(self, opcode: int, body: bytes) -> None:
         where = f"{kind_of(opcode)}, {shown(body)}"
@@ -165,39 +162,29 @@ class _Audit:
         self._require(raw == Record(0, opcode, body).raw, where, "no more bytes than it says")
         first = self._definitions.setdefault((opcode, it.id), raw)
         self._require(first == raw, f"{kind_of(opcode)} {it.id} defined again as another", "one definition of each")
-        if opcode == Opcode.CHANNEL and raw not in self._listed:
+        if first is raw and opcode == Opcode.CHANNEL:
             self._require(
                 it.topic not in self._topics, f"a second channel of {brief(it.topic)}", "one channel of each topic"
             )
             self._topics.add(it.topic)
-        self._listed[raw] = 1
+            self._summary.channels.append(it)
+        elif first is raw:
+            self._summary.schemas.append(it)
 
     def _take_message_index(self, record: Record, it: mcap.MessageIndex) -> None:
         entries = self._unindexed.pop(it.channel_id, None)
         self._require(entries is not None, f"an index of channel {it.channel_id}", "one of each channel in the chunk")
         true = sorted(entries or [])
         self._require(sorted(it.records) == true, f"{len(it.records)} entries", f"those of {len(true)} messages")
-        index = self._chunks[-1]
+        index = self._summary.chunks[-1]
         index.message_index_offsets[it.channel_id] = record.offset
         index.message_index_length += len(record.raw)
 
     def _end_data(self, record: Record) -> None:
         self._allowed = _SUMMARY
         self._summary_start = record.offset + len(record.raw)
-        for index in self._chunks:
-            self._list(_sorted(index))
-        statistics = mcap.Statistics(
-            attachment_count=len(self._names),
-            channel_count=len(self._topics),
-            channel_message_counts=dict(self._counts),
-            chunk_count=len(self._chunks),
-            message_count=self._counts.total(),
-            message_end_time=max((it.message_end_time for it in self._chunks), default=0),
-            message_start_time=min((it.message_start_time for it in self._chunks), default=0),
-            metadata_count=self._metadata_count,
-            schema_count=len(self._definitions) - len(self._topics),
-        )
-        self._list(_sorted(statistics))
+        for records_of_kind in self._summary.groups().values():
+            self._listed.update(encoded(_sorted(it)) for it in records_of_kind)
 
     def _take_summary(self, record: Record, it: Any) -> None:
         end = record.offset + len(record.raw)
@@ -224,9 +211,6 @@ class _Audit:
         true = (self._summary_start, self._offsets_start, True)
         self._require(said == true, f"summary at {said[:2]}", f"{true[:2]} and a checksum")
 
-    def _list(self, record: mcap.McapRecord) -> None:
-        self._listed[encoded(record)] += 1
-
     def _require(self, holds: bool, found: str, expected: str) -> None:
         if not holds:
             self._refuse(found, expected)
@@ -234,18 +218,6 @@ class _Audit:
     def _refuse(self, found: str, expected: str) -> NoReturn:
         where = f"{kind_of(self._record.opcode)} at byte {self._record.offset}"
         raise FileDiffers(FileDifference(0, "file", where, found, expected))
-
-
-def _attachment_index(record: Record, it: mcap.Attachment) -> mcap.AttachmentIndex:
-    return mcap.AttachmentIndex(
-        offset=record.offset,
-        length=len(record.raw),
-        log_time=it.log_time,
-        create_time=it.create_time,
-        data_size=len(it.data),
-        name=it.name,
-        media_type=it.media_type,
-    )
 
 
 def _sorted(record: Any) -> Any:

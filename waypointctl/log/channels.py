@@ -1,19 +1,20 @@
-"""The MCAP file under a log: what stands before the messages, channels, the size of a chunk, the file's end."""
+"""The MCAP file under a log: what stands before the messages, channels, chunks, and the summary at its end."""
 
 from __future__ import annotations
 
 import zlib
+from collections import Counter
 from collections.abc import Mapping
 from typing import Final, Protocol
 
 from google.protobuf.message import Message as ProtobufMessage
 from mcap import records as mcap
+from mcap.opcode import Opcode
 from mcap_protobuf.schema import build_file_descriptor_set
 
 from waypointctl.log.chunk import MESSAGE_BYTES, Channel, OpenChunk, encoded
 from waypointctl.log.header import LIBRARY, Attachment
 from waypointctl.log.records import MAGIC
-from waypointctl.log.summary import Summary
 
 CHUNK_BYTES: Final = 256 * 1024  # before compression; only a single message larger than this makes a larger chunk
 
@@ -50,18 +51,9 @@ class ChannelWriter:
 
     def attach(self, attachment: Attachment) -> None:
         """Write an attachment; it has no times, because nothing but the simulation has a clock."""
-        name, media_type, data = attachment.name, attachment.media_type, attachment.data
-        record = encoded(mcap.Attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=data))
-        index = mcap.AttachmentIndex(
-            offset=self._offset,
-            length=len(record),
-            log_time=0,
-            create_time=0,
-            data_size=len(data),
-            name=name,
-            media_type=media_type,
-        )
-        self._summary.attachments.append(index)
+        it = mcap.Attachment(0, 0, attachment.name, attachment.media_type, attachment.data)
+        record = encoded(it)
+        self._summary.attachments.append(attachment_index(it, self._offset, len(record)))
         self._put(record)
 
     def describe(self, name: str, metadata: Mapping[str, str]) -> None:
@@ -115,10 +107,73 @@ class ChannelWriter:
     def _seal(self) -> None:
         chunk = self._chunk.seal(self._offset)
         if chunk is not None:
-            self._summary.add_chunk(chunk)
+            self._summary.chunks.append(chunk.index)
+            self._summary.counts.update(chunk.counts)
             self._put(chunk.data)
 
     def _put(self, data: bytes) -> None:
         self._stream.write(data)
         self._offset += len(data)
         self._crc = zlib.crc32(data, self._crc)
+
+
+def attachment_index(it: mcap.Attachment, offset: int, length: int) -> mcap.AttachmentIndex:
+    """Return the index of an attachment whose record of `length` bytes stands at byte `offset`."""
+    return mcap.AttachmentIndex(
+        offset=offset,
+        length=length,
+        log_time=it.log_time,
+        create_time=it.create_time,
+        data_size=len(it.data),
+        name=it.name,
+        media_type=it.media_type,
+    )
+
+
+class Summary:
+    """Collects what is in a file, for the summary at its end."""
+
+    def __init__(self) -> None:
+        """Begin with an empty file."""
+        self.schemas: list[mcap.Schema] = []
+        self.channels: list[mcap.Channel] = []
+        self.attachments: list[mcap.AttachmentIndex] = []
+        self.metadata: list[mcap.MetadataIndex] = []
+        self.chunks: list[mcap.ChunkIndex] = []
+        self.counts: Counter[int] = Counter()  # messages by channel
+
+    def groups(self) -> dict[Opcode, list[mcap.McapRecord]]:
+        """Return what the summary lists, the records of each kind together, in the order of a file."""
+        return {
+            Opcode.SCHEMA: [*self.schemas],
+            Opcode.CHANNEL: [*self.channels],
+            Opcode.STATISTICS: [self._statistics()],
+            Opcode.CHUNK_INDEX: [*self.chunks],
+            Opcode.ATTACHMENT_INDEX: [*self.attachments],
+            Opcode.METADATA_INDEX: [*self.metadata],
+        }
+
+    def encode(self, start: int) -> bytes:
+        """Return the summary section and the footer, for byte `start` of the file."""
+        section, offsets = b"", b""
+        for opcode, records in self.groups().items():
+            group = b"".join(encoded(record) for record in records)
+            offsets += encoded(mcap.SummaryOffset(opcode, start + len(section), len(group)))
+            section += group
+        footer = mcap.Footer(summary_start=start, summary_offset_start=start + len(section), summary_crc=0)
+        section += offsets
+        footer.summary_crc = zlib.crc32(section + encoded(footer)[:-4])  # of all before the checksum itself
+        return section + encoded(footer)
+
+    def _statistics(self) -> mcap.Statistics:
+        return mcap.Statistics(
+            attachment_count=len(self.attachments),
+            channel_count=len(self.channels),
+            channel_message_counts=dict(self.counts),
+            chunk_count=len(self.chunks),
+            message_count=self.counts.total(),
+            message_end_time=max((chunk.message_end_time for chunk in self.chunks), default=0),
+            message_start_time=min((chunk.message_start_time for chunk in self.chunks), default=0),
+            metadata_count=len(self.metadata),
+            schema_count=len(self.schemas),
+        )

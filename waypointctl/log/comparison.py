@@ -11,13 +11,13 @@ from typing import IO, Final, NamedTuple
 from mcap import records as mcap
 from mcap.opcode import Opcode
 
-from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.opening import DAMAGE
 from waypointctl.log.records import (
     MAGIC,
     CutShort,
     Record,
     body_stream,
+    chunk_bytes,
     inner_records,
     raw_message,
     records,

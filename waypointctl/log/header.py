@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 from waypointctl import __version__
-from waypointctl.log.kinematics import Kinematics
-from waypointctl.log.messages import PlannedWaypoint
+from waypointctl.log.messages import FloatArray, PlannedWaypoint
 from waypointctl.log.setting import MissionSetting
+from waypointctl.sim.geometry import Geom
 
 SCHEMA_VERSION: Final = 2  # of topics, schemas and metadata; a log of another one is refused
 METADATA_NAME: Final = "waypointctl"  # of the MCAP metadata record; a log without it is not ours
@@ -41,3 +41,22 @@ class LogHeader:
     metadata: Mapping[str, str]
     setting: MissionSetting = _NO_SETTING  # drawn from the start, too
     library: str = LIBRARY
+
+
+class Kinematics(Protocol):
+    """Where a robot's bodies are. Its root is a free joint: qpos and qvel begin with its 7 and 6 numbers."""
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """The robot's bodies, the root first, without the world."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The hinge and slide joints, in the order of qpos[7:] and qvel[6:]."""
+
+    @property
+    def geoms(self) -> tuple[Geom, ...]:
+        """What is to be drawn."""
+
+    def poses(self, qpos: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the bodies' positions (nbody, 3) [m] and quaternions (nbody, 4) w x y z in the world at qpos (nq,)."""

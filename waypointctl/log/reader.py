@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from waypointctl.errors import LogError
 from waypointctl.log.bounds import OverLimit
 from waypointctl.log.columns import columns
-from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.index import ChunkPlace, LogIndex, TopicSummary
 from waypointctl.log.messages import Message
 from waypointctl.log.opening import DAMAGE, damaged, open_file
-from waypointctl.log.records import CutShort, RawMessage, Record, inner_records, raw_message, records
+from waypointctl.log.records import CutShort, RawMessage, Record, chunk_bytes, inner_records, raw_message, records
 from waypointctl.log.scan import scan
 from waypointctl.log.topics import BY_NAME, Topic
 from waypointctl.units import NS_PER_S

@@ -1,15 +1,21 @@
-"""The records of an MCAP file, one after the other, with the byte each begins at (https://mcap.dev/spec)."""
+"""The records of an MCAP file, one after the other, with the byte each begins at (https://mcap.dev/spec).
+
+A chunk never unpacks to more than it says, and it must not say too much.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import struct
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
 from typing import IO, Final, NamedTuple
 
+import zstandard
 from mcap.data_stream import ReadDataStream
+from mcap.records import Chunk
 
 from waypointctl.limits import limit
 from waypointctl.log.bounds import OverLimit
@@ -130,3 +136,57 @@ def raw_message(body: bytes) -> RawMessage:
     """Read the body of a message record."""
     channel, sequence, log_time_ns, publish_time_ns = _MESSAGE.unpack_from(body)
     return RawMessage(channel, sequence, log_time_ns, publish_time_ns, body[_MESSAGE.size :])
+
+
+_UNSAID: Final = -1  # by zstd's frame: how much it unpacks to
+
+
+def chunk_bytes(record: Record) -> bytes:
+    """Return the uncompressed records of a chunk, its size and checksum checked.
+
+    Raises:
+        OverLimit: it unpacks to more than is read.
+        one of DAMAGE: it is not what was written.
+    """
+    chunk = Chunk.read(body_stream(record.body))
+    if chunk.uncompressed_size > limit("log-chunk"):
+        raise OverLimit("log-chunk", "bytes in one chunk", chunk.uncompressed_size)
+    data = _decompressed(chunk)
+    if len(data) != chunk.uncompressed_size:
+        raise ValueError(f"a chunk unpacks to {len(data)} bytes; it says {chunk.uncompressed_size}")
+    crc = zlib.crc32(data)
+    if chunk.uncompressed_crc not in (0, crc):
+        raise ValueError(f"the checksum of a chunk is {crc:#010x}, written was {chunk.uncompressed_crc:#010x}")
+    return data
+
+
+def _decompressed(chunk: Chunk) -> bytes:
+    match chunk.compression:
+        case "zstd":
+            return _zstd(chunk.data, chunk.uncompressed_size)
+        case "lz4":
+            return _lz4(chunk.data, chunk.uncompressed_size)
+        case "":
+            return chunk.data
+        case other:
+            raise ValueError(f"a chunk is compressed with {other[:20]!r}; allowed are zstd, lz4, and nothing")
+
+
+def _zstd(data: bytes, size: int) -> bytes:
+    said = zstandard.frame_content_size(data)
+    if said not in (size, _UNSAID):  # as much memory is taken as the frame says
+        raise ValueError(f"zstd says {said} bytes, the chunk {size}")
+    return zstandard.ZstdDecompressor().decompress(data, max_output_size=max(size, 1), allow_extra_data=False)
+
+
+def _lz4(data: bytes, size: int) -> bytes:
+    import lz4.frame  # peers write it, waypointctl does not
+
+    decompressor = lz4.frame.LZ4FrameDecompressor()
+    try:
+        unpacked: bytes = decompressor.decompress(data, max_length=size + 1)
+    except RuntimeError as error:
+        raise ValueError(str(error)) from error
+    if decompressor.unused_data or not decompressor.eof:
+        raise ValueError("a chunk has more or less lz4 data than it says")
+    return unpacked

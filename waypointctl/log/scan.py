@@ -19,11 +19,19 @@ from mcap.records import Attachment, Channel, Chunk, DataEnd, Footer, Header, Me
 
 from waypointctl.errors import LogError
 from waypointctl.log.bounds import Bounds, OverLimit
-from waypointctl.log.decompress import chunk_bytes
 from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION
 from waypointctl.log.index import ChunkPlace, LogIndex, TopicSummary
 from waypointctl.log.opening import DAMAGE, PART, check_magic, damaged, nothing_flown, open_file
-from waypointctl.log.records import MAGIC, CutShort, Record, body_stream, inner_spans, message_head, records
+from waypointctl.log.records import (
+    MAGIC,
+    CutShort,
+    Record,
+    body_stream,
+    chunk_bytes,
+    inner_spans,
+    message_head,
+    records,
+)
 from waypointctl.paths import is_being_written
 
 _VERSION: Final = re.compile("[0-9]{1,9}")  # Python reads no number of thousands of digits

@@ -10,12 +10,11 @@ from typing import IO
 from waypointctl.log.audit import audit
 from waypointctl.log.channels import ChannelWriter
 from waypointctl.log.comparison import FileComparison, FileDifference, FileDiffers
-from waypointctl.log.encoder import LogEncoder
 from waypointctl.log.messages import Message
 from waypointctl.log.opening import open_file
 from waypointctl.log.reader import LogReader
-from waypointctl.log.same_readers import compare_readers
-from waypointctl.log.same_records import compare_records
+from waypointctl.log.same_records import compare_readers, compare_records
+from waypointctl.log.writer import LogEncoder
 from waypointctl.replay.comparator import Diverged
 from waypointctl.replay.contents import LogContents, platform_differences
 from waypointctl.replay.verdict import Divergence

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from typing import Any, Final
 
-from waypointctl.log.kinematics import WORLD
+from waypointctl.sim.geometry import WORLD
 
 _COLORS: Final = ("#4e98e2", "#f5774d", "#5cd6a9", "#f7df71", "#a395e2")
 

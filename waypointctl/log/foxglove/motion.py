@@ -5,7 +5,8 @@ This runs for every second control step of a flight, so each message is laid out
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Final, NamedTuple
 
 import numpy as np
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
@@ -13,13 +14,16 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.JointState_pb2 import JointState
 from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 from foxglove_schemas_protobuf.Odometry_pb2 import Odometry
+from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from foxglove_schemas_protobuf.Quaternion_pb2 import Quaternion
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
+from google.protobuf.timestamp_pb2 import Timestamp
 
-from waypointctl.log.foxglove.geometry import pose, rotate_back
-from waypointctl.log.kinematics import WORLD, Kinematics
+from waypointctl.log.foxglove.geometry import pose, rotate_back, timestamp
+from waypointctl.log.header import Kinematics
 from waypointctl.log.messages import FloatArray, State
-from waypointctl.log.template import MOMENT, NUMBER, Template, moment
+from waypointctl.log.steps import MOMENT, NUMBER, Template, moment
+from waypointctl.sim.geometry import WORLD
 
 _VECTOR = Vector3(x=NUMBER, y=NUMBER, z=NUMBER)
 _QUATERNION = Quaternion(x=NUMBER, y=NUMBER, z=NUMBER, w=NUMBER)
@@ -89,3 +93,28 @@ def _joints(now: bytes, positions: list[float], speeds: list[float]) -> list[flo
     for pair in zip(positions, speeds, strict=True):
         values += pair
     return values
+
+
+TRAIL_POSES: Final = 256  # a longer trail is thinned, never cut: it begins where the flight began
+
+
+class Trail:
+    """Collects poses; each time it is full every second one goes, and from then on half as many are taken."""
+
+    def __init__(self) -> None:
+        """Begin an empty trail."""
+        self._message = PosesInFrame(timestamp=Timestamp(), frame_id=WORLD)
+        self._stride = 1
+        self._count = 0
+
+    def extend(self, time_ns: int, position: Sequence[float], quaternion: Sequence[float]) -> bytes:
+        """Add the pose at `position` (3,) [m], `quaternion` (4,) w x y z; return foxglove.PosesInFrame."""
+        poses = self._message.poses
+        if self._count % self._stride == 0:
+            poses.append(pose(position, quaternion))
+        self._count += 1
+        if len(poses) > TRAIL_POSES:
+            del poses[1::2]
+            self._stride *= 2
+        self._message.timestamp.CopyFrom(timestamp(time_ns))
+        return self._message.SerializeToString()

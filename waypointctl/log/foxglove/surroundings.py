@@ -15,10 +15,10 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 
 from waypointctl.log.foxglove.geometry import pose
 from waypointctl.log.foxglove.scene import LABEL_HEIGHT_M, Standing, region
-from waypointctl.log.kinematics import WORLD
 from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkRecord, State
 from waypointctl.log.setting import MissionSetting
 from waypointctl.mission.zones import Zone
+from waypointctl.sim.geometry import WORLD
 from waypointctl.units import NS_PER_S, seconds
 
 MAX_CORNERS: Final = 2000  # drawn of all zones together, for the same reason

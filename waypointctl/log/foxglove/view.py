@@ -13,12 +13,10 @@ from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from waypointctl.log.foxglove.geometry import timestamp
-from waypointctl.log.foxglove.goal import GoalMarker
-from waypointctl.log.foxglove.motion import Motion
-from waypointctl.log.foxglove.scene import Standing, near, scene, waypoint_poses
+from waypointctl.log.foxglove.motion import Motion, Trail
+from waypointctl.log.foxglove.scene import GoalMarker, Standing, near, scene, waypoint_poses
 from waypointctl.log.foxglove.surroundings import Surroundings
-from waypointctl.log.foxglove.trail import Trail
-from waypointctl.log.kinematics import Kinematics
+from waypointctl.log.header import Kinematics
 from waypointctl.log.messages import (
     Command,
     CommandStage,
