@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 DEMO_LOG := logs/demo.mcap
 
-.PHONY: demo test test-all check coverage format bench train clean
+.PHONY: demo test test-all check coverage format bench mutate train clean
 
 demo: $(VENV)/.run
 	$(BIN)/waypointctl run missions/paper-two-point-moon.yaml --out $(DEMO_LOG) --force
@@ -18,7 +18,7 @@ test: $(VENV)/.dev
 
 test-all: $(VENV)/.dev # with rerun, half a gigabyte, and all that is slow
 	$(INSTALL) --editable ".[dev,viewers]"
-	$(BIN)/python -m pytest -n 2
+	THOROUGH=1 $(BIN)/python -m pytest -n 2
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
@@ -37,6 +37,9 @@ bench: $(VENV)/.dev
 	$(BIN)/python bench/flight_speed.py
 	$(BIN)/python bench/log_write.py
 	$(BIN)/python bench/train_speed.py
+
+mutate: $(VENV)/.dev # hours; SAMPLE="executive --sample 100" runs some
+	$(BIN)/python bench/mutate.py $(SAMPLE)
 
 train: $(VENV)/.dev
 	$(BIN)/waypointctl train policies/ant-waypoint/train.yaml

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.budget import examples
 from waypointctl.flight.executive.arguments import wrong_arguments
 from waypointctl.flight.executive.fence import Fence
 from waypointctl.flight.executive.plan import names
@@ -103,7 +104,7 @@ def orders_of(mission: Mission) -> Iterator[CommandRequest]:
     yield from (order for _, order in scheduled_requests(mission).entries())
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(missions())
 def test_whatever_validates_is_accepted_on_board_and_fits_a_log(mission: Mission) -> None:
     for order in orders_of(mission):
@@ -114,7 +115,7 @@ def test_whatever_validates_is_accepted_on_board_and_fits_a_log(mission: Mission
         assert topic.decode(topic.encode(command)) == command
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(places, places, st.floats(-50, 50), st.floats(0.1, 100))
 def test_a_goal_ahead_of_a_robot_at_the_edge_is_accepted_too(
     at: list[float], to: list[float], beyond_m: float, lookahead_m: float

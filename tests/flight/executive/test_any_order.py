@@ -7,6 +7,7 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.budget import examples
 from tests.flight.executive.rig import SECOND, A, B, C, Rig
 from tests.flight.executive.sent import Sent, busy, doing, send
 from waypointctl.log.messages import CommandKind
@@ -73,7 +74,7 @@ def streams(draw: st.DrawFn) -> tuple[list[Sent], tuple[int, ...]]:
 
 
 @given(streams())
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=examples(400), deadline=None)
 def test_whatever_order_commands_come_in_the_robot_does_what_the_order_of_issue_says(
     case: tuple[list[Sent], tuple[int, ...]],
 ) -> None:

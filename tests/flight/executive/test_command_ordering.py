@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.budget import examples
 from tests.flight.executive.rig import SECOND, A, B, C, Rig
 from tests.flight.executive.sent import Sent, arrived, busy
 from waypointctl.log.messages import CommandKind, Mode, Stage
@@ -19,7 +20,7 @@ HOLD, RESUME, ABORT, CANCEL = CommandKind.HOLD, CommandKind.RESUME, CommandKind.
 
 
 @given(st.permutations(range(1, 30)), st.lists(st.integers(1, 29), max_size=20))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 def test_the_carrot_that_is_followed_never_goes_back(order: list[int], doubled: list[int]) -> None:
     rig = Rig()
     followed = []

@@ -81,6 +81,11 @@ def test_jitter_from_a_file_and_no_message_before_it_was_sent() -> None:
     assert set(delays(link, 200)) == {30_000_000, 0, 21_000_000}
 
 
+def test_a_broken_jitter_file_is_refused() -> None:
+    with pytest.raises(MissionError):
+        made(way(jitter_file="j.txt"), {"j.txt": b"0.1\nsoon\n"})
+
+
 def test_a_table_of_delays() -> None:
     rows = [{"at": "10 s", "delay": "1 s"}, {"at": "20 s", "delay": "3 s"}]
     link = made(way(delay_table=rows))

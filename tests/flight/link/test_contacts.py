@@ -78,3 +78,12 @@ def test_refuses_windows_that_overlap_or_outlast_their_period() -> None:
         Contacts([Window(0, 10), Window(9, 20)])
     with pytest.raises(ValueError, match="after the period"):
         Contacts([Window(0, 10)], 9)
+
+
+def test_the_window_used_last_counts_its_rate_and_its_end() -> None:
+    contacts = Contacts([Window(0, 100, 4e9), Window(200, 300, 8e9)])
+    assert contacts.place(0, 10) == (0, 20)
+    assert contacts.place(20, 10) == (20, 40), "a byte takes 2 ns"
+    assert contacts.place(80, 10) == (80, 100)
+    assert contacts.place(81, 10) == (200, 210)
+    assert contacts.place(210, 10) == (210, 220)

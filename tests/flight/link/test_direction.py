@@ -8,11 +8,13 @@ from functools import partial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.flight.link.made import Told, chancy
+from tests.flight.link.made import Told, chancy, told_jitter
 from waypointctl.flight.link.contacts import Contacts, Window
-from waypointctl.flight.link.delay import fixed_delay, table_delay
+from waypointctl.flight.link.delay import fixed_delay, table_delay, uniform_jitter
 from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Direction, Duplication
 from waypointctl.flight.link.draws import BLOCK
+from waypointctl.flight.link.loss import RandomLoss
+from waypointctl.seeding import stream
 
 
 def luck(link: Direction[int], sizes: list[int], gap: int) -> list[tuple[int, str]]:
@@ -127,3 +129,58 @@ def test_the_latest_arrival_is_not_before_that_of_what_was_sent_earlier_where_or
         link = Direction[int](delay=falling, keeps_order=ordered)
         link.send(0, 1, lambda when: when)
         assert link.latest_arrival_ns(100, 1) == latest_ns
+
+
+def test_a_duplicate_has_a_jitter_of_its_own_and_arrivals_are_in_order() -> None:
+    link = Direction[int](
+        delay=fixed_delay(100),
+        jitter=told_jitter([50, 0]),
+        keeps_order=False,
+        duplication=Duplication(Told([True, True]), told_jitter([20, 30])),
+    )
+    assert link.send(0, 1, lambda when: when).arrivals_ns == (120, 150)
+    assert link.next_arrival_ns == 120
+    assert link.send(1, 1, lambda when: when).arrivals_ns == (101, 131)
+    assert (link.next_arrival_ns, [when for when, _ in link.under_way]) == (101, [101, 120, 131, 150])
+    assert list(link.due(131)) == [101, 120, 131]
+    alike = Direction[int](duplication=Duplication(Told([True])))
+    assert alike.send(7, 1, lambda when: when).arrivals_ns == (7, 7)
+
+
+def test_a_link_is_dead_when_all_is_lost_or_no_contact_is_left() -> None:
+    everything = Told([])
+    everything.loses_all = True
+    assert Direction[int](loss=everything).is_dead(0)
+    assert not Direction[int](loss=everything, duplication=Duplication(Told([]))).is_dead(0)
+    assert not Direction[int](loss=Told([])).is_dead(0)
+    assert not Direction[int]().is_dead(0)
+    closing = Direction[int](contacts=Contacts([Window(0, 100, 8e9)]))
+    assert (closing.is_dead(99), closing.is_dead(100)) == (False, True)
+    closing.send(0, 99, lambda when: when)
+    assert not closing.is_dead(0)
+    closing.send(0, 1, lambda when: when)
+    assert closing.is_dead(0), "all of the contact is taken"
+
+
+def test_all_that_waits_counts_against_the_queue() -> None:
+    link = Direction[int](contacts=Contacts([Window(1000, 1 << 40, 8e9)]), queue_bytes=30)
+    assert [link.send(0, 10, lambda when: when).lost for _ in range(4)] == ["", "", "", QUEUE_FULL]
+    assert [link.waiting_bytes(at) for at in (999, 1000, 1010, 1020)] == [30, 20, 10, 0]
+    assert link.send(1020, 10, lambda when: when).departs_ns == 1030
+
+
+def test_a_link_goes_on_where_its_state_was_taken() -> None:
+    def made() -> Direction[int]:
+        second = Duplication(RandomLoss(0.5, stream(1, "twice")), uniform_jitter(50, stream(1, "second")))
+        return chancy(4, losing=0.3, duplication=second, contacts=Contacts([Window(0, 1 << 40, 8e9)]))
+
+    first, again = made(), made()
+    for number in range(300):
+        first.send(10 * number, 20, lambda when: when)
+    again.restore(first.state(), first.under_way)
+    assert again.under_way == first.under_way
+    assert again.waiting_bytes(3000) == first.waiting_bytes(3000) > 0
+    for number in range(300, 400):
+        sent = [link.send(10 * number, 20, lambda when: when) for link in (first, again)]
+        assert sent[0] == sent[1]
+    assert list(again.due(1 << 60)) == list(first.due(1 << 60))

@@ -9,6 +9,7 @@ from functools import partial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.budget import examples
 from tests.flight.link.made import Setting, arrival, parcels, settings_of_a_link, told_direction
 from tests.flight.link.slow_link import Parcel, SlowLink
 from waypointctl.flight.link.contacts import Contacts
@@ -19,7 +20,7 @@ from waypointctl.seeding import stream
 
 
 @given(settings_of_a_link(), parcels())
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=examples(400), deadline=None)
 def test_each_message_fares_as_it_does_event_by_event(setting: Setting, sent: list[Parcel]) -> None:
     slow = SlowLink(setting.gates(), setting.room, setting.delay, setting.ordered)
     slow.run(sent)
@@ -36,7 +37,7 @@ def test_each_message_fares_as_it_does_event_by_event(setting: Setting, sent: li
 
 
 @given(settings_of_a_link(), parcels(), st.integers(1, 50))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 def test_bytes_are_conserved_at_every_moment(setting: Setting, sent: list[Parcel], tick: int) -> None:
     """Handed over = refused + lost on the way + waiting + being sent or under way + delivered."""
     link = told_direction(setting, sent)
@@ -69,7 +70,7 @@ def test_bytes_are_conserved_at_every_moment(setting: Setting, sent: list[Parcel
 
 
 @given(settings_of_a_link(), parcels(), st.integers(0, 25))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 def test_a_restored_link_goes_on_as_the_one_it_was_taken_from(setting: Setting, sent: list[Parcel], cut: int) -> None:
     def fresh() -> Direction[int]:
         return Direction(

@@ -71,3 +71,26 @@ def test_random_loss_loses_its_share_and_no_message_minds_the_one_before() -> No
 def test_certainty_is_certain(probability: float, all_alike: bool) -> None:
     loss = RandomLoss(probability, stream(0, "loss"))
     assert {loss() for _ in range(1000)} == {all_alike}
+
+
+@pytest.mark.parametrize(
+    ("model", "bad", "loses_all"),
+    [
+        ((0.1, 0.0, 1.0, 0.5), True, True),
+        ((0.1, 0.0, 1.0, 0.5), False, False),
+        ((0.1, 0.1, 1.0, 0.5), True, False),
+        ((0.1, 0.0, 0.9, 0.5), True, False),
+        ((0.1, 0.1, 1.0, 1.0), False, True),
+        ((0.1, 0.1, 0.9, 1.0), False, False),
+    ],
+)
+def test_a_bursty_link_loses_all_where_it_never_gets_good_or_is_lossy_in_both(
+    model: tuple[float, float, float, float], bad: bool, loses_all: bool
+) -> None:
+    loss = GilbertElliott(*model, stream(0, "loss"))
+    loss.bad = bad
+    assert loss.loses_all is loses_all
+
+
+def test_a_random_loss_loses_all_only_where_it_is_certain() -> None:
+    assert [RandomLoss(share, stream(0, "loss")).loses_all for share in (0.0, 0.99, 1.0)] == [False, False, True]

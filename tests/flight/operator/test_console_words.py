@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.budget import examples
 from tests.flight.operator.missions import mission_of
 from waypointctl.flight.executive.arguments import wrong_arguments
 from waypointctl.flight.executive.rules import rules_of
@@ -83,7 +84,7 @@ def test_a_place_may_have_its_own_hold_tolerance_and_timeout() -> None:
 
 
 @given(st.text(min_size=1).filter(str.strip))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 def test_any_line_is_an_order_or_refused(line: str) -> None:
     with suppress(ValueError):  # refused; nothing else may be raised
         assert request_from(line, MISSION).words
@@ -120,7 +121,7 @@ def test_a_command_that_never_was_is_not_cancelled() -> None:
     st.sampled_from(["tolerance", "timeout", "release", "cancel"]),
     st.one_of(st.integers(-9, 99), st.floats(-1e3, 1e6, allow_nan=False)),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 def test_what_is_sent_is_not_rejected_for_its_arguments(word: str, value: float) -> None:
     with suppress(ValueError):
         request = request_from(f"{word} {value!r}", YARD)
@@ -138,7 +139,7 @@ NUMBERS = st.one_of(
     NUMBERS,
     st.sampled_from(["", " s", " m", "cm", " d", " km"]),
 )
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 def test_what_is_sent_fits_into_the_log(word: str, number: object, unit: str) -> None:
     with suppress(ValueError):  # refused; nothing else may be raised
         request = request_from(f"{word} {number}{unit}", YARD)

@@ -7,6 +7,7 @@ from typing import NoReturn
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.budget import examples
 from tests.flight.operator.channel import AIRTIME_NS, DELAY_NS, HOLD, ROUND_TRIP_NS, Channel, ack, frame, ground, stages
 from waypointctl.flight.link.direction import NEVER, NOISE, QUEUE_FULL, Delivery
 from waypointctl.flight.operator.dispatcher import UNANSWERED, Dispatcher, RetryPolicy
@@ -172,7 +173,7 @@ def test_when_to_wake_costs_no_more_with_thousands_of_open_commands() -> None:
     st.lists(st.booleans(), max_size=60),
     st.integers(0, 3),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 def test_each_command_ends_acknowledged_or_given_up(
     gaps: list[int], lost_up: list[bool], lost_down: list[bool], retries: int
 ) -> None:
