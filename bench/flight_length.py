@@ -20,7 +20,7 @@ from typing import Final
 
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before any library starts its threads
 
-from waypointctl.flight.record import record  # noqa: E402
+from waypointctl.flight.fly import fly  # noqa: E402
 from waypointctl.log.messages import Message  # noqa: E402
 from waypointctl.log.reader import open_log  # noqa: E402
 from waypointctl.mission.files import MissionFile, load_mission  # noqa: E402
@@ -86,7 +86,7 @@ def measure(text: str, policy: LoadedPolicy, folder: Path, stages: Sequence[str]
 
 
 def _record(mission_file: MissionFile, policy: LoadedPolicy, path: Path) -> None:
-    record(mission_file, policy, path)
+    fly(mission_file, policy, log=path)
 
 
 def _replay(path: Path) -> None:

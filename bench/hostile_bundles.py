@@ -35,7 +35,7 @@ MOST_S = 10.0
 MOST_BYTES = 2**30
 HANGS_S = 60.0
 SPACE_BYTES = 2**33
-MODULES = ("waypointctl.flight.record", "waypointctl.replay.verify", "waypointctl.evaluation.evaluate", "onnxruntime")
+MODULES = ("waypointctl.flight.fly", "waypointctl.replay.verify", "waypointctl.evaluation.evaluate", "onnxruntime")
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,7 @@ from mcap.reader import NonSeekingReader, SeekingReader
 
 from tests.log.mutations import mutated
 from waypointctl.cli.main import main as waypointctl
-from waypointctl.flight.record import record
+from waypointctl.flight.fly import fly
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.write import write_bundle
 
@@ -79,7 +79,7 @@ def base_logs(folder: Path) -> list[bytes]:
     for number, text in enumerate(MISSIONS):
         mission = MissionFile(parse_mission(text.encode(), "mission.yaml"), text.encode(), folder / "mission.yaml")
         path = folder / f"base-{number}.mcap"
-        record(mission, policy, path)
+        fly(mission, policy, log=path)
         logs.append(path.read_bytes())
     return logs
 

@@ -34,7 +34,7 @@ import typer
 from tests.mission.mutations import mutated
 from waypointctl.cli.app import app
 from waypointctl.errors import InputError
-from waypointctl.flight.record import record
+from waypointctl.flight.fly import fly
 from waypointctl.log.messages import State
 from waypointctl.mission.files import load_mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
@@ -103,7 +103,7 @@ def flown(path: Path, policy: LoadedPolicy, folder: Path) -> list[str]:
         return now_ns > FLOWN_S * 1e9 or steps > 200 or time.process_time() - began_s > 5.0
 
     try:
-        record(load_mission(path), policy, folder / "log.mcap", watch=watch, interrupted=over)
+        fly(load_mission(path), policy, watch, log=folder / "log.mcap", interrupted=over)
     except InputError as error:
         return [f"validates, and cannot be flown: {error}"]
     except BaseException:

@@ -89,9 +89,9 @@ def test_every_command_gives_what_is_kept_beside_its_policy() -> None:
         kept, suite = read_evaluation(one.stored), chosen_suite(one.options["suite"], one.options["acceptance"])
         assert (kept.suite, kept.seed) == (suite.own.name, one.options["seed"]), one.line
         assert {case.trials for case in kept.cases} == {suite.own.trials}, one.line
-        assert [case.name for case in kept.cases] == [case.name for case in suite.walked.walked], one.line
+        assert [case.name for case in kept.cases] == [case.name for case in suite.used.all_cases], one.line
         conditions = (kept.acceptance, kept.deadline, kept.start, kept.hold)
-        walked = suite.walked
+        walked = suite.used
         assert conditions == (walked.acceptance, walked.deadline, walked.start, walked.hold), one.line
         assert kept.policy_sha256 == load_policy(one.policy).sha256, one.line
 

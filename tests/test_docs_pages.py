@@ -44,7 +44,7 @@ def test_every_recipe_is_one(block: str) -> None:
 @pytest.mark.parametrize("block", blocks(EVALUATION, "yaml"), ids=lambda block: block.split()[1])
 def test_every_suite_is_one_and_its_paths_can_be_drawn(block: str) -> None:
     suite = read_model(block.encode(), "evaluation.md", Suite, SuiteError)
-    for path in suite.walked:
+    for path in suite.all_cases:
         assert path.trial_path(0, "test", 0, (0.0, 0.0)).shape == (path.longest, 2)
 
 

@@ -46,7 +46,7 @@ def test_trials_that_a_policy_was_chosen_by_are_not_saved(
     assert err == (
         f"error: picked: --save: policy 'picked' was chosen among its checkpoints by its success in '{suite}' with "
         "seed 7, by these very trials, so they flatter it\n"
-        "  Give another --seed; without --save the trials are walked with a warning.\n"
+        "  Give another --seed; without --save there is a warning.\n"
     )
     assert not [*Path().glob("*/evaluation*")]
     code, _, err = program(*asked, "--seed", "7")

@@ -103,7 +103,7 @@ def test_a_log_that_is_not_what_happened_exits_with_1(yard: Path, program: Progr
             super().__call__(message)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("waypointctl.flight.record.LogWriter", Flipped)
+        patch.setattr("waypointctl.flight.fly.LogWriter", Flipped)
         assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
     code, out, err = program("replay", "log.mcap", "--json")
     found = json.loads(out)

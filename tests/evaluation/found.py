@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from waypointctl.evaluation.paper import Training
 from waypointctl.evaluation.result import CaseResult, Evaluation
-from waypointctl.evaluation.suite import load_suite
+from waypointctl.evaluation.suite import Training, load_suite
 from waypointctl.evaluation.wilson import wilson_interval
 
 

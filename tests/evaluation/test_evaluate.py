@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.policy.recurrent import Recurrent
 from waypointctl.errors import PolicyError
 from waypointctl.evaluation.evaluate import evaluate
-from waypointctl.evaluation.paths import Case, RandomPaths
 from waypointctl.evaluation.result import read_evaluation
-from waypointctl.evaluation.rollout import Walks
+from waypointctl.evaluation.rollout import Rollouts
 from waypointctl.evaluation.saved import write_evaluation
-from waypointctl.evaluation.suite import Suite
+from waypointctl.evaluation.suite import Case, RandomPaths, Suite
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.task.course import Deadline
@@ -104,7 +104,7 @@ def test_progress_is_told_case_by_case(tmp_path: Path, make_policy: Make) -> Non
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"robot": "rover"}, "policy 'tiny': there is no robot called 'rover'; there are: ant"),
+        ({"robot": "rover"}, "policy 'tiny': there is no robot 'rover'; there are: ant"),
         ({"control_period_ns": 10_000_000}, "policy 'tiny': made for a control period of 10 ms, not 20 ms"),
     ],
 )
@@ -141,9 +141,9 @@ DRAWN = Suite(
 )
 
 
-def walked(policy: LoadedPolicy, suite: Suite, trials: int, seed: int = 5) -> Walks:
-    seen: list[Walks] = []
-    evaluate(policy, suite, trials, seed, watch=lambda case, walks: seen.append(walks))
+def walked(policy: LoadedPolicy, suite: Suite, trials: int, seed: int = 5) -> Rollouts:
+    seen: list[Rollouts] = []
+    evaluate(policy, suite, trials, seed, on_case=lambda case, rollouts: seen.append(rollouts))
     return seen[0]
 
 
@@ -152,7 +152,7 @@ def test_a_trial_draws_the_same_and_goes_the_same_however_many_there_are(tmp_pat
     few, many = walked(policy, DRAWN, 3), walked(policy, DRAWN, 9)
     for trial in range(3):
         np.testing.assert_array_equal(few.paths[trial], many.paths[trial])
-        np.testing.assert_array_equal(few.ways[trial], many.ways[trial])
+        np.testing.assert_array_equal(few.trajectories[trial], many.trajectories[trial])
     assert len({path.tobytes() for path in many.paths}) == 9
     assert not np.array_equal(walked(policy, DRAWN, 1, seed=6).paths[0], few.paths[0])
 
@@ -162,7 +162,7 @@ def test_another_acceptance_or_policy_draws_the_same_paths(tmp_path: Path, make_
     wider = DRAWN.accepting(Acceptance(shape="box", size_m=1.0))
     other = walked(make_policy(tmp_path / "b", seed=1), wider, 4)
     np.testing.assert_array_equal(first.paths, other.paths)
-    assert [way[0].tolist() for way in first.ways] == [way[0].tolist() for way in other.ways]
+    assert [way[0].tolist() for way in first.trajectories] == [way[0].tolist() for way in other.trajectories]
 
 
 def test_drawn_paths_are_as_the_suite_says_and_start_in_any_heading(tmp_path: Path, make_policy: Make) -> None:
@@ -202,3 +202,8 @@ def test_an_evaluation_of_random_paths_is_read_as_it_was_written(tmp_path: Path,
     read = read_evaluation(tmp_path / "evaluation.json")
     assert read == evaluation
     assert read.to_json() == evaluation.to_json()
+
+
+def test_a_policy_that_is_no_bundle_is_evaluated_too() -> None:
+    found = evaluate(Recurrent(), SUITE, 2)
+    assert (found.policy, found.policy_sha256, found.trials) == ("Recurrent", "", 4)

@@ -15,15 +15,12 @@ from numpy.typing import NDArray
 
 from tests.evaluation.found import paper_evaluation
 from waypointctl.errors import InputError
-from waypointctl.evaluation.conditions import Hold
 from waypointctl.evaluation.evaluate import evaluate
-from waypointctl.evaluation.key import draw_key, key_of, margin_in
+from waypointctl.evaluation.legend import Regions, draw_legend, legend_of, margin_in
 from waypointctl.evaluation.panels import Panel, Trial, panels, refuse_too_many
-from waypointctl.evaluation.paths import Case, RandomPaths
 from waypointctl.evaluation.picture import _draw_regions, _write_over, draw
-from waypointctl.evaluation.plot_style import Regions
-from waypointctl.evaluation.rollout import Walks
-from waypointctl.evaluation.suite import Suite, load_suite
+from waypointctl.evaluation.rollout import Rollouts
+from waypointctl.evaluation.suite import Case, Hold, RandomPaths, Suite, load_suite
 from waypointctl.mission.fields import Acceptance
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.task.course import Deadline
@@ -79,7 +76,7 @@ def test_the_hold_is_drawn_around_the_last_waypoint_alone() -> None:
 
 
 def labels(hold: Hold | None) -> list[str]:
-    return [str(handle.get_label()) for handle in key_of([panel("success")], Regions(Acceptance(), hold))]
+    return [str(handle.get_label()) for handle in legend_of([panel("success")], Regions(Acceptance(), hold))]
 
 
 def test_the_key_names_the_hold_where_there_is_one() -> None:
@@ -90,10 +87,10 @@ def test_the_key_names_the_hold_where_there_is_one() -> None:
 @pytest.mark.parametrize("width_in", [3.2, 6.1, 17.7])
 def test_the_key_stays_within_the_picture(width_in: float) -> None:
     shown = panel("success", "fall", "time-out", "strayed")
-    handles = key_of([shown], Regions(Acceptance(), Hold()))
+    handles = legend_of([shown], Regions(Acceptance(), Hold()))
     figure = Figure(figsize=(width_in, 5.0))
     FigureCanvasAgg(figure)
-    draw_key(figure, handles, 0.5, is_sample=True)
+    draw_legend(figure, handles, 0.5, is_sample=True)
     figure.canvas.draw()
     (legend,) = figure.legends
     box = legend.get_window_extent()
@@ -147,11 +144,11 @@ SUITE = Suite(
 def test_panels_are_a_sample_of_each_case_and_what_failed(
     tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
 ) -> None:
-    walks: dict[str, Walks] = {}
+    rollouts: dict[str, Rollouts] = {}
     found = evaluate(
-        make_policy(tmp_path / "still", gain=0.0), SUITE, 5, watch=lambda case, new: walks.update({case.name: new})
+        make_policy(tmp_path / "still", gain=0.0), SUITE, 5, on_case=lambda case, new: rollouts.update({case.name: new})
     )
-    near, far, drawn = panels(SUITE, [found], [walks])
+    near, far, drawn = panels(SUITE, [found], [rollouts])
     assert (near.subtitle, far.subtitle, drawn.subtitle) == (
         "near: success 5/5",
         "far: success 0/5",
@@ -167,18 +164,20 @@ def test_the_papers_suite_has_a_panel_for_each_table_and_policy(
     tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
 ) -> None:
     paper = load_suite("paper")
-    walks: dict[str, Walks] = {}
+    rollouts: dict[str, Rollouts] = {}
     quick = paper.model_copy(update={"deadline": Deadline(first_s=0.02)})
-    evaluate(make_policy(tmp_path / "s", gain=0.0), quick, 2, watch=lambda case, new: walks.update({case.name: new}))
+    evaluate(
+        make_policy(tmp_path / "s", gain=0.0), quick, 2, on_case=lambda case, new: rollouts.update({case.name: new})
+    )
     found = [paper_evaluation("1", "single point", "state", 0), paper_evaluation("x", None, "egocentric", 9)]
-    drawn = panels(paper, found, [walks, walks])
+    drawn = panels(paper, found, [rollouts, rollouts])
     assert [(p.title, p.group) for p in drawn] == [
         *(("1", "Table 1"), ("x", "Table 1"), ("x", "Table 2"), ("x", "Table 3"))
     ]
     assert [len(p.given) for p in drawn] == [1, 1, 7, 3]
     # One policy, in the paper's first table alone or in none: its table lists all cases.
     for alone in found:
-        drawn = panels(paper, [alone], [walks])
+        drawn = panels(paper, [alone], [rollouts])
         assert [(p.title, p.group) for p in drawn] == [(alone.policy, case.name) for case in alone.cases]
         assert [p.given[0].tolist() for p in drawn] == [[list(place) for place in case.path] for case in paper.cases]
 

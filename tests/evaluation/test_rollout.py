@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from waypointctl.evaluation.conditions import Hold
-from waypointctl.evaluation.rollout import Walks, walk
+from waypointctl.evaluation.rollout import Rollouts, rollout
+from waypointctl.evaluation.suite import Hold
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.robots.load import load_robot
@@ -36,13 +36,13 @@ PATHS = [np.array([[0.1, 0.0], [0.45, 0.1]]), np.array([[0.1, 0.4]])] * (TRIALS 
 
 def walked_together(
     policy: LoadedPolicy, hold: Hold | None = None, ended: Callable[[int], None] = lambda n: None
-) -> Walks:
+) -> Rollouts:
     config = TaskConfig(
         acceptance=Acceptance(shape="radius", size_m=SIZE_M), deadline=Deadline(first_s=FIRST_S, further_s=FURTHER_S)
     )
     env = BatchedWaypointEnv(config, TRIALS, 0, threads=2, max_waypoints=3, autoreset=False)
     env.starts = [stream(0, "walk", i) for i in range(TRIALS)]
-    return walk(env, policy, PATHS, ended, hold)
+    return rollout(env, policy, PATHS, ended, hold)
 
 
 @dataclass
@@ -112,30 +112,30 @@ ENDS = ("success", "fell", "timed_out", "strayed")
 def test_side_by_side_each_trial_goes_as_it_goes_alone(policies: list[LoadedPolicy], hold: Hold | None) -> None:
     seen: set[str] = set()
     for policy in policies:
-        walks = walked_together(policy, hold)
+        rollouts = walked_together(policy, hold)
         for trial in range(TRIALS):
             alone = walked_alone(policy, trial, hold)
-            assert {name: bool(getattr(walks, name)[trial]) for name in ENDS} == {
+            assert {name: bool(getattr(rollouts, name)[trial]) for name in ENDS} == {
                 name: name == alone.end for name in ENDS
             }
-            assert walks.time_s[trial] == pytest.approx(alone.time_s, abs=1e-12)
-            assert walks.walked_m[trial] == pytest.approx(alone.walked_m, rel=1e-9)
-            assert (walks.legs[trial], walks.legs_reached[trial]) == (len(PATHS[trial]), alone.legs)
-            np.testing.assert_array_equal(walks.ways[trial], [*alone.way[::5], alone.way[-1]])
+            assert rollouts.time_s[trial] == pytest.approx(alone.time_s, abs=1e-12)
+            assert rollouts.walked_m[trial] == pytest.approx(alone.walked_m, rel=1e-9)
+            assert (rollouts.legs[trial], rollouts.legs_reached[trial]) == (len(PATHS[trial]), alone.legs)
+            np.testing.assert_array_equal(rollouts.trajectories[trial], [*alone.way[::5], alone.way[-1]])
             seen.add(alone.end)
     assert seen == set(ENDS if hold else ENDS[:3]), "the policies are too much alike to test the walk"
 
 
 def test_the_straight_way_leads_from_the_start_through_the_waypoints(policies: list[LoadedPolicy]) -> None:
-    walks = walked_together(policies[0])
-    np.testing.assert_allclose(walks.straight_m[[0, 1]], [0.1 + math.hypot(0.35, 0.1), math.hypot(0.1, 0.4)])
-    assert [len(path) for path in walks.paths[:2]] == [2, 1]
+    rollouts = walked_together(policies[0])
+    np.testing.assert_allclose(rollouts.straight_m[[0, 1]], [0.1 + math.hypot(0.35, 0.1), math.hypot(0.1, 0.4)])
+    assert [len(path) for path in rollouts.paths[:2]] == [2, 1]
 
 
 def test_spl_is_the_papers_formula(policies: list[LoadedPolicy]) -> None:
-    walks = walked_together(policies[0])
+    rollouts = walked_together(policies[0])
     made = replace(
-        walks,
+        rollouts,
         success=np.array([True, True, True, False]),
         walked_m=np.array([10.0, 20.0, 8.0, 10.0]),
         straight_m=np.full(4, 10.0),

@@ -46,8 +46,8 @@ def test_before_five_seconds_the_window_begins_where_the_robot_stood() -> None:
 def test_the_way_is_kept_ten_times_a_second_to_the_end_of_the_trial() -> None:
     way = np.random.default_rng(0).normal(size=(40, TRACED + 1, 2))
     track = followed(way)
-    np.testing.assert_array_equal(track.way(3, 23, way[23, 3]), [*way[0:21:5, 3], way[23, 3]])
-    assert track.way(TRACED - 1, 39, way[39, 0]).shape == (9, 2)
+    np.testing.assert_array_equal(track.trajectory(3, 23, way[23, 3]), [*way[0:21:5, 3], way[23, 3]])
+    assert track.trajectory(TRACED - 1, 39, way[39, 0]).shape == (9, 2)
 
 
 @pytest.mark.parametrize(("turns", "is_orbit"), [(1.1, True), (-2.5, True), (0.9, False), (0.0, False)])

@@ -13,8 +13,8 @@ from typing import Any, TypeAlias
 from pydantic import ValidationError
 
 from tests.flight.flight_oracle import faults
+from waypointctl.flight.fly import fly
 from waypointctl.flight.outcome import FlightResult
-from waypointctl.flight.record import record
 from waypointctl.log.messages import Event, EventKind, Message
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
@@ -48,7 +48,7 @@ def judged(seed: int, policy: LoadedPolicy, folder: Path, *, proved: bool = True
     source = mission_of_seed(seed).model_dump_json(exclude_unset=True).encode()
     mission_file = MissionFile(parse_mission(source, str(path)), source, path)
     messages: list[Message] = []
-    result = record(mission_file, policy, path, watch=messages.append, pictures=proved).result
+    result = fly(mission_file, policy, messages.append, log=path, pictures=proved)
     found = faults(mission_file.mission, result, messages)
     if proved and (verification := verify(path)).verdict is not Verdict.EXACT:
         found.append(f"{verification.verdict}: {verification.reason}")

@@ -18,11 +18,11 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 from waypointctl.mission.files import load_mission
-from waypointctl.flight.record import record
+from waypointctl.flight.fly import fly
 from waypointctl.policy.bundle import load_policy
 mission, out, seed = load_mission(Path(sys.argv[1])), Path(sys.argv[2]), int(sys.argv[3])
 mission = replace(mission, mission=mission.mission.model_copy(update={"seed": seed}))
-print(record(mission, load_policy(mission.policy_path), out).sha256)
+print(fly(mission, log=out).log_sha256)
 """
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from tests.flight.flying import STILL, Scripted, flown, mission_of, only
 from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Checkpoint, Message, Observation
+from waypointctl.replay.verdict import Verdict
+from waypointctl.replay.verify import verify
 from waypointctl.task.body import Body
 
 AHEAD = {"position_m": [5.0, 0.0], "timeout_s": 0.2}
@@ -46,6 +49,13 @@ def test_the_policy_observes_the_navigators_goals() -> None:
     ahead = [it.values for it in only(Observation, flown(mission_of(AHEAD))[1])]
     assert np.array_equal(seen, aside)
     assert not np.array_equal(seen, ahead)
+
+
+def test_a_log_names_the_navigator_without_which_it_cannot_be_simulated_again(tmp_path: Path) -> None:
+    fly(mission_of(AHEAD), Scripted(STILL), log=tmp_path / "detour.mcap", navigator=Detour())
+    found = verify(tmp_path / "detour.mcap")
+    assert found.verdict is Verdict.UNVERIFIABLE
+    assert "test_navigator.Detour" in found.reason
 
 
 def test_a_navigators_state_is_in_the_checkpoint_and_one_without_state_adds_nothing() -> None:

@@ -11,8 +11,8 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from hypothesis import given
 from hypothesis import strategies as st
 
+from waypointctl.flight.fly import fly
 from waypointctl.flight.link.contacts import Contacts, Window
-from waypointctl.flight.record import record
 from waypointctl.flight.setting import setting_of
 from waypointctl.log.reader import open_log
 from waypointctl.log.setting import ContactWindows
@@ -126,7 +126,8 @@ def test_the_log_of_a_flight_draws_what_its_mission_fixes(
     )
     source = (HEAD + more).encode()
     file = MissionFile(parse_mission(source, "m.yaml"), source, tmp_path / "m.yaml")
-    log = open_log(record(file, make_policy(tmp_path / "p", gain=0.0), tmp_path / "f.mcap").path)
+    fly(file, make_policy(tmp_path / "p", gain=0.0), log=tmp_path / "f.mcap")
+    log = open_log(tmp_path / "f.mcap")
     first = next(raw.data for topic, raw in log.raw_messages() if topic == "/scene")
     shown = {entity.id: [text.text for text in entity.texts] for entity in SceneUpdate.FromString(first).entities}
     assert shown["zone 0"] == ["keep-out pit"]

@@ -5,7 +5,7 @@ import pytest
 
 from tests.flight.flying import flown, mission_of, only
 from tests.policy.recurrent import Recurrent
-from waypointctl.evaluation.rollout import walk
+from waypointctl.evaluation.rollout import rollout
 from waypointctl.log.decode import checkpoint as decode_checkpoint
 from waypointctl.log.encode import checkpoint as encode_checkpoint
 from waypointctl.log.messages import Action, Checkpoint, Observation
@@ -66,7 +66,7 @@ def test_each_robot_of_a_rollout_keeps_its_own_state() -> None:
     def rolled_out(trials: list[int], policy: Policy) -> list[tuple[float, float]]:
         env = BatchedWaypointEnv(TaskConfig(), len(trials), 0, threads=1, max_waypoints=1, autoreset=False)
         env.starts = [stream(0, "start", i) for i in trials]
-        found = walk(env, policy, [paths[i] for i in trials], lambda ended: None)
+        found = rollout(env, policy, [paths[i] for i in trials], lambda ended: None)
         return list(zip(found.time_s.tolist(), found.walked_m.tolist(), strict=True))
 
     policy = Recurrent()

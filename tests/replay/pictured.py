@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image
 
 from tests.replay.rewriting import Flown
-from waypointctl.flight.record import record
+from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Message, Picture
 from waypointctl.log.png import SOFTWARE, TITLE, texts_of, to_png
 from waypointctl.mission.files import MissionFile, parse_mission
@@ -32,9 +32,9 @@ link: {delay: 130 ms, jitter: 20 ms}
 def fly_survey(folder: Path, policy: LoadedPolicy) -> Flown:
     """Record a flight with two pictures."""
     mission_file = MissionFile(parse_mission(SURVEY, "mission.yaml"), SURVEY, folder / "mission.yaml")
-    recording = record(mission_file, policy, folder / "flight.mcap", pictures=True)
-    assert (recording.pictures, recording.no_pictures) == (2, "")
-    return Flown(mission_file, policy, recording.path)
+    result = fly(mission_file, policy, log=folder / "flight.mcap", pictures=True)
+    assert (result.pictures, result.no_pictures) == (2, "")
+    return Flown(mission_file, policy, folder / "flight.mcap")
 
 
 def with_picture(flown: Flown, number: int, change: Callable[[Picture], list[Message]]) -> list[Message]:

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from waypointctl.flight.fly import fly
 from waypointctl.flight.header import flight_header
-from waypointctl.flight.record import record
 from waypointctl.log.messages import Message, State
 from waypointctl.log.reader import open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.policy.protocol import Policy
 from waypointctl.robots.load import load_robot
 
 MISSION = b"""\
@@ -41,7 +42,7 @@ class Flown:
     """A flight that has been recorded."""
 
     mission_file: MissionFile
-    policy: LoadedPolicy
+    policy: Policy
     path: Path
 
     @property
@@ -77,8 +78,8 @@ def fly_once(
 ) -> Flown:
     """Record a flight in `folder`."""
     mission_file = MissionFile(parse_mission(source, "mission.yaml"), source, folder / "mission.yaml")
-    recording = record(mission_file, policy, folder / "flight.mcap", interrupted=interrupted)
-    return Flown(mission_file, policy, recording.path)
+    fly(mission_file, policy, log=folder / "flight.mcap", interrupted=interrupted)
+    return Flown(mission_file, policy, folder / "flight.mcap")
 
 
 def bit_flipped(value: float, bit: int = 0) -> float:

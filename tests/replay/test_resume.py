@@ -120,10 +120,10 @@ def test_without_a_console_the_one_that_was_open_is_closed(whole: Whole, tmp_pat
     part = whole.cut_at(tmp_path, 3.0)
     with unfinished(part) as flight:
         assert flight is not None
-        recording = go_on(flight, again=nothing, watch=nothing)
-    typed = [m.text for m in open_log(recording.path).messages() if isinstance(m, ConsoleInput)]
+        go_on(flight, again=nothing, watch=nothing)
+    typed = [m.text for m in open_log(tmp_path / "flight.mcap").messages() if isinstance(m, ConsoleInput)]
     assert typed == [*(text for at_s, text in LINES if at_s < 3.0), "quit"]
-    assert verify(recording.path).verdict is Verdict.EXACT
+    assert verify(tmp_path / "flight.mcap").verdict is Verdict.EXACT
 
 
 def test_a_log_with_its_end_is_complete(whole: Whole, tmp_path: Path) -> None:
@@ -194,9 +194,9 @@ def test_interrupted_later_it_closes_the_log_as_interrupted(whole: Whole, tmp_pa
     new: list[Message] = []
     with unfinished(part) as flight:
         assert flight is not None
-        recording = go_on(flight, again=nothing, watch=new.append, interrupted=lambda: len(new) > 50)
-    assert recording.result.outcome == "interrupted"
-    assert verify(recording.path).verdict is Verdict.EXACT
+        result = go_on(flight, again=nothing, watch=new.append, interrupted=lambda: len(new) > 50)
+    assert result.outcome == "interrupted"
+    assert verify(tmp_path / "flight.mcap").verdict is Verdict.EXACT
 
 
 def test_a_flight_that_is_another_one_when_flown_again_is_refused(

@@ -12,7 +12,7 @@ from tests.drawing import require_rendering
 from tests.replay.pictured import fly_survey, repainted, with_picture
 from tests.replay.rewriting import Flown
 from waypointctl.errors import LogError
-from waypointctl.flight.record import Recording
+from waypointctl.flight.outcome import FlightResult
 from waypointctl.log.messages import Message, Picture
 from waypointctl.log.reader import open_log
 from waypointctl.policy.bundle import LoadedPolicy
@@ -47,7 +47,7 @@ def nothing(message: Message) -> None:
     pass
 
 
-def resumed(path: Path) -> Recording:
+def resumed(path: Path) -> FlightResult:
     with unfinished(path) as flight:
         assert flight is not None
         return go_on(flight, again=nothing, watch=nothing)
@@ -60,9 +60,9 @@ def kept(part: Path) -> int:
 
 @pytest.mark.parametrize("share", [0.1, 0.45, 0.6, 0.75, 0.99])
 def test_wherever_it_was_cut_the_finished_log_is_the_same_bytes(survey: Survey, tmp_path: Path, share: float) -> None:
-    recording = resumed(survey.cut(tmp_path, share))
+    result = resumed(survey.cut(tmp_path, share))
     assert (tmp_path / "flight.mcap").read_bytes() == survey.data
-    assert (recording.pictures, recording.no_pictures) == (2, "")
+    assert (result.pictures, result.no_pictures) == (2, "")
 
 
 def test_the_cuts_leave_every_number_of_pictures(survey: Survey, tmp_path: Path) -> None:
@@ -75,9 +75,9 @@ def test_what_nothing_can_draw_again_is_kept_and_no_more_is_taken(
     part = survey.cut(tmp_path, 0.6)
     assert kept(part) == 1
     monkeypatch.setenv("MUJOCO_GL", "disable")
-    recording = resumed(part)
-    assert (recording.pictures, recording.no_pictures.splitlines()[0]) == (1, "MUJOCO_GL=disable says so")
-    found = [it for it in open_log(recording.path).messages() if isinstance(it, Picture)]
+    result = resumed(part)
+    assert (result.pictures, result.no_pictures.splitlines()[0]) == (1, "MUJOCO_GL=disable says so")
+    found = [it for it in open_log(tmp_path / "flight.mcap").messages() if isinstance(it, Picture)]
     assert found == [next(it for it in survey.flown.messages if isinstance(it, Picture))]
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from tests.replay.hand_made import event, frame, stage
 from waypointctl.flight.executive.rules import FLIGHT_ENDED
-from waypointctl.flight.record import record
+from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Ack, Command, CommandKind, EventKind, Message, Mode, Stage
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.bundle import LoadedPolicy
@@ -113,7 +113,8 @@ def test_of_a_flight(
 ) -> None:
     source = FLIGHT.replace("TOLERANCE", tolerance).encode()
     file = MissionFile(parse_mission(source, "m.yaml"), source, tmp_path / "m.yaml")
-    path = record(file, make_policy(tmp_path / "policy", gain=0.0), tmp_path / "f.mcap").path
+    path = tmp_path / "f.mcap"
+    fly(file, make_policy(tmp_path / "policy", gain=0.0), log=path)
     summary = FlightLog.open(path).summary
     (way,) = summary.returns
     assert (way.cause, way.command_id) == ("timeout", None)

@@ -14,8 +14,8 @@ import pytest
 
 from tests.replay.rewriting import MISSION, Flown, fly_once
 from tests.sim.bare import BareWorld
+from waypointctl.flight.fly import fly
 from waypointctl.flight.header import MJB
-from waypointctl.flight.record import record
 from waypointctl.log.messages import (
     Ack,
     Action,
@@ -30,7 +30,7 @@ from waypointctl.log.messages import (
 )
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import load_mission
-from waypointctl.policy.bundle import LoadedPolicy, load_policy
+from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
 
@@ -111,8 +111,8 @@ def test_a_seed_that_was_given_at_the_command_line_is_the_one_replayed(tmp_path:
     mission_file = flown.mission_file
     other = mission_file.mission.model_copy(update={"seed": 123})
     path = tmp_path / "other.mcap"
-    recording = record(type(mission_file)(other, mission_file.source, mission_file.path), policy, path)
-    assert recording.seed == 123
+    result = fly(type(mission_file)(other, mission_file.source, mission_file.path), policy, log=path)
+    assert result.seed == 123
     assert verify(path).verdict is Verdict.EXACT
 
 
@@ -135,9 +135,9 @@ def test_the_log_is_enough(tmp_path: Path, make_policy: Callable[..., LoadedPoli
 @pytest.mark.parametrize("path", sorted((REPOSITORY / "missions").glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_shipped_mission_succeeds_and_is_replayed_exactly(tmp_path: Path, path: Path) -> None:
     mission_file = load_mission(path)
-    recording = record(mission_file, load_policy(mission_file.policy_path), tmp_path / "flight.mcap", pictures=True)
-    assert recording.result.outcome == "success", recording.result.reason
-    found = verify(recording.path)
+    result = fly(mission_file, log=tmp_path / "flight.mcap", pictures=True)
+    assert result.outcome == "success", result.reason
+    found = verify(tmp_path / "flight.mcap")
     assert found.verdict is Verdict.EXACT, found.reason
 
 

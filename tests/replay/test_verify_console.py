@@ -10,7 +10,7 @@ import pytest
 
 from tests.flight.scripted_lines import ScriptedLines
 from tests.replay.rewriting import Flown
-from waypointctl.flight.record import record
+from waypointctl.flight.fly import fly
 from waypointctl.log.messages import ConsoleInput, Message
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.bundle import LoadedPolicy
@@ -41,8 +41,8 @@ LINES = (
 
 def session(folder: Path, policy: LoadedPolicy, *lines: tuple[float, str]) -> Flown:
     mission_file = MissionFile(parse_mission(MISSION, "mission.yaml"), MISSION, folder / "mission.yaml")
-    recording = record(mission_file, policy, folder / "session.mcap", console=ScriptedLines(*lines))
-    return Flown(mission_file, policy, recording.path)
+    fly(mission_file, policy, log=folder / "session.mcap", console=ScriptedLines(*lines))
+    return Flown(mission_file, policy, folder / "session.mcap")
 
 
 @pytest.fixture(scope="module")
@@ -108,14 +108,14 @@ def test_an_interrupted_session_is_replayed_exactly(
 
     mission_file = MissionFile(parse_mission(MISSION, "mission.yaml"), MISSION, tmp_path / "mission.yaml")
     policy = make_policy(tmp_path / "policy", gain=0.0)
-    recording = record(
+    result = fly(
         mission_file,
         policy,
-        tmp_path / "session.mcap",
+        log=tmp_path / "session.mcap",
         console=Typist(*LINES),
         interrupted=lambda: now_ns >= at_s * NS_PER_S,
     )
-    assert recording.result.outcome == "interrupted"
-    assert 0 <= recording.result.sim_time_ns - at_s * NS_PER_S < 20_000_000
-    found = verify(recording.path)
+    assert result.outcome == "interrupted"
+    assert 0 <= result.sim_time_ns - at_s * NS_PER_S < 20_000_000
+    found = verify(tmp_path / "session.mcap")
     assert found.verdict is Verdict.EXACT, found.reason

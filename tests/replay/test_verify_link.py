@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.replay.rewriting import Flown, altered
-from waypointctl.flight.record import record
+from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Ack, Checkpoint, Command, DeliveryOutcome, LinkRecord, Telemetry
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import load_mission
@@ -53,10 +53,10 @@ def through(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[...,
     (folder / "jitter.txt").write_bytes(JITTER)
     (folder / "mission.yaml").write_text(MISSION)
     mission_file, policy = load_mission(folder / "mission.yaml"), make_policy(folder / "policy", seed=7)
-    recording = record(mission_file, policy, folder / "flight.mcap")
+    fly(mission_file, policy, log=folder / "flight.mcap")
     for each in ("plans/site.ionrc", "jitter.txt"):
         (folder / each).unlink()  # the log has to do without them
-    return Flown(mission_file, policy, recording.path)
+    return Flown(mission_file, policy, folder / "flight.mcap")
 
 
 def test_the_flight_is_replayed_bit_for_bit_from_the_log_alone(through: Flown) -> None:

@@ -9,7 +9,7 @@ import pytest
 from tests.robots.folders import write_folder
 from waypointctl.errors import RobotError
 from waypointctl.evaluation.suite import load_suite
-from waypointctl.flight.record import robot_of
+from waypointctl.flight.fly import robot_of
 from waypointctl.mission.files import load_mission, parse_mission
 
 MISSION = "name: go\npolicy: ./policy\nwaypoints: [[1, 0]]\nrobot: {}\n"

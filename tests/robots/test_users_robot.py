@@ -14,7 +14,7 @@ from tests.robots.folders import write_folder
 from waypointctl.cli.app import app
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.suite import load_suite
-from waypointctl.flight.record import record
+from waypointctl.flight.fly import fly
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import load_mission
 from waypointctl.policy.bundle import LoadedPolicy
@@ -75,7 +75,8 @@ def work(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., Lo
 def log(work: Work) -> Path:
     """The log of a flight, with the robot's folder gone."""
     robots = work.folder / "robots"
-    path = record(load_mission(work.folder / "missions" / "stroll.yaml"), work.policy, work.folder / "log.mcap").path
+    path = work.folder / "log.mcap"
+    fly(load_mission(work.folder / "missions" / "stroll.yaml"), work.policy, log=path)
     robots.rename(work.folder / "away")
     return path
 

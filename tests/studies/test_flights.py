@@ -10,7 +10,7 @@ from waypointctl.studies.case import DelayCase
 from waypointctl.studies.flights import measured
 
 S = 1_000_000_000
-DONE = FlightResult("success", "2 of 2", 2, 2, 10 * S, 10 * S)
+DONE = FlightResult("success", "2 of 2", 2, 2, 10 * S, 10 * S, 0)
 
 
 def state(time_s: float, x_m: float, y_m: float, vx_mps: float, vy_mps: float = 0.0) -> State:
@@ -57,5 +57,5 @@ def test_commands_are_waited_for_whose_end_the_operator_knows(autonomy: str, wai
 def test_falls_are_counted_and_failures_are_failures() -> None:
     kinds = (EventKind.FALL, EventKind.WAYPOINT_REACHED)
     summary = summarize(Event(0, kind, Clock.ROBOT, Severity.ERROR, "") for kind in kinds)
-    flown = measured(case(), FlightResult("failure", "fall", 0, 2, S, S), summary)
+    flown = measured(case(), FlightResult("failure", "fall", 0, 2, S, S, 0), summary)
     assert (flown.falls, flown.succeeded, flown.reason) == (1, False, "fall")

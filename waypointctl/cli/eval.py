@@ -29,7 +29,7 @@ def evaluate_policy(
     suite: Annotated[str, typer.Option(help="paper, region, anywhere, station, or a YAML file.")] = "paper",
     trials: Annotated[
         int | None,
-        typer.Option(min=1, max=100_000, help="How often each path is walked.  [default: the suite's]"),
+        typer.Option(min=1, max=100_000, help="Trials on each path.  [default: the suite's]"),
     ] = None,
     seed: Annotated[
         int,
@@ -57,13 +57,12 @@ def evaluate_policy(
     threads: Annotated[int, typer.Option(min=0, max=1024, help="For the physics; 0 is one a core, 8 at most.")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
-    """Walk each path of a suite many times with deterministic actions and count successes, falls and time-outs.
+    """Run policies many times on each path of a suite, deterministically; count successes, falls and time-outs.
 
     Several policies on the suite 'paper' give the paper's tables, with its figures beside those found.
     """
     from waypointctl.cli.evaluation_files import EvaluationFiles
-    from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders
-    from waypointctl.cli.selection_trials import refuse_selection_trials
+    from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders, refuse_selection_trials
     from waypointctl.evaluation.names import names_of
     from waypointctl.evaluation.result import evaluations_json
     from waypointctl.evaluation.tables import tables
@@ -73,7 +72,7 @@ def evaluate_policy(
     files = EvaluationFiles(tuple(policies), chosen, out=out, markdown=markdown, plot=plot, save=save, force=force)
     files.refuse_unwritable()
     refuse_selection_trials(loaded, chosen, seed, save=save)
-    shown = _progress(chosen.walked, trials or chosen.own.trials, len(policies))
+    shown = _progress(chosen.used, trials or chosen.own.trials, len(policies))
     with _interruption_told(), shown as progress:
         found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress)
     evaluations = [one.evaluation for one in found]
@@ -129,7 +128,7 @@ def _require(names: Sequence[str], evaluations: Sequence[Evaluation], rate: floa
 
 @contextmanager
 def _progress(suite: Suite, trials: int, num_policies: int) -> Iterator[Progress | None]:
-    """Show on a terminal which path is being walked and how many of its trials have ended."""
+    """Show on a terminal the path under way and how many of its trials have ended."""
     from waypointctl.cli.console import console
 
     people = console(stderr=True)
@@ -139,7 +138,7 @@ def _progress(suite: Suite, trials: int, num_policies: int) -> Iterator[Progress
     from rich.progress import Progress as Bars
 
     with Bars(console=people, transient=True) as bars:
-        every = bars.add_task("all", total=num_policies * len(suite.walked) * trials)
+        every = bars.add_task("all", total=num_policies * len(suite.all_cases) * trials)
         one = bars.add_task("", total=trials)
         done = 0
 

@@ -12,7 +12,6 @@ from waypointctl.cli.evaluation_run import ChosenSuite, Evaluated
 from waypointctl.errors import OutputError
 from waypointctl.evaluation.names import names_of
 from waypointctl.evaluation.panels import panels, refuse_too_many
-from waypointctl.evaluation.results_grid import title
 from waypointctl.evaluation.saved import (
     refuse_other_files,
     refuse_unsavable,
@@ -20,7 +19,7 @@ from waypointctl.evaluation.saved import (
     write_evaluation,
     write_evaluations,
 )
-from waypointctl.evaluation.tables import MARKDOWN_HEAD, tables, to_markdown
+from waypointctl.evaluation.tables import MARKDOWN_HEAD, tables, title, to_markdown
 from waypointctl.mission.policy_name import is_installed
 from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
 
@@ -110,8 +109,8 @@ class EvaluationFiles:
         from waypointctl.evaluation.picture import draw
 
         evaluations = [one.evaluation for one in found]
-        drawn = panels(self.suite.own, evaluations, [one.walks for one in found], _names(found))
-        return draw(drawn, self.suite.walked.acceptance, title(evaluations), self.suite.walked.hold)
+        drawn = panels(self.suite.own, evaluations, [one.rollouts for one in found], _names(found))
+        return draw(drawn, self.suite.used.acceptance, title(evaluations), self.suite.used.hold)
 
     def _evaluations(self) -> list[Path]:
         return [*([] if self.out is None else [self.out]), *self._saved()]

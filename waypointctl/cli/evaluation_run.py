@@ -1,19 +1,26 @@
-"""Evaluating policies by their folders."""
+"""Evaluating policies by their folders, on a suite by its name or file."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from waypointctl.evaluation.conditions import parse_acceptance
+import typer
+from pydantic import ValidationError
+
+from waypointctl.display_text import printable
+from waypointctl.errors import InputError
 from waypointctl.evaluation.evaluate import Progress, evaluate
 from waypointctl.evaluation.result import Evaluation
-from waypointctl.evaluation.rollout import Walks
-from waypointctl.evaluation.suite import Suite, Walked, load_suite
+from waypointctl.evaluation.rollout import Rollouts
+from waypointctl.evaluation.suite import Suite, SuiteCase, load_suite
 from waypointctl.mission.fields import Acceptance
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
+from waypointctl.policy.manifest import SelectionRecord
 from waypointctl.training.trained_on import trained_on
+from waypointctl.units import NUMBER_PATTERN
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,27 +29,27 @@ class Evaluated:
 
     folder: Path
     evaluation: Evaluation
-    walks: Mapping[str, Walks]
+    rollouts: Mapping[str, Rollouts]
 
 
 @dataclass(frozen=True, slots=True)
 class ChosenSuite:
-    """A suite as it is, and as it is to be walked: with another acceptance region, maybe.
+    """A suite, and the suite that policies are evaluated on: with another acceptance region, maybe.
 
     Attributes:
         asked: the name or the file that it was asked for by.
         own: as it is.
-        walked: as it is to be walked.
+        used: as the policies are to be evaluated on it.
     """
 
     asked: str
     own: Suite
-    walked: Suite
+    used: Suite
 
     @property
     def other_acceptance(self) -> Acceptance | None:
         """The region that takes the place of the suite's own, None where it is the suite's."""
-        return None if self.own.acceptance == self.walked.acceptance else self.walked.acceptance
+        return None if self.own.acceptance == self.used.acceptance else self.used.acceptance
 
 
 def chosen_suite(name_or_file: str, acceptance: str | None) -> ChosenSuite:
@@ -53,8 +60,24 @@ def chosen_suite(name_or_file: str, acceptance: str | None) -> ChosenSuite:
         InputError: the acceptance is none.
     """
     own = load_suite(name_or_file)
-    walked = own if acceptance is None else own.accepting(parse_acceptance(acceptance))
-    return ChosenSuite(name_or_file, own, walked)
+    used = own if acceptance is None else own.accepting(_acceptance(acceptance))
+    return ChosenSuite(name_or_file, own, used)
+
+
+def _acceptance(text: str) -> Acceptance:
+    """Read an acceptance region as a command line has it: "radius:0.2", "box:0.5" or "box:50cm"; a bare number is in m.
+
+    Raises:
+        InputError: it is none.
+    """
+    shape, _, size = text.partition(":")
+    spelling = "size_m" if re.fullmatch(NUMBER_PATTERN, size.strip()) else "size"
+    try:
+        value = float(size) if spelling == "size_m" else size
+        return Acceptance.model_validate({"shape": shape.strip(), spelling: value})
+    except ValidationError as error:
+        problem = f"{text!r} is not an acceptance region: a shape, box or radius, and a size up to 100 m"
+        raise InputError(problem, where="--acceptance", hint="such as radius:0.2 or box:50cm") from error
 
 
 def load_folders(folders: Sequence[Path]) -> list[tuple[Path, LoadedPolicy]]:
@@ -82,7 +105,7 @@ def evaluate_loaded(
         trials: of each case; None: as many as the suite says.
         seed: of the starts and of random paths.
         threads: of the physics; 0 is one a core, 8 at most.
-        progress: told of every policy's trials.
+        progress: called with the progress of each policy.
 
     Raises:
         PolicyError: a policy was made for something else.
@@ -90,16 +113,44 @@ def evaluate_loaded(
     own = None if suite.other_acceptance is None else suite.own.acceptance
     found = []
     for folder, policy in loaded:
-        walks = _Walks()
-        evaluation = evaluate(policy, suite.walked, trials, seed, threads, progress, watch=walks.keep)
+        rollouts = _RolloutsByCase()
+        evaluation = evaluate(policy, suite.used, trials, seed, threads, progress, on_case=rollouts.keep)
         told = {"suite_acceptance": own, "training": trained_on(folder, policy.manifest)}
-        found.append(Evaluated(folder, evaluation.model_copy(update=told), walks.by_case))
+        found.append(Evaluated(folder, evaluation.model_copy(update=told), rollouts.by_case))
     return found
 
 
-class _Walks:
+class _RolloutsByCase:
     def __init__(self) -> None:
-        self.by_case: dict[str, Walks] = {}
+        self.by_case: dict[str, Rollouts] = {}
 
-    def keep(self, case: Walked, walks: Walks) -> None:
-        self.by_case[case.name] = walks
+    def keep(self, case: SuiteCase, rollouts: Rollouts) -> None:
+        self.by_case[case.name] = rollouts
+
+
+def refuse_selection_trials(
+    loaded: Sequence[tuple[Path, LoadedPolicy]], suite: ChosenSuite, seed: int, *, save: bool
+) -> None:
+    """Refuse to save an evaluation in the trials that a policy was selected by; warn of one that is not saved.
+
+    Raises:
+        InputError: one of the policies was chosen by them, and the evaluation is to be saved.
+    """
+    for folder, policy in loaded:
+        record = policy.manifest.training.selection
+        if record is None or record.seed != seed or not _is_suite_of(record, suite):
+            continue
+        problem = (
+            f"policy {policy.manifest.name!r} was chosen among its checkpoints by its success in {record.suite!r} with "
+            f"seed {seed}, by these very trials, so they flatter it"
+        )
+        if save:
+            hint = "Give another --seed; without --save there is a warning."
+            raise InputError(f"--save: {problem}", where=str(folder), hint=hint)
+        typer.echo(f"warning: {printable(folder)}: {printable(problem)}; another --seed does not", err=True)
+
+
+def _is_suite_of(record: SelectionRecord, suite: ChosenSuite) -> bool:
+    """Return whether a selection was by this suite; of a file it has the path that its recipe gave."""
+    recorded = Path(record.suite)
+    return suite.own.name in (record.suite, recorded.stem) or recorded.name == Path(suite.asked).name

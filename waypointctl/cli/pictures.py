@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Final
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
-    from waypointctl.flight.record import Recording
+    from waypointctl.flight.outcome import FlightResult
     from waypointctl.log.reader import LogReader
     from waypointctl.replay.pictures import PictureFile
 
 _PNG: Final = b"\x89PNG"
 
 
-def say_missing(recording: Recording) -> None:
+def say_missing(result: FlightResult) -> None:
     """Say on stderr why a flight that observed has no pictures, if that is so."""
-    if recording.no_pictures:
-        print(f"no pictures: {printable(recording.no_pictures)}", file=sys.stderr, flush=True)
+    if result.no_pictures:
+        print(f"no pictures: {printable(result.no_pictures)}", file=sys.stderr, flush=True)
 
 
 def picture_files(log: LogReader, folder: Path) -> list[PictureFile]:

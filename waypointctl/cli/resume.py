@@ -80,23 +80,22 @@ def _go_on(flight: Unfinished, asked: Resumption) -> int:
             interruption() as interrupted,
             flight_view(mission, asked.rate, interrupted, console=asked.console) as view,
         ):
-            recording = go_on(flight, again=view.learn, watch=view.sink, interrupted=interrupted, console=view.console)
+            result = go_on(flight, again=view.learn, watch=view.sink, interrupted=interrupted, console=view.console)
     except Interrupted:
         typer.echo(f"interrupted before it was where {log} ends; that log is as it was", err=True)
         return _INTERRUPTED
-    say_missing(recording)
+    say_missing(result)
     summary = view.watch.flight.summary()
-    print_flight(summary, recording, time.monotonic() - began_s, stderr=asked.json)
+    print_flight(summary, result, time.monotonic() - began_s, stderr=asked.json)
     if asked.json:
-        sys.stdout.write(answer(mission.name, recording, summary))
-    return EXIT_CODES[recording.result.outcome]
+        sys.stdout.write(answer(mission.name, result, summary))
+    return EXIT_CODES[result.outcome]
 
 
 def _say_complete(asked: Resumption) -> int:
     """Say that there is nothing to do; return the exit code of the flight, as when it was flown."""
     from waypointctl.cli.flight_answer import EXIT_CODES, answer
     from waypointctl.flight.outcome import FlightResult
-    from waypointctl.flight.record import recording_of
     from waypointctl.log.opening import PART
     from waypointctl.replay.flight_log import FlightLog
 
@@ -106,9 +105,9 @@ def _say_complete(asked: Resumption) -> int:
     typer.echo(printable(f"{path} is complete: {summary.headline}"), err=True)
     if asked.json:
         reached, total, ended_ns = summary.known, len(summary.waypoints), summary.ended_ns
-        result = FlightResult(summary.outcome, summary.reason, reached, total, ended_ns, ended_ns)
-        recording = recording_of(result, path, int(log.metadata["seed"]), log.count("/camera"))
-        sys.stdout.write(answer(log.mission_name, recording, summary))
+        seed, pictures = int(log.metadata["seed"]), log.count("/camera")
+        result = FlightResult(summary.outcome, summary.reason, reached, total, ended_ns, ended_ns, seed, pictures)
+        sys.stdout.write(answer(log.mission_name, result.logged(path), summary))
     return EXIT_CODES.get(summary.outcome, 1)
 
 

@@ -71,7 +71,7 @@ def run(
     from waypointctl.cli.pictures import say_missing
     from waypointctl.cli.run_many import Many, run_many
     from waypointctl.cli.tui.summary import print_flight
-    from waypointctl.flight.record import record
+    from waypointctl.flight.fly import fly
     from waypointctl.policy.bundle import load_policy
 
     if resume is not None:
@@ -108,22 +108,22 @@ def run(
     with interruption() as interrupted, claimed(mission_file.mission.name, out, force=force) as path:
         began_s = time.monotonic()
         with flight_view(mission_file.mission, rate, interrupted, console=console) as view:
-            recording = record(
+            result = fly(
                 mission_file,
                 loaded,
-                path,
-                watch=view.sink,
-                interrupted=interrupted,
-                console=view.console,
+                view.sink,
+                log=path,
                 pictures=True,
+                console=view.console,
+                interrupted=interrupted,
             )
         wall_s = time.monotonic() - began_s
-    say_missing(recording)
+    say_missing(result)
     summary = view.watch.flight.summary()
-    print_flight(summary, recording, wall_s, stderr=json)
+    print_flight(summary, result, wall_s, stderr=json)
     if json:
-        sys.stdout.write(answer(mission_file.mission.name, recording, summary))
-    raise typer.Exit(EXIT_CODES[recording.result.outcome])
+        sys.stdout.write(answer(mission_file.mission.name, result, summary))
+    raise typer.Exit(EXIT_CODES[result.outcome])
 
 
 def _refuse_beside(what: str, options: dict[str, object]) -> None:

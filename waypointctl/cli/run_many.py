@@ -14,7 +14,7 @@ from waypointctl.units import seconds
 
 if TYPE_CHECKING:
     from waypointctl.cli.junit import Case
-    from waypointctl.flight.record import Recording
+    from waypointctl.flight.outcome import FlightResult
     from waypointctl.mission.files import MissionFile
     from waypointctl.policy.bundle import LoadedPolicy
     from waypointctl.replay.summary_json import Plain
@@ -53,14 +53,14 @@ class Outcome:
     Attributes:
         path: of the file.
         mission: its name.
-        recording: of its flight.
+        result: of its flight.
         facts: of its flight, as --json has them.
         problem: why it could not be flown.
     """
 
     path: Path
     mission: str = ""
-    recording: Recording | None = None
+    result: FlightResult | None = None
     facts: Plain = field(default_factory=dict)
     problem: str = ""
 
@@ -117,8 +117,8 @@ def _fly(
     from waypointctl.cli.flight_answer import facts
     from waypointctl.cli.log_place import claimed
     from waypointctl.cli.pictures import say_missing
+    from waypointctl.flight.fly import fly
     from waypointctl.flight.operator.operator import planned_waypoints
-    from waypointctl.flight.record import record
     from waypointctl.flight.setting import setting_of
     from waypointctl.policy.bundle import load_policy
     from waypointctl.replay.summary_builder import FlightSummaryBuilder
@@ -129,28 +129,27 @@ def _fly(
     if folder not in policies:
         policies[folder] = load_policy(many.policy or file.policy_path)
     with claimed(name, many.out, force=many.force) as log:
-        recording = record(file, policies[folder], log, watch=flight, interrupted=interrupted, pictures=True)
-    say_missing(recording)
-    return Outcome(path, name, recording, facts(name, recording, flight.summary()))
+        result = fly(file, policies[folder], flight, log=log, pictures=True, interrupted=interrupted)
+    say_missing(result)
+    return Outcome(path, name, result, facts(name, result, flight.summary()))
 
 
 def _reason(outcome: Outcome) -> str:
-    if outcome.recording is None:
+    if outcome.result is None:
         return _NOT_FLOWN
-    return f"{outcome.recording.result.outcome}: {outcome.recording.result.reason}"
+    return f"{outcome.result.outcome}: {outcome.result.reason}"
 
 
 def _case(outcome: Outcome) -> Case:
     from waypointctl.cli.junit import Case
 
-    name, recording = str(outcome.path), outcome.recording
+    name, result = str(outcome.path), outcome.result
     if outcome.problem:
         return Case(name, "error", outcome.problem, 0.0)
-    if recording is None:
+    if result is None:
         return Case(name, "skipped", _NOT_FLOWN, 0.0)
-    result = recording.result
     output = (
-        f"mission {outcome.mission}, seed {recording.seed}\n{printable(recording.path)}\nsha256 {recording.sha256}\n"
+        f"mission {outcome.mission}, seed {result.seed}\n{printable(result.log or '')}\nsha256 {result.log_sha256}\n"
     )
     flown_s = seconds(result.sim_time_ns)
     if result.outcome == "interrupted":
@@ -160,15 +159,15 @@ def _case(outcome: Outcome) -> Case:
 
 def _record(outcome: Outcome) -> Plain:
     """Return an outcome as --json has it."""
-    if outcome.recording is not None:
+    if outcome.result is not None:
         return {"file": str(outcome.path), **outcome.facts}
     said = ("error", outcome.problem) if outcome.problem else ("skipped", _NOT_FLOWN)
     return {"file": str(outcome.path), "outcome": said[0], "reason": said[1]}
 
 
 def _exit_code(outcomes: Sequence[Outcome]) -> int:
-    results = [outcome.recording.result.outcome for outcome in outcomes if outcome.recording is not None]
-    if "interrupted" in results or any(outcome.recording is None and not outcome.problem for outcome in outcomes):
+    results = [outcome.result.outcome for outcome in outcomes if outcome.result is not None]
+    if "interrupted" in results or any(outcome.result is None and not outcome.problem for outcome in outcomes):
         return 130
     if any(outcome.problem for outcome in outcomes):
         return 2
@@ -190,4 +189,4 @@ def _print_table(outcomes: Sequence[Outcome], *, stderr: bool) -> None:
 def _word(outcome: Outcome) -> str:
     if outcome.problem:
         return "broken"
-    return "not flown" if outcome.recording is None else _WORDS[outcome.recording.result.outcome]
+    return "not flown" if outcome.result is None else _WORDS[outcome.result.outcome]

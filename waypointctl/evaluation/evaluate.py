@@ -5,70 +5,74 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
+from pathlib import Path
 from typing import TypeAlias
 
 from waypointctl.errors import InputError, PolicyError
-from waypointctl.evaluation.paths import Case, RandomPaths
-from waypointctl.evaluation.result import Evaluation
-from waypointctl.evaluation.rollout import Walks, walk
-from waypointctl.evaluation.suite import Suite
-from waypointctl.evaluation.summary import summary
-from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.policy.require import require
+from waypointctl.evaluation.result import CaseResult, Evaluation
+from waypointctl.evaluation.rollout import Rollouts, rollout
+from waypointctl.evaluation.suite import Case, RandomPaths, Suite, SuiteCase, load_suite
+from waypointctl.evaluation.wilson import wilson_interval
+from waypointctl.flight.policy_fit import refuse_misfit
+from waypointctl.policy.bundle import LoadedPolicy, load_policy
+from waypointctl.policy.protocol import Policy
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig
 
 Progress: TypeAlias = Callable[[str, int], None]  # (the case's name, its trials that have ended)
-Watch: TypeAlias = Callable[[Case | RandomPaths, Walks], None]
+OnCase: TypeAlias = Callable[[SuiteCase, Rollouts], None]
 
 
 def evaluate(
-    policy: LoadedPolicy,
-    suite: Suite,
+    policy: Policy | Path | str,
+    suite: Suite | Path | str = "paper",
     trials: int | None = None,
     seed: int = 0,
     threads: int = 0,
     progress: Progress | None = None,
-    watch: Watch | None = None,
+    on_case: OnCase | None = None,
 ) -> Evaluation:
-    """Walk each path of a suite many times and count.
+    """Run a policy many times on each path of a suite, with its actions as they are, and count how the trials ended.
 
-    Trial i of a case starts in the same posture, and walks the same path where paths are drawn, whatever the policy,
-    the acceptance and the other cases are and however many trials there are.
+    Trial i of a case has the same start, and the same path where paths are random, whatever the policy, the acceptance
+    region, the other cases and the number of trials.
 
     Args:
-        policy: what is tested.
-        suite: the paths.
-        trials: of each case, > 0; they are walked side by side. None: as many as the suite says.
+        policy: itself, its folder, or its name.
+        suite: itself, its file, or its name: "paper", "region", "anywhere", "station".
+        trials: of each case, > 0, simulated side by side; None: as many as the suite says.
         seed: of the starts and of random paths, not negative.
         threads: of the physics; 0 is one a core, 8 at most. The result does not depend on it.
-        progress: called whenever trials have ended.
-        watch: given the trials of each case, for those who want more than the counts.
+        progress: called with a case's name and the number of its trials that have ended, whenever it grows.
+        on_case: called with each case and the rollouts of its trials.
 
     Raises:
-        PolicyError: it was made for a robot or an observation layout that there is not, or not any more.
+        PolicyError: the policy is missing, damaged, or made for another robot, observation layout or control period.
+        SuiteError: there is no such suite, or it is not one.
     """
+    policy = load_policy(policy) if isinstance(policy, Path | str) else policy
+    suite = load_suite(suite) if isinstance(suite, Path | str) else suite
     trials = suite.trials if trials is None else trials
     env = _env(policy, suite, trials, seed, threads)
     results = []
-    for case in suite.walked:
+    for case in suite.all_cases:
         name = f"evaluation/{suite.name}/{case.name}"
         env.starts = [stream(seed, name, trial) for trial in range(trials)]
         env.courses = [stream(seed, f"{name}/course", trial) for trial in range(trials)]
         paths = [case.trial_path(seed, f"{name}/path", trial, suite.start.position_m) for trial in range(trials)]
-        walks = walk(env, policy, paths, partial(progress, case.name) if progress else _ignore, suite.hold)
-        if watch is not None:
-            watch(case, walks)
-        results.append(summary(case, walks))
+        rollouts = rollout(env, policy, paths, partial(progress, case.name) if progress else _ignore, suite.hold)
+        if on_case is not None:
+            on_case(case, rollouts)
+        results.append(case_result(case, rollouts))
     return Evaluation(
-        policy=policy.manifest.name,
+        policy=policy.name,
         suite=suite.name,
         seed=seed,
         cases=tuple(results),
         acceptance=suite.acceptance,
         deadline=suite.deadline,
-        policy_sha256=policy.sha256,
+        policy_sha256=policy.sha256 if isinstance(policy, LoadedPolicy) else "",
         versions={name: version(name) for name in ("waypointctl", "mujoco", "numpy", "onnxruntime")},
         start=suite.start,
         hold=suite.hold,
@@ -76,7 +80,36 @@ def evaluate(
     )
 
 
-def _env(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, threads: int) -> BatchedWaypointEnv:
+def case_result(case: SuiteCase, rollouts: Rollouts) -> CaseResult:
+    """Return the counts and means of the trials of one case."""
+    trials, successes = len(rollouts.success), int(rollouts.success.sum())
+    legs_reached = int(rollouts.legs_reached.sum())
+    time_s, walked_m = rollouts.time_s[rollouts.success], rollouts.walked_m[rollouts.success]
+    return CaseResult(
+        name=case.name,
+        waypoints=case.path if isinstance(case, Case) else (),
+        trials=trials,
+        successes=successes,
+        rate=successes / trials,
+        wilson95=wilson_interval(successes, trials),
+        falls=int(rollouts.fell.sum()),
+        timeouts=int(rollouts.timed_out.sum()),
+        mean_time_s=float(time_s.mean()) if successes else None,
+        spl=rollouts.spl,
+        paper=case.paper if isinstance(case, Case) else None,
+        orbiting=int(rollouts.orbiting.sum()),
+        stuck=int(rollouts.stuck.sum()),
+        strayed=int(rollouts.strayed.sum()),
+        # A trial that ends on its way to a waypoint had set out on that leg, and on none after it.
+        legs=legs_reached + int((rollouts.legs_reached < rollouts.legs).sum()),
+        legs_reached=legs_reached,
+        mean_leg_time_s=float(rollouts.legs_time_s.sum()) / legs_reached if legs_reached else None,
+        mean_speed_mps=float(walked_m.sum() / time_s.sum()) if successes else None,
+        course=case if isinstance(case, RandomPaths) else None,
+    )
+
+
+def _env(policy: Policy, suite: Suite, trials: int, seed: int, threads: int) -> BatchedWaypointEnv:
     config = TaskConfig(
         robot=suite.robot or policy.robot,
         observation=policy.observation_layout,
@@ -84,18 +117,12 @@ def _env(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, threads: in
         deadline=suite.deadline,
         start=suite.start,
     )
-    longest = max(case.longest for case in suite.walked)
+    longest = max(case.longest for case in suite.all_cases)
     try:
         env = BatchedWaypointEnv(config, trials, seed, threads=threads, max_waypoints=longest, autoreset=False)
     except InputError as error:
-        raise PolicyError(error.problem, where=f"policy {policy.manifest.name!r}") from error
-    require(
-        policy,
-        robot=env.robot.name,
-        num_joints=env.robot.num_actions,
-        components=env.layout.components,
-        control_period_ns=env.robot.control_period_ns,
-    )
+        raise PolicyError(error.problem, where=f"policy {policy.name!r}") from error
+    refuse_misfit(policy, env.robot)
     return env
 
 

@@ -1,4 +1,4 @@
-"""A table as plain text cells, for whoever draws it."""
+"""A table as plain text cells, for a terminal or Markdown."""
 
 from __future__ import annotations
 
@@ -70,6 +70,21 @@ class Grid:
         lines += [_row(row) for row in shown.rows]
         notes = (f"\n{_escaped(note)}" for note in shown.notes)
         return "\n".join([f"**{_escaped(shown.title)}**", "", *lines, *notes])
+
+
+def places(waypoints: Sequence[tuple[float, float]], arrow: str = " ") -> str:
+    """Return waypoints as people write them: "(7, 12) (14, 14)"."""
+    return arrow.join(f"({x:g}, {y:g})" for x, y in waypoints)
+
+
+def percent(rate: float | None, digits: int = 0) -> str:
+    """Return a rate in per cent, nothing for None."""
+    return "" if rate is None else f"{rate:.{digits}%}"
+
+
+def interval(wilson95: tuple[float, float]) -> str:
+    """Return an interval in per cent, without the sign: "96.3-100.0"."""
+    return f"{wilson95[0] * 100:.1f}-{wilson95[1] * 100:.1f}"
 
 
 def _row(cells: Iterable[str]) -> str:

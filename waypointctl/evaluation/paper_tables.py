@@ -6,16 +6,35 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from waypointctl.evaluation.grid import Column, Grid
+from waypointctl.evaluation.grid import Column, Grid, interval, percent, places
 from waypointctl.evaluation.names import names_of
-from waypointctl.evaluation.paper import PaperPolicy, PaperTable
-from waypointctl.evaluation.paths import Case
 from waypointctl.evaluation.result import CaseResult, Evaluation
-from waypointctl.evaluation.results_grid import interval, percent, places
-from waypointctl.evaluation.suite import Suite
+from waypointctl.evaluation.suite import Case, PaperPolicy, PaperTable, Suite, load_suite
 
 _ARROW: Final = " → "
 _INTERVAL: Final = "95 % CI [%]"
+_PAPER: Final = "paper"
+_AUTHORS: Final = "Blum, Jones and Yoshida"
+_TRIALS: Final = 10  # that their rates are of
+
+PAPER_TABLES_NOTE: Final = f"{_PAPER}: the rates that {_AUTHORS} report, each of {_TRIALS} trials"
+
+
+def published_note(evaluation: Evaluation) -> str | None:
+    """Return a line on where the published rates of an evaluation's cases are from, None if no case has one."""
+    if all(case.paper is None for case in evaluation.cases):
+        return None
+    if is_of_the_paper(evaluation):
+        return f"{_PAPER}: the rate that {_AUTHORS} report for their policy 5, of {_TRIALS} trials"
+    return f"{_PAPER}: the published rate that the suite gives for a case"
+
+
+def is_of_the_paper(evaluation: Evaluation) -> bool:
+    """Return whether an evaluation's cases are the paper's: a suite of somebody else's may have its name."""
+    if evaluation.suite != _PAPER:
+        return False
+    theirs = {(case.path, case.paper) for case in load_suite(_PAPER).cases}
+    return all((case.waypoints, case.paper) in theirs for case in evaluation.cases)
 
 
 @dataclass(frozen=True, slots=True)

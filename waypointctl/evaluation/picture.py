@@ -1,4 +1,4 @@
-"""The ways that robots walked in an evaluation, from above, as a PNG; after the paper's Figures 4 and 5."""
+"""The trajectories of an evaluation, from above, as a PNG; after the paper's Figures 4 and 5."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from waypointctl.evaluation.conditions import Hold
-from waypointctl.evaluation.key import draw_key, key_of, margin_in
+from waypointctl.evaluation.legend import HOLD_STYLE, TRIAL_STYLE, Regions, draw_legend, legend_of, margin_in
 from waypointctl.evaluation.panels import Panel
-from waypointctl.evaluation.plot_style import HOLD, LOOKS, Regions
+from waypointctl.evaluation.suite import Hold
 from waypointctl.figure import FAINT, GREEN, INK, picture
 from waypointctl.mission.fields import Acceptance
 
@@ -51,9 +50,9 @@ def draw(panels: Sequence[Panel], acceptance: Acceptance, title: str, hold: Hold
     """
     columns, rows, size_in = _layout(panels)
     regions = Regions(acceptance, hold)
-    key = key_of(panels, regions)
+    legend = legend_of(panels, regions)
     width_in = columns * size_in + 0.3
-    below_in = margin_in(key, width_in)
+    below_in = margin_in(legend, width_in)
     height_in = rows * (size_in + 0.35) + below_in + 0.3
 
     def fill(figure: Figure) -> None:
@@ -73,7 +72,7 @@ def draw(panels: Sequence[Panel], acceptance: Acceptance, title: str, hold: Hold
             _write_over(axes, panel, int(size_in / _LETTER_IN))
         heading = textwrap.fill(title, int(width_in / _LETTER_IN))
         figure.text(_LEFT_IN / width_in, 1 - 0.1 / height_in, heading, fontsize=11, fontweight="bold", va="top")
-        draw_key(figure, key, _LEFT_IN, is_sample=any(panel.is_sample for panel in panels))
+        draw_legend(figure, legend, _LEFT_IN, is_sample=any(panel.is_sample for panel in panels))
 
     return picture(fill, (width_in, height_in), _DPI, _STYLE)
 
@@ -90,14 +89,14 @@ def _layout(panels: Sequence[Panel]) -> tuple[int, int, float]:
 def _limits(panels: Sequence[Panel]) -> tuple[FloatArray, FloatArray]:
     """Return the lower and upper corner (2,) [m] of a square around all that has to be seen.
 
-    A robot that walks away is followed for as far again as the waypoints reach, and no farther.
+    A robot that leaves is followed for as far again as the waypoints reach, and no farther.
     """
     trials = [trial for panel in panels for trial in panel.trials]
     places = np.concatenate([np.zeros((1, 2)), *(trial.path for trial in trials)])
     low, high = places.min(axis=0), places.max(axis=0)
     reach = max(float((high - low).max()), 1.0) / 2
-    ways = np.concatenate([places, *(trial.way for trial in trials)])
-    low, high = np.maximum(ways.min(axis=0), low - reach), np.minimum(ways.max(axis=0), high + reach)
+    seen = np.concatenate([places, *(trial.trajectory for trial in trials)])
+    low, high = np.maximum(seen.min(axis=0), low - reach), np.minimum(seen.max(axis=0), high + reach)
     half = float((high - low).max()) / 2 + _PAD_M
     centre = (low + high) / 2
     return centre - half, centre + half
@@ -107,13 +106,15 @@ def _draw_panel(axes: Axes, panel: Panel, regions: Regions, limits: tuple[FloatA
     _draw_regions(axes, panel, regions)
     many = bool(panel.given) and len(panel.trials) > 30
     for trial in panel.trials:
-        color, mark = LOOKS[trial.end]
+        color, mark = TRIAL_STYLE[trial.end]
         failed = trial.end != "success"
         alpha = 0.3 if many and not failed else 0.75
-        axes.plot(*trial.way.T, color=color, linewidth=0.7 if many else 1.0, alpha=alpha, zorder=4 if failed else 3)
+        axes.plot(
+            *trial.trajectory.T, color=color, linewidth=0.7 if many else 1.0, alpha=alpha, zorder=4 if failed else 3
+        )
         if mark:
             face = color if mark == "x" else "white"
-            axes.plot(*trial.way[-1], mark, color=color, markerfacecolor=face, markersize=5, zorder=6)
+            axes.plot(*trial.trajectory[-1], mark, color=color, markerfacecolor=face, markersize=5, zorder=6)
     axes.plot(0.0, 0.0, "o", color="white", markeredgecolor=INK, markersize=5.5, zorder=7)
     low, high = limits
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
@@ -140,7 +141,7 @@ def _draw_regions(axes: Axes, panel: Panel, regions: Regions) -> None:
         axes.add_patch(_region(place, regions.acceptance, filled=bool(panel.given)))
     if regions.hold is not None:
         for place in sorted({tuple(path[-1]) for path in paths}):
-            axes.add_patch(Circle(place, regions.hold.within_m, **HOLD))
+            axes.add_patch(Circle(place, regions.hold.within_m, **HOLD_STYLE))
 
 
 def _region(place: tuple[float, float], acceptance: Acceptance, *, filled: bool) -> Patch:

@@ -10,9 +10,7 @@ from typing import Annotated, Final, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_serializer, model_validator
 
 from waypointctl.errors import InputError
-from waypointctl.evaluation.conditions import Hold
-from waypointctl.evaluation.paper import Training
-from waypointctl.evaluation.paths import RandomPaths
+from waypointctl.evaluation.suite import Hold, RandomPaths, Training
 from waypointctl.evaluation.wilson import wilson_interval
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.mission.fields import Acceptance, Start

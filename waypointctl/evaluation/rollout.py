@@ -1,4 +1,4 @@
-"""Walking many paths at once, each robot one."""
+"""Rollouts: a policy on many paths at once, each robot on one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.evaluation.conditions import Hold
+from waypointctl.evaluation.suite import Hold
 from waypointctl.evaluation.track import TRACED, Track, is_orbiting, is_stuck
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.stance import stance_action
@@ -22,7 +22,7 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
-class Walks:
+class Rollouts:
     """How n trials went, each an array (n,). A trial ends in exactly one of success, fell, timed_out and strayed.
 
     Attributes:
@@ -30,8 +30,8 @@ class Walks:
         fell: it ended in a fall, also in one at the last waypoint.
         timed_out: it ended at the deadline.
         strayed: the last waypoint was reached, but the robot did not stay there.
-        orbiting: of the time-outs, the robot was walking round its waypoint.
-        stuck: of the time-outs, the robot was walking nowhere.
+        orbiting: of the time-outs, the robot circled its waypoint.
+        stuck: of the time-outs, the robot had stopped making way.
         time_s: from the start until the last waypoint was reached, or the trial ended before [s].
         walked_m: length of the torso's path over the ground in that time [m].
         straight_m: length of the straight lines from the start through the waypoints [m].
@@ -39,7 +39,7 @@ class Walks:
         legs_reached: how many of them were reached.
         legs_time_s: from the start until the last of those [s].
         paths: each the waypoints (m, 2) [m].
-        ways: each where the torso was, ten times a second, (k, 2) [m]; of the first TRACED trials.
+        trajectories: each the positions of the torso, ten times a second, (k, 2) [m]; of the first TRACED trials.
     """
 
     success: BoolArray
@@ -55,7 +55,7 @@ class Walks:
     legs_reached: IntArray
     legs_time_s: FloatArray
     paths: tuple[FloatArray, ...]
-    ways: tuple[FloatArray, ...]
+    trajectories: tuple[FloatArray, ...]
 
     @property
     def spl(self) -> float:
@@ -63,24 +63,24 @@ class Walks:
         return float(np.mean(self.success * self.straight_m / np.maximum(self.straight_m, self.walked_m)))
 
 
-def walk(
+def rollout(
     env: BatchedWaypointEnv,
     policy: Policy,
     paths: Sequence[FloatArray],
     ended: Callable[[int], None],
     hold: Hold | None = None,
-) -> Walks:
-    """Walk a path with each robot of `env`, made with autoreset off, until each trial has ended.
+) -> Rollouts:
+    """Run a policy with each robot of `env`, made with autoreset off, on a path of its own until each trial has ended.
 
-    A robot that is to hold its last waypoint is given to its own standing in the moment it is there, as the executive
-    on board does. Robots whose trial has ended stay as they are while the others walk on.
+    Where the last waypoint has to be held, the standing controller takes over when it is reached, as the executive on
+    board does. Robots whose trial has ended are not simulated further.
 
     Args:
         env: as many robots as paths.
         policy: drives the robots; its actions are taken as they are.
         paths: each the waypoints (m, 2) [m], without the start.
         ended: called with the number of trials that have ended so far, whenever it grows.
-        hold: what is asked at the last waypoint; None: nothing.
+        hold: how the last waypoint has to be held; None: reaching it is enough.
     """
     for robot, path in enumerate(paths):
         env.begin([robot], path)
@@ -94,11 +94,11 @@ def walk(
             env.batch.stepped = trials.going  # whose trial has ended costs no more time
             ended(trials.num_ended)
     env.batch.stepped = None
-    return trials.walks()
+    return trials.rollouts()
 
 
 class _Trials:
-    """The trials that are under way: who walks, who holds, and what has come of the others."""
+    """The trials under way: which robots move or hold, and how the other trials ended."""
 
     def __init__(self, env: BatchedWaypointEnv, paths: Sequence[FloatArray], hold: Hold | None) -> None:
         n = env.num_robots
@@ -107,7 +107,7 @@ class _Trials:
         self._start = self._position
         self._end = self._position.copy()
         self._track = Track(self._position, env.robot.control_period_ns)
-        self._walking: BoolArray = np.ones(n, bool)
+        self._moving: BoolArray = np.ones(n, bool)
         self._holding: BoolArray = np.zeros(n, bool)
         self._success, self._fell, self._timed_out, self._strayed, self._orbiting, self._stuck = (
             np.zeros(n, bool) for _ in range(6)
@@ -117,49 +117,48 @@ class _Trials:
 
     @property
     def going(self) -> BoolArray:
-        return self._walking | self._holding
+        return self._moving | self._holding
 
     @property
     def num_ended(self) -> int:
         return int((~self.going).sum())
 
     def actions(self, policy: Policy, observation: FloatArray) -> FloatArray:
-        """Return what each robot does next (n, nu); a row does not depend on who else still walks."""
-        env, walking, holding = self._env, self._walking, self._holding
+        """Return the actions (n, nu) of all robots; a row does not depend on which others still move."""
+        env, moving, holding = self._env, self._moving, self._holding
         actions: FloatArray = np.zeros((env.num_robots, env.robot.num_actions))
-        if walking.any():
-            # A state has a row for each robot, so its policy acts for all of them.
-            acted = policy.act(observation)[walking] if policy.state() else policy.act(observation[walking])
-            actions[walking] = acted
+        if moving.any():
+            # A policy with a state has a row of it for each robot, and so acts for all of them.
+            actions[moving] = policy.act(observation)[moving] if policy.state() else policy.act(observation[moving])
         if holding.any():
             actions[holding] = stance_action(env.robot, env.batch.qpos[holding], env.batch.qvel[holding])
         return actions
 
     def take(self, step: Step) -> bool:
-        """Take what a control step came to; return whether a trial has ended in it."""
+        """Take the result of a control step; return whether a trial has ended in it."""
         going = self.going
         before, self._position = self._position, self._env.batch.qpos[:, :2].copy()
-        self._steps += self._walking
-        self._walked_m += self._walking * np.linalg.norm(self._position - before, axis=1)
+        self._steps += self._moving
+        self._walked_m += self._moving * np.linalg.norm(self._position - before, axis=1)
         self._track.add(self._position)
 
         self._fell |= going & step.terminated
-        self._count_legs(self._walking & step.reached & ~step.terminated)
+        self._count_legs(self._moving & step.reached & ~step.terminated)
         self._hold_on(self._holding & ~step.terminated)
-        self._time_out(self._walking & step.truncated & ~step.success)
-        self._arrive(self._walking & step.success)
+        self._time_out(self._moving & step.truncated & ~step.success)
+        self._arrive(self._moving & step.success)
 
         done = going & (self._success | self._fell | self._timed_out | self._strayed)
-        self._walking &= ~done
+        self._moving &= ~done
         self._holding &= ~done
         self._end[done] = self._position[done]
         return bool(done.any())
 
-    def walks(self) -> Walks:
+    def rollouts(self) -> Rollouts:
         period_s = seconds(self._env.robot.control_period_ns)
         traced = range(min(TRACED, self._env.num_robots))
         steps = self._steps + self._held
-        return Walks(
+        return Rollouts(
             success=self._success,
             fell=self._fell,
             timed_out=self._timed_out,
@@ -173,7 +172,7 @@ class _Trials:
             legs_reached=self._legs_reached,
             legs_time_s=self._legs_steps.astype(np.float64) * period_s,
             paths=self._paths,
-            ways=tuple(self._track.way(i, int(steps[i]), self._end[i]) for i in traced),
+            trajectories=tuple(self._track.trajectory(i, int(steps[i]), self._end[i]) for i in traced),
         )
 
     def _count_legs(self, reached: BoolArray) -> None:
@@ -184,7 +183,7 @@ class _Trials:
         if self._hold is None:
             self._success |= arrived
             return
-        self._walking &= ~arrived
+        self._moving &= ~arrived
         self._holding |= arrived
         self._strayed |= arrived & self._is_off(self._hold)
 

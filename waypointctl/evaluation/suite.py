@@ -1,33 +1,99 @@
-"""What a policy is tested on: paths to walk, and when a trial is a success."""
+"""A suite: the paths that a policy is tested on, and when a trial is a success."""
 
 from __future__ import annotations
 
 from collections import Counter
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any, Final, TypeAlias
+from typing import Annotated, Any, Final, Literal, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, Strict, model_validator
 
 from waypointctl.errors import SuiteError
-from waypointctl.evaluation.conditions import Hold
-from waypointctl.evaluation.paper import PaperPolicy, PaperTable
-from waypointctl.evaluation.paths import Case, RandomPaths
-from waypointctl.mission.fields import Acceptance, RobotName, Start
+from waypointctl.mission.fields import DAY_S, Acceptance, RobotName, Start, Tolerance
 from waypointctl.mission.file_model import FileModel
-from waypointctl.mission.mission import Name
+from waypointctl.mission.mission import Name, Position
 from waypointctl.mission.policy_name import from_folder
+from waypointctl.mission.quantity import Quantity
 from waypointctl.mission.yaml_source import read_model, read_source
-from waypointctl.task.course import Deadline
+from waypointctl.seeding import stream
+from waypointctl.task.course import Course, Deadline, Point
+
+FloatArray: TypeAlias = NDArray[np.float64]
+Rate: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1)]
+Training: TypeAlias = Literal["single point", "waypoints"]
 
 BUILT_IN: Final = ("paper", "region", "anywhere", "station")
 MOST_TRIALS: Final = 100_000
 
-Walked: TypeAlias = Case | RandomPaths
+
+class Case(FileModel):
+    """One path, the same in every trial."""
+
+    name: Name
+    waypoints: Annotated[tuple[Point, ...], Field(min_length=1, max_length=1000)] = Field(
+        description="in the order in which they are to be reached"
+    )
+    paper: Rate | None = Field(None, description="the published success rate")
+
+    @property
+    def path(self) -> tuple[Position, ...]:
+        """The waypoints (x, y) [m]."""
+        return tuple(point.position_m for point in self.waypoints)
+
+    @property
+    def longest(self) -> int:
+        """The number of waypoints."""
+        return len(self.waypoints)
+
+    def trial_path(self, seed: int, stream_name: str, trial: int, start_m: Position) -> FloatArray:
+        """Return the waypoints (m, 2) [m], the same for every trial."""
+        return np.array(self.path)
+
+
+class RandomPaths(Course):
+    """Paths that are drawn, another for each trial."""
+
+    name: Name
+
+    def trial_path(self, seed: int, stream_name: str, trial: int, start_m: Position) -> FloatArray:
+        """Return the waypoints (m, 2) [m] of one trial, whatever the other trials are."""
+        return self.draw(stream(seed, stream_name, trial), np.array(start_m))
+
+
+SuiteCase: TypeAlias = Case | RandomPaths
+
+
+class Hold(FileModel):
+    """Stand at the last waypoint: from the moment it is reached the robot's standing controller has the motors."""
+
+    time_s: Annotated[float, Quantity("s", gt=0, le=DAY_S)] = Field(10.0, description="how long")
+    within_m: Tolerance = Field(0.5, description="how far from the waypoint the torso may be, all that time")
+
+
+class PaperPolicy(FileModel):
+    """A policy of the paper: how it was trained and what it sees."""
+
+    number: Annotated[int, Strict(), Field(ge=1, le=1000)]
+    training: Training = Field(description="single point: always to one and the same; waypoints: drawn each episode")
+    observation: Name = Field(description="the layout: state, state_noise, state_goal")
+    paper: dict[Name, Rate] | None = Field(
+        None, description="its published success rates by case; where left out, the cases' own"
+    )
+
+
+class PaperTable(FileModel):
+    """A table of the paper: with one case it has a row for each policy, with one policy a row for each case."""
+
+    title: Name
+    policies: Annotated[tuple[int, ...], Field(min_length=1)] = Field(description="by number")
+    cases: Annotated[tuple[Name, ...], Field(min_length=1)] = Field(description="by name")
 
 
 class Suite(FileModel):
-    """A list of paths, given or drawn, each of them walked in many trials."""
+    """Paths, given or random, on each of which a policy has many trials."""
 
     name: Name
     description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
@@ -36,9 +102,7 @@ class Suite(FileModel):
         description="a robot that comes with waypointctl, or the path of a folder (./NAME), relative to this file; "
         "the policy's by its name unless given",
     )
-    trials: Annotated[int, Strict(), Field(gt=0, le=MOST_TRIALS)] = Field(
-        100, description="of each case, unless told otherwise"
-    )
+    trials: Annotated[int, Strict(), Field(gt=0, le=MOST_TRIALS)] = Field(100, description="of each case, by default")
     acceptance: Acceptance = Acceptance()
     deadline: Deadline = Deadline()
     start: Start = Start()
@@ -51,8 +115,8 @@ class Suite(FileModel):
     tables: tuple[PaperTable, ...] = Field((), description="of the paper that the suite is from")
 
     @property
-    def walked(self) -> tuple[Walked, ...]:
-        """The cases, given ones first."""
+    def all_cases(self) -> tuple[SuiteCase, ...]:
+        """Given paths first, then random ones."""
         return (*self.cases, *self.courses)
 
     def accepting(self, acceptance: Acceptance) -> Suite:
@@ -61,13 +125,13 @@ class Suite(FileModel):
 
     @model_validator(mode="after")
     def _tests_something(self) -> Suite:
-        if not self.walked:
+        if not self.all_cases:
             raise ValueError("a suite needs 'cases', 'courses' or both")
         return self
 
     @model_validator(mode="after")
     def _names_are_unique(self) -> Suite:
-        counts = Counter(case.name for case in self.walked)
+        counts = Counter(case.name for case in self.all_cases)
         if twice := [name for name, count in counts.items() if count > 1]:
             raise ValueError(f"each case needs a name of its own; more than one is called {', '.join(twice)}")
         return self
@@ -88,8 +152,8 @@ class Suite(FileModel):
         return self
 
 
-def load_suite(name_or_file: str) -> Suite:
-    """Return a suite that comes with waypointctl, or the one in a YAML file.
+def load_suite(name_or_file: Path | str) -> Suite:
+    """Return a suite that comes with waypointctl, by its name, or the one in a YAML file.
 
     Raises:
         SuiteError: there is no such suite or file, or what is in the file is not a suite.
@@ -102,7 +166,7 @@ def load_suite(name_or_file: str) -> Suite:
     except SuiteError as error:
         hint = f"give a YAML file, or a suite that comes with waypointctl: {', '.join(BUILT_IN)}"
         raise SuiteError(error.problem, where=error.where, hint=hint) from error
-    suite = read_model(source, name_or_file, Suite, SuiteError)
+    suite = read_model(source, str(name_or_file), Suite, SuiteError)
     robot = suite.robot and from_folder(suite.robot, Path(name_or_file).parent)
     return suite.model_copy(update={"robot": robot})
 

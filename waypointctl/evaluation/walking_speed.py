@@ -1,4 +1,4 @@
-"""How fast a policy walks, from the evaluations that are kept beside it."""
+"""How fast a policy rollouts, from the evaluations that are kept beside it."""
 
 from __future__ import annotations
 

@@ -194,7 +194,7 @@ class Flight:
         """Close the flight because somebody asked for it."""
         reached, total, now_ns = len(self._station.reached), self._mission.num_legs, self._now_ns
         facts = f"{reached} of {total} waypoints known to be reached"
-        return self._close(FlightResult("interrupted", facts, reached, total, now_ns, now_ns))
+        return self._close(FlightResult("interrupted", facts, reached, total, now_ns, now_ns, self._mission.seed))
 
     def _close(self, result: FlightResult) -> FlightResult:
         self._vehicle.close(self._now_ns)

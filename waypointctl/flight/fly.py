@@ -3,40 +3,84 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
 
+from waypointctl.errors import RobotError
+from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.flight import Flight
+from waypointctl.flight.header import flight_header
 from waypointctl.flight.navigator.navigator import Navigator
 from waypointctl.flight.operator.console import LineSource
+from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.outcome import FlightResult
-from waypointctl.flight.sink import Sink
+from waypointctl.flight.policy_fit import refuse_misfit
+from waypointctl.flight.sink import Sink, tee, with_pictures
+from waypointctl.log.writer import LogWriter
+from waypointctl.mission.files import MissionFile, dump_mission, load_mission
 from waypointctl.mission.mission import Mission
+from waypointctl.paths import MCAP, refuse_other_content
+from waypointctl.policy.bundle import load_policy
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.load import load_robot
 from waypointctl.robots.robot import Robot
 
 
 def fly(
-    mission: Mission,
-    policy: Policy,
-    sink: Sink,
+    mission: Mission | MissionFile | Path | str,
+    policy: Policy | Path | str | None = None,
+    sink: Sink | None = None,
     *,
+    log: Path | str | None = None,
+    seed: int | None = None,
+    pictures: bool = False,
     robot: Robot | None = None,
-    interrupted: Callable[[], bool] = lambda: False,
     console: LineSource | None = None,
     navigator: Navigator | None = None,
+    interrupted: Callable[[], bool] = lambda: False,
 ) -> FlightResult:
-    """Fly a mission to its end and hand every message to the sink.
+    """Fly a mission to its end.
+
+    The same mission, policy and seed give the same messages, bit for bit, and the same log, byte for byte.
 
     Args:
-        mission: what is asked.
-        policy: the policy that drives the robot; made for the mission's robot.
-        sink: takes each message as it happens.
-        robot: the robot to fly, where it is not the shipped one (a log brings its own).
-        interrupted: asked before every control step; True ends the flight.
-        console: where a person's commands come from, if there is a person.
-        navigator: gives the policy its goals; straight to the plan's waypoints where there is none.
+        mission: a mission, or the path of its file.
+        policy: the policy that drives the robot: itself, its folder, or its name; the mission's unless given.
+        sink: called with each message, as it happens.
+        log: path of an MCAP file to write; a log that is there is replaced. It is called LOG.part until it is whole.
+        seed: of all random streams; the mission's unless given.
+        pictures: add a picture to the messages for each observation of the mission, where something can draw.
+        robot: in place of the mission's.
+        console: the source of a person's commands.
+        navigator: gives the policy its goals; straight to the plan's waypoints unless given. A log names its class and
+            does not hold it: such a log cannot be verified.
+        interrupted: called before every control step; True ends the flight.
+
+    Raises:
+        MissionError: the mission is wrong, or a file that it refers to.
+        RobotError: there is no such robot, or it is wrong.
+        PolicyError: the policy is missing, damaged, or made for another robot, layout or control period.
+        OutputError: the log cannot be written.
     """
-    flight = Flight(mission, policy, sink, robot or load_robot(mission.robot), console, navigator)
+    file = _mission_file(mission, seed, logged=log is not None)
+    policy = file.policy_path if policy is None else policy
+    driver = load_policy(policy) if isinstance(policy, Path | str) else policy
+    robot = robot or robot_of(file)
+    refuse_misfit(driver, robot)
+    with ExitStack() as stack:
+        sinks = [] if sink is None else [sink]
+        if log is not None:
+            refuse_other_content(Path(log), MCAP, "a log")
+            sinks.insert(0, stack.enter_context(LogWriter(Path(log), flight_header(file, driver, robot, navigator))))
+        camera = stack.enter_context(OnboardCamera(robot, planned_waypoints(file.mission)))
+        take = with_pictures(tee(*sinks), camera) if pictures else tee(*sinks)
+        result = _to_the_end(Flight(file.mission, driver, take, robot, console, navigator), interrupted)
+    result = replace(result, pictures=camera.taken, no_pictures=camera.trouble)
+    return result if log is None else result.logged(Path(log))
+
+
+def _to_the_end(flight: Flight, interrupted: Callable[[], bool]) -> FlightResult:
     flight.begin()
     while True:
         flight.exchange()
@@ -48,3 +92,26 @@ def fly(
         if interrupted():
             return flight.interrupt()
         flight.act()
+
+
+def _mission_file(mission: Mission | MissionFile | Path | str, seed: int | None, *, logged: bool) -> MissionFile:
+    if isinstance(mission, Path | str):
+        mission = load_mission(mission)
+    elif isinstance(mission, Mission):
+        source = dump_mission(mission).encode() if logged else b""
+        mission = MissionFile(mission, source, Path(f"{mission.name}.yaml"))
+    return mission if seed is None else replace(mission, mission=mission.mission.model_copy(update={"seed": seed}))
+
+
+def robot_of(file: MissionFile) -> Robot:
+    """Return the robot of a mission.
+
+    Raises:
+        RobotError: there is no such robot, or it is wrong.
+    """
+    try:
+        return load_robot(file.mission.robot)
+    except RobotError as error:
+        if error.where is not None:
+            raise
+        raise RobotError(f"robot: {error.problem}", where=file.place("robot"), hint=error.hint) from error

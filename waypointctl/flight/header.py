@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import platform
 from collections.abc import Mapping
 from functools import cache
@@ -11,14 +12,19 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
 
 import waypointctl
 from waypointctl import __version__
+from waypointctl.errors import LogError
+from waypointctl.flight.navigator.navigator import Navigator
 from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.setting import setting_of
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.mission.files import MissionFile
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.policy.protocol import Policy
 from waypointctl.robots.robot import Robot
 from waypointctl.sim.kinematics import RobotKinematics
 from waypointctl.sim.single import integration_components
@@ -31,12 +37,60 @@ ROBOT_FOLDER: Final = "robot/"  # of robot.yaml, the MJCF and what it names
 ROBOT_FILE_HASH: Final = "sha256_robot/"
 MJB: Final = "model.mjb"
 POLICY_FOLDER: Final = "policy/"
+NAVIGATOR_CLASS: Final = "navigator_class"  # of a navigator of the caller's own: the log does not carry it
+POLICY_CLASS: Final = "policy_class"  # of a policy that is no bundle: the log does not carry it
+REWARD_WEIGHTS: Final = "reward_weights"  # of such a policy, JSON
+_WEIGHTS: Final = TypeAdapter(dict[str, float])
 _DECISIVE_PARTS: Final = ("mission", "sim", "robots", "task", "policy", "flight", "log", "seeding.py", "units.py")
 _MEDIA_TYPES: Final = {".json": "application/json", ".xml": "application/xml", ".yaml": "application/yaml"}
 CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
 
 
-def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot) -> LogHeader:
+class PolicyNotInLog(Policy):
+    """A policy that a log names and does not carry: its class, and what a replay needs besides its actions."""
+
+    def __init__(self, metadata: Mapping[str, str], robot: Robot) -> None:
+        """Take what a log says of the policy that drove `robot`.
+
+        Raises:
+            LogError: the weights of its reward are no numbers by name.
+        """
+        self.class_name = metadata.get(POLICY_CLASS, "")
+        self._metadata = metadata
+        self._robot = robot
+        try:
+            self._weights = _WEIGHTS.validate_json(metadata.get(REWARD_WEIGHTS, ""))
+        except ValidationError as error:
+            raise LogError(f"metadata: {REWARD_WEIGHTS} are no numbers by name") from error
+
+    @property
+    def name(self) -> str:
+        """What the log calls it."""
+        return self._metadata.get("policy", "")
+
+    @property
+    def robot(self) -> str:
+        """The robot that it drove."""
+        return self._robot.name
+
+    @property
+    def observation_layout(self) -> str:
+        """Its observation layout."""
+        return self._metadata.get("observation_layout", "")
+
+    @property
+    def reward_weights(self) -> Mapping[str, float]:
+        """The weight of each reward term."""
+        return self._weights
+
+    def act(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return zeros: its actions are not known."""
+        return np.zeros((len(observation), self._robot.num_actions))
+
+
+def flight_header(
+    mission_file: MissionFile, policy: Policy, robot: Robot, navigator: Navigator | None = None
+) -> LogHeader:
     """Return the header of the log of a flight."""
     mjb = robot.to_mjb()
     mission = mission_file.mission
@@ -58,14 +112,14 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
             Attachment(MJB, "application/octet-stream", mjb),
             *(
                 Attachment(f"{POLICY_FOLDER}{name}", _media_type(name), data)
-                for name, data in sorted(policy.files.items())
+                for name, data in sorted(policy.files.items() if isinstance(policy, LoadedPolicy) else ())
             ),
         ),
         metadata={
             "mission": mission.name,
             "seed": str(mission.seed),
             "autonomy": mission.autonomy,
-            "policy": policy.manifest.name,
+            "policy": policy.name,
             "observation_layout": policy.observation_layout,
             "reward_terms": " ".join(TERMS),
             "control_period_ns": str(robot.control_period_ns),
@@ -75,7 +129,8 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
             "clock": CLOCK,
             "sha256_mission": hashlib.sha256(mission_file.source).hexdigest(),
             "sha256_mjb": hashlib.sha256(mjb).hexdigest(),
-            "sha256_policy": policy.sha256,
+            **_policy_facts(policy),
+            **({} if navigator is None else {NAVIGATOR_CLASS: _class_name(navigator)}),
             **{
                 f"{MISSION_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
                 for name, data in sorted(mission_file.files.items())
@@ -87,6 +142,18 @@ def flight_header(mission_file: MissionFile, policy: LoadedPolicy, robot: Robot)
             **platform_facts(),
         },
     )
+
+
+def _policy_facts(policy: Policy) -> dict[str, str]:
+    """Return the hash of a bundle; of another policy its class, and what replay needs of it besides its actions."""
+    if isinstance(policy, LoadedPolicy):
+        return {"sha256_policy": policy.sha256}
+    name = policy.class_name if isinstance(policy, PolicyNotInLog) else _class_name(policy)
+    return {POLICY_CLASS: name, REWARD_WEIGHTS: json.dumps(dict(policy.reward_weights))}
+
+
+def _class_name(value: object) -> str:
+    return f"{type(value).__module__}.{type(value).__qualname__}"
 
 
 @cache

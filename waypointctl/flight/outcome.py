@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Final
 
 from waypointctl.flight.executive.rules import AT_HOME, FALL, GEOFENCE, LEG_FAILED, LINK_LOST, RETURN_FAILED, home_of
@@ -29,6 +31,11 @@ class FlightResult:
         waypoints_total: in the mission.
         sim_time_ns: when the flight ended, on the operator's clock, from mission start.
         known_ns: when the operator knew how the mission had gone; what was begun on board may have gone on.
+        seed: of everything random in it.
+        pictures: how many were taken.
+        no_pictures: why none was taken, and how to fix that; empty where none was missed.
+        log: the path of its log, if it was written.
+        log_sha256: of the log's bytes.
     """
 
     outcome: str
@@ -37,6 +44,16 @@ class FlightResult:
     waypoints_total: int
     sim_time_ns: int
     known_ns: int
+    seed: int
+    pictures: int = 0
+    no_pictures: str = ""
+    log: Path | None = None
+    log_sha256: str = ""
+
+    def logged(self, path: Path) -> FlightResult:
+        """Return the result of a flight whose log is closed."""
+        with path.open("rb") as file:
+            return replace(self, log=path, log_sha256=hashlib.file_digest(file, "sha256").hexdigest())
 
 
 def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int | None, *, late: bool) -> FlightResult:
@@ -58,9 +75,9 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     facts = _facts(station, total, ended_ns, told_ns, expected, late=late)
     if problem:
         reason = f"{problem}: {facts}{'; ' * bool(where)}{where}"
-        return FlightResult("failure", reason, reached, total, ended_ns, told_ns)
+        return FlightResult("failure", reason, reached, total, ended_ns, told_ns, mission.seed)
     reason = f"{facts}; {where}" if station.reported.went_home else facts
-    return FlightResult("success", reason, reached, total, ended_ns, told_ns)
+    return FlightResult("success", reason, reached, total, ended_ns, told_ns, mission.seed)
 
 
 def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: str, *, late: bool) -> str:

@@ -12,6 +12,8 @@ Sink: TypeAlias = Callable[[Message], None]
 
 def tee(*sinks: Sink) -> Sink:
     """Return a sink that hands each message to all of `sinks`, in order."""
+    if len(sinks) == 1:
+        return sinks[0]
 
     def hand_on(message: Message) -> None:
         for sink in sinks:

@@ -13,7 +13,7 @@ from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.executive.rules import Rules
 from waypointctl.flight.link.frames import ControlFrame, Heartbeat
 from waypointctl.flight.navigator.navigator import DirectNavigator, Navigator
-from waypointctl.flight.pay import reward_weights
+from waypointctl.flight.policy_fit import reward_weights
 from waypointctl.flight.reporter import Reporter
 from waypointctl.flight.sink import Sink
 from waypointctl.log.messages import (

@@ -147,6 +147,10 @@ class LogReader:
         """
         return self._messages(_decoders(self, topics), start_ns or 0, 1 << 64 if end_ns is None else end_ns)
 
+    def __iter__(self) -> Iterator[Message]:
+        """Return all of the flight's messages, in the order they were written."""
+        return self.messages()
+
     def arrays(self, topic: str) -> dict[str, NDArray[Any]]:
         """Return the messages of a topic as columns, such as {"time_ns": (n,), "step": (n,), "qpos": (n, nq)}.
 

@@ -40,12 +40,13 @@ class MissionFile:
         return f"{self.path}:{mark.line}:{mark.column}" if mark else str(self.path)
 
 
-def load_mission(path: Path) -> MissionFile:
+def load_mission(path: Path | str) -> MissionFile:
     """Read a mission file, and the files that it refers to.
 
     Raises:
         MissionError: there is no such file, it is not a mission, or something is wrong with a file that it refers to.
     """
+    path = Path(path)
     source = read_source(path, MissionError)
     return MissionFile(_mission(examine_mission(source, str(path), beside(path))), source, path)
 

@@ -19,7 +19,7 @@ from pydantic import ValidationError
 from waypointctl.errors import PolicyError
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
-from waypointctl.mission.policy_name import policies_there_are
+from waypointctl.mission.policy_name import policies_there_are, policy_folder
 from waypointctl.paths import folder_fault
 from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
 from waypointctl.policy.nearby import policies_near
@@ -73,16 +73,18 @@ class LoadedPolicy(Policy):
         return load_policy_bytes, (self.files, self.name)
 
 
-def load_policy(folder: Path, *, threads: int = 1) -> LoadedPolicy:
-    """Read the bundle in `folder`.
+def load_policy(folder: Path | str, *, threads: int = 1) -> LoadedPolicy:
+    """Read the bundle in a folder.
 
     Args:
-        folder: where manifest.json, policy.onnx and weights.safetensors are; other files are left alone.
+        folder: with manifest.json, policy.onnx and weights.safetensors; a str is also the name of a policy in
+            ./policies, or of one that comes with waypointctl.
         threads: how many share one call of the network; 1 is fastest for a batch of one.
 
     Raises:
         PolicyError: a file is missing, damaged or does not fit the manifest.
     """
+    folder = policy_folder(folder) if isinstance(folder, str) else folder
     if fault := folder_fault(folder):
         raise PolicyError(fault, where=str(folder), hint=policies_there_are(folder.name))
     files = {}

@@ -8,6 +8,7 @@ from typing import Final
 from waypointctl.errors import PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import ActionSpec, ObservationSpec
+from waypointctl.policy.protocol import Policy
 from waypointctl.units import NS_PER_S
 
 LIMITS: Final = (-1.0, 1.0)  # of an action, a fraction of the joint's full torque
@@ -34,13 +35,9 @@ def require(
     Raises:
         PolicyError: it was made for another robot, observation layout, control period or kind of action.
     """
+    refuse_other_robot(policy, robot)
     made_for = policy.manifest
     where = f"policy {made_for.name!r}"
-    if made_for.robot != robot:
-        problem = f"made for the robot {made_for.robot!r}, not {robot!r}"
-        raise PolicyError(
-            problem, where=where, hint=f"choose a policy for {robot!r}: `waypointctl policies` lists them"
-        )
     if fault := _layout_fault(made_for.observation, components):
         problem = f"made for another observation layout {made_for.observation.layout!r}: {fault}"
         raise PolicyError(problem, where=where, hint="train a policy with this version of the layout")
@@ -51,6 +48,18 @@ def require(
     if made_for.control_period_ns != control_period_ns:
         problem = f"made for a control period of {_ms(made_for.control_period_ns)}, not {_ms(control_period_ns)}"
         raise PolicyError(problem, where=where, hint="use a policy trained at the robot's control period")
+
+
+def refuse_other_robot(policy: Policy, robot: str) -> None:
+    """Refuse a policy that was made for another robot.
+
+    Raises:
+        PolicyError: it was.
+    """
+    if policy.robot != robot:
+        problem = f"made for the robot {policy.robot!r}, not {robot!r}"
+        hint = f"choose a policy for {robot!r}: `waypointctl policies` lists them"
+        raise PolicyError(problem, where=f"policy {policy.name!r}", hint=hint)
 
 
 def _layout_fault(made_for: ObservationSpec, given: Sequence[tuple[str, str, float]]) -> str:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.log.messages import Action, GroundControl, Message, Observation, State, Telemetry
+from waypointctl.flight.header import PolicyNotInLog
+from waypointctl.log.messages import Action, Checkpoint, GroundControl, Message, Observation, State, Telemetry
 from waypointctl.log.reader import EncodedMessage
-from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.policy.protocol import PolicyState
+from waypointctl.policy.protocol import Policy, PolicyState, state_from
 from waypointctl.replay.difference import difference, different_bits
 from waypointctl.replay.verdict import Divergence
 
@@ -112,24 +112,21 @@ class LogComparator:
         return Diverged(where, rounding=rounding)
 
 
-class RecordedPolicy:
-    """The log's policy, which hands out the logged actions after computing each again.
+class RecordedPolicy(Policy):
+    """Drives a replay with the logged actions, and compares each with that of the log's own policy, where it has one.
 
-    So the physics is driven by what was done, and what the network says is checked beside it: bit for bit on the
+    So the physics is driven by what was done, and what the network computes is checked beside it: bit for bit on the
     processor that flew, and within ACTION_TOLERANCE on another, whose float kernels may differ.
 
     Attributes:
         rounded: how many actions were the same only within ACTION_TOLERANCE.
     """
 
-    def __init__(self, policy: LoadedPolicy, comparator: LogComparator, *, bitwise: bool) -> None:
-        """Audit `policy` against `comparator`."""
+    def __init__(self, policy: Policy, comparator: LogComparator, *, bitwise: bool) -> None:
+        """Compare the actions of `policy` with those in `comparator`."""
         self._policy = policy
         self._comparator = comparator
         self._bitwise = bitwise
-        self.robot = policy.robot
-        self.observation_layout = policy.observation_layout
-        self.reward_weights = policy.reward_weights
         self.rounded = 0
 
     @property
@@ -137,17 +134,31 @@ class RecordedPolicy:
         """What the policy is called."""
         return self._policy.name
 
+    @property
+    def robot(self) -> str:
+        """The robot that the policy was made for."""
+        return self._policy.robot
+
+    @property
+    def observation_layout(self) -> str:
+        """The policy's observation layout."""
+        return self._policy.observation_layout
+
+    @property
+    def reward_weights(self) -> Mapping[str, float]:
+        """The policy's reward weights."""
+        return self._policy.reward_weights
+
     def reset(self, mask: NDArray[np.bool_]) -> None:
         """Begin a new episode."""
         self._policy.reset(mask)
 
     def state(self) -> PolicyState:
-        """Return the state of the policy, from which each action is computed again."""
+        """Return the policy's state; that of the log's checkpoint, which comes next, where there is no policy."""
+        logged = self._comparator.upcoming
+        if isinstance(self._policy, PolicyNotInLog) and isinstance(logged, Checkpoint):
+            return state_from(logged.policy_state)
         return self._policy.state()
-
-    def restore(self, state: PolicyState) -> None:
-        """Go on from a state."""
-        self._policy.restore(state)
 
     def act(self, observation: FloatArray) -> FloatArray:
         """Return the logged action (1, nu) for the observation (1, k) of the step under way."""
@@ -155,6 +166,8 @@ class RecordedPolicy:
         logged = self._comparator.upcoming if self._comparator.upcoming_kind in (Action, GroundControl) else None
         if not isinstance(logged, Action | GroundControl) or logged.commanded.shape != computed[0].shape:
             return computed  # the comparison that follows says what is wrong
+        if isinstance(self._policy, PolicyNotInLog):
+            return logged.commanded[np.newaxis].copy()
         for i in self._unlike(logged.commanded, computed[0]):
             texts = (repr(float(logged.commanded[i])), repr(float(computed[0, i])))
             raise self._comparator.diverged("/action", f"commanded[{i}]", *texts)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Self
 
-from waypointctl.flight.header import POLICY_FOLDER
+from waypointctl.flight.header import POLICY_FOLDER, PolicyNotInLog
 from waypointctl.policy.manifest import NETWORK, WEIGHTS
 from waypointctl.policy.weights import weights_fault
 from waypointctl.replay.comparator import ACTION_TOLERANCE, LogComparator, RecordedPolicy
@@ -52,12 +53,11 @@ class Compared:
         whole: WholeFile,
     ) -> Self:
         """Ask all who compared."""
-        fault = weights_fault(contents.policy.files[WEIGHTS], contents.policy.files[NETWORK])
-        weights = (f"{POLICY_FOLDER}{WEIGHTS}: {fault}",) if fault else ()
+        not_in_log = isinstance(contents.policy, PolicyNotInLog)
         return cls(
-            checks=(*_checks(comparator.compared), *pictures.checks, *whole.checks),
+            checks=(*_checks(comparator.compared, computed=not not_in_log), *pictures.checks, *whole.checks),
             rounded=tuple(_rounded(comparator, policy)),
-            not_compared=(*weights, *pictures.not_compared, *whole.not_compared),
+            not_compared=(*_policy_faults(contents, comparator.compared), *pictures.not_compared, *whole.not_compared),
         )
 
     def verification(self, steps: int) -> Verification:
@@ -68,12 +68,21 @@ class Compared:
         return Verification(verdict, steps, None, reason, self.checks, (*self.rounded, *self.not_compared))
 
 
-def _checks(counts: Counter[str]) -> tuple[str, ...]:
+def _policy_faults(contents: LogContents, counts: Counter[str]) -> Iterator[str]:
+    policy = contents.policy
+    if isinstance(policy, PolicyNotInLog):
+        actions = _several(counts["/action"] + counts["/ground_control"], "action")
+        yield f"{actions}, not computed again: the policy, {policy.class_name}, is not in the log"
+    elif fault := weights_fault(policy.files[WEIGHTS], policy.files[NETWORK]):
+        yield f"{POLICY_FOLDER}{WEIGHTS}: {fault}"
+
+
+def _checks(counts: Counter[str], *, computed: bool) -> tuple[str, ...]:
     seen, done = _several(counts["/observation"], "observation"), _several(counts["/action"], "action")
     typed = (f"{_several(counts['/console'], 'line')} typed at the console, each at its time",)
     return (
         f"{_several(counts['/state'], 'state')}, simulated from the first one and the logged actions alone",
-        f"{seen} and {done}, computed again by the network",
+        f"{seen} and {done}, computed again by the network" if computed else f"{seen}, computed again",
         f"{_several(counts['/reward'], 'reward')}, every term and sum",
         f"{_several(counts['/event'], 'event')}, {_several(counts['/link'], 'message')} that the link lost, doubled or "
         "let wait",

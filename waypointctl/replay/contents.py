@@ -16,15 +16,18 @@ from waypointctl.flight.header import (
     MISSION_FILE_HASH,
     MISSION_FOLDER,
     MJB,
+    NAVIGATOR_CLASS,
+    POLICY_CLASS,
     POLICY_FOLDER,
     ROBOT_FILE_HASH,
     ROBOT_FOLDER,
+    PolicyNotInLog,
     files_within,
     flight_header,
     platform_facts,
 )
 from waypointctl.flight.operator.operator import planned_waypoints
-from waypointctl.flight.record import refuse_misfit
+from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.log.comparison import brief
 from waypointctl.log.header import LIBRARY, LogHeader
 from waypointctl.log.reader import LogReader
@@ -63,7 +66,7 @@ class LogContents:
 
     mission_file: MissionFile
     robot: Robot
-    policy: LoadedPolicy
+    policy: LoadedPolicy | PolicyNotInLog
 
     @property
     def mission(self) -> Mission:
@@ -102,7 +105,11 @@ def contents_of(log: LogReader) -> LogContents:
     robot = _robot(log)
     if robot.to_mjb() != attachments[MJB]:
         raise LogError(f"the robot does not compile to the log's {MJB}", where=str(log.path))
-    policy = load_policy_bytes(files_within(POLICY_FOLDER, attachments), f"{log.path}/{POLICY_FOLDER}")
+    policy: LoadedPolicy | PolicyNotInLog
+    if POLICY_CLASS in log.metadata:
+        policy = PolicyNotInLog(log.metadata, robot)
+    else:
+        policy = load_policy_bytes(files_within(POLICY_FOLDER, attachments), f"{log.path}/{POLICY_FOLDER}")
     refuse_misfit(policy, robot)  # as what flies it does: its manifest says how others are to read the observations
     return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
@@ -123,7 +130,9 @@ def unverifiable(log: LogReader) -> str:
         there = log.metadata.get(key, "unknown")
         if there != here[key]:
             return f"{name} differs: the log was made with {there}, this is {here[key]}; no replay is exact across them"
-    needed = (*_HASHED.values(), f"{ROBOT_FOLDER}{ROBOT_FILE}")
+    if navigator := log.metadata.get(NAVIGATOR_CLASS):
+        return f"the navigator, {brief(navigator)}, is not in the log"
+    needed = (*_hashed(log).values(), f"{ROBOT_FOLDER}{ROBOT_FILE}")
     missing = [name for name in needed if name not in log.attachments]
     return f"the log does not carry {', '.join(missing)}" if missing else ""
 
@@ -139,16 +148,21 @@ def altered(log: LogReader) -> Divergence | None:
     return None if compiled == recorded else Divergence(-1, 0, "attachment", MJB, recorded, compiled)
 
 
+def _hashed(log: LogReader) -> Mapping[str, str]:
+    """Return the attachments that a log must have, by the keys of their hashes."""
+    return {key: name for key, name in _HASHED.items() if name != _MANIFEST or POLICY_CLASS not in log.metadata}
+
+
 def _recorded_hashes(log: LogReader) -> Iterator[tuple[str, str]]:
     """Yield what was recorded of each attachment; that of the policy's manifest before those of its files."""
-    for key, name in _HASHED.items():
+    for key, name in _hashed(log).items():
         yield name, log.metadata.get(key, "no hash")
     for folder, prefix in ((MISSION_FOLDER, MISSION_FILE_HASH), (ROBOT_FOLDER, ROBOT_FILE_HASH)):
         named = (key.removeprefix(prefix) for key in log.metadata if key.startswith(prefix))
         for name in sorted({*named, *files_within(folder, log.attachments)}):
             yield f"{folder}{name}", log.metadata.get(f"{prefix}{name}", "no hash")
     try:
-        manifest = Manifest.model_validate_json(log.attachments[_MANIFEST])
+        manifest = Manifest.model_validate_json(log.attachments.get(_MANIFEST, b""))
     except ValidationError:
         return  # loading the policy says what is wrong with it
     for name, record in manifest.files.items():

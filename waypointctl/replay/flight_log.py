@@ -11,6 +11,7 @@ from waypointctl.flight.header import MISSION, MISSION_FOLDER, files_within
 from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.setting import setting_of
 from waypointctl.log.messages import PlannedWaypoint
+from waypointctl.log.opening import PART
 from waypointctl.log.reader import LogReader
 from waypointctl.log.scan import scan
 from waypointctl.log.setting import MissionSetting
@@ -74,6 +75,15 @@ class FlightLog(LogReader):
             LogError: a message cannot be read.
         """
         return summarize(self.messages(), self.waypoints, self.setting)
+
+
+def open_log(path: Path | str) -> FlightLog:
+    """Check a log, every checksum of it, and return it; a .part is read up to where it is whole.
+
+    Raises:
+        LogError: as for `FlightLog.open`.
+    """
+    return FlightLog.open(path, allow_truncated=Path(path).suffix == PART)
 
 
 def summary_of_events(log: LogReader) -> FlightSummary:

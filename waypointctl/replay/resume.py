@@ -11,15 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 from waypointctl.errors import InputError, LogError, OutputError
 from waypointctl.flight.fly import fly
+from waypointctl.flight.header import PolicyNotInLog
 from waypointctl.flight.operator.console import QUIT, LineSource
 from waypointctl.flight.outcome import FlightResult
-from waypointctl.flight.record import Recording, recording_of
 from waypointctl.flight.sink import Camera, Sink, with_pictures
 from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.opening import PART, open_file
@@ -91,7 +91,7 @@ def go_on(
     watch: Sink,
     interrupted: Callable[[], bool] = lambda: False,
     console: LineSource | None = None,
-) -> Recording:
+) -> FlightResult:
     """Fly a flight again to where its log ends, and from there to its end.
 
     Args:
@@ -136,7 +136,7 @@ def go_on(
     finally:
         beside.unlink(missing_ok=True)  # after an error in the first part; later it has its place
     taken = audited.handed_on + camera.taken
-    return recording_of(result, flight.path, contents.mission.seed, taken, camera.trouble)
+    return replace(result, pictures=taken, no_pictures=camera.trouble).logged(flight.path)
 
 
 def _camera(comparator: LogComparator, again: Camera, anew: Camera) -> Camera:
@@ -201,10 +201,14 @@ def _contents(log: LogReader) -> LogContents:
     if wrong := altered(log):
         raise LogError(f"cannot be gone on with: {wrong.component} is not what was recorded", where=where, hint=_KEPT)
     try:
-        return contents_of(log)
+        contents = contents_of(log)
     except InputError as error:
         problem = f"cannot be gone on with: what it carries cannot be used: {error.problem}"
         raise LogError(problem, where=where, hint=_KEPT, details=error.details) from error
+    if isinstance(contents.policy, PolicyNotInLog):
+        problem = f"cannot be gone on with: the policy, {contents.policy.class_name}, is not in the log"
+        raise LogError(problem, where=where, hint=_KEPT)
+    return contents
 
 
 def _require_all_seen(comparator: LogComparator, result: FlightResult) -> None:

@@ -21,9 +21,13 @@ from waypointctl.replay.verdict import Divergence, Verdict, Verification
 from waypointctl.replay.whole_file import whole_file
 
 
-def verify(path: Path) -> Verification:
-    """Fly the flight of a log again and compare every message; `verify_log` for a log that is open."""
-    return verify_log(open_log(path))
+def verify(path: Path | str) -> Verification:
+    """Simulate the flight of a log again, from the log alone, and compare every message and byte.
+
+    Raises:
+        LogError: the log cannot be read.
+    """
+    return verify_log(open_log(Path(path)))
 
 
 def verify_log(log: LogReader) -> Verification:

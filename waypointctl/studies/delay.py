@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from waypointctl.errors import InputError
 from waypointctl.flight.header import source_revision
-from waypointctl.flight.record import refuse_misfit
+from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.mission.files import MissionFile
 from waypointctl.paths import write_whole

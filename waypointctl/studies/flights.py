@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
@@ -12,9 +12,8 @@ from pydantic import BaseModel, ConfigDict
 
 from waypointctl.flight.fly import fly
 from waypointctl.flight.outcome import FlightResult
-from waypointctl.flight.record import record
 from waypointctl.log.messages import EventKind
-from waypointctl.mission.files import MissionFile, dump_mission
+from waypointctl.mission.files import MissionFile
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.summary_builder import FlightSummaryBuilder
@@ -73,12 +72,8 @@ class FlyCase:
         """Fly a case; return how it went, None if it was interrupted."""
         file, flight = self.routes[case.route], FlightSummaryBuilder()
         mission = mission_of(file.mission, case, self.think_s)
-        if self.logs is None:
-            result = fly(mission, self.policy, flight, interrupted=interrupted)
-        else:
-            given = replace(file, mission=mission, source=dump_mission(mission).encode())
-            log = self.logs / log_name(case)
-            result = record(given, self.policy, log, watch=flight, interrupted=interrupted).result
+        log = None if self.logs is None else self.logs / log_name(case)
+        result = fly(mission, self.policy, flight, log=log, interrupted=interrupted)
         return None if result.outcome == "interrupted" else measured(case, result, flight.summary())
 
 

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, TypeAlias, get_args
 
 from waypointctl.evaluation.wilson import wilson_interval
 from waypointctl.flight.fly import fly
-from waypointctl.flight.record import refuse_misfit
+from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkRecord, Message
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy

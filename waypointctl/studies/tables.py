@@ -7,8 +7,7 @@ import io
 from collections.abc import Sequence
 from typing import Final
 
-from waypointctl.evaluation.grid import Column, Grid
-from waypointctl.evaluation.results_grid import interval
+from waypointctl.evaluation.grid import Column, Grid, interval
 from waypointctl.studies.case import JOINT
 from waypointctl.studies.cells import Cell, Estimate
 from waypointctl.studies.claims import FEWEST, UNMEASURED

@@ -6,7 +6,7 @@ import hashlib
 from pathlib import Path
 
 from waypointctl.errors import RecipeError
-from waypointctl.evaluation.paper import Training
+from waypointctl.evaluation.suite import Training
 from waypointctl.mission.yaml_source import read_source
 from waypointctl.policy.manifest import Manifest
 from waypointctl.training.recipe_file import load_recipe

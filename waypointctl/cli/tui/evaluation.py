@@ -14,6 +14,6 @@ if TYPE_CHECKING:
 def evaluation_table(evaluation: Evaluation, kept: Path) -> GridView:
     """Return an evaluation for people, `kept` in a file: a row for each case, and how trials failed below it."""
     from waypointctl.cli.tui.grid_view import GridView
-    from waypointctl.evaluation.results_grid import results_grid
+    from waypointctl.evaluation.tables import results_grid
 
     return GridView(results_grid([evaluation]), (str(kept),))

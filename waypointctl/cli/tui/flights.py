@@ -31,15 +31,15 @@ def flights_table(outcomes: Iterable[Outcome]) -> Table:
 
 
 def _row(outcome: Outcome) -> tuple[str, ...]:
-    if outcome.recording is None:
+    if outcome.result is None:
         return printable(outcome.path), "broken" if outcome.problem else "not flown", "-", "-", "-"
-    result = outcome.recording.result
+    result = outcome.result
     reached = f"{result.waypoints_reached}/{result.waypoints_total}"
     flown = f"{seconds(result.sim_time_ns):.2f}"
-    return printable(outcome.mission), result.outcome, reached, flown, printable(outcome.recording.path)
+    return printable(outcome.mission), result.outcome, reached, flown, printable(result.log or "-")
 
 
 def _style(outcome: Outcome) -> str | None:
-    if outcome.recording is None:
+    if outcome.result is None:
         return "red"
-    return None if outcome.recording.result.outcome == "success" else "yellow"
+    return None if outcome.result.outcome == "success" else "yellow"

@@ -15,7 +15,7 @@ from waypointctl.units import seconds
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from waypointctl.flight.record import Recording
+    from waypointctl.flight.outcome import FlightResult
     from waypointctl.replay.summary import FlightSummary
     from waypointctl.replay.verdict import Verification
 
@@ -26,7 +26,7 @@ _MAP_LINES: Final = 22
 _MAP_COLUMNS: Final = 78
 
 
-def print_flight(summary: FlightSummary, recording: Recording, wall_s: float, *, stderr: bool) -> None:
+def print_flight(summary: FlightSummary, result: FlightResult, wall_s: float, *, stderr: bool) -> None:
     """Print the summary of a flight that has just been flown in `wall_s` of wall time."""
     out = console(stderr=stderr)
     out.print()
@@ -34,14 +34,16 @@ def print_flight(summary: FlightSummary, recording: Recording, wall_s: float, *,
     _print_tables(out, summary)
     for line in (*effort_lines(summary), *whereabouts_lines(summary), *link_lines(summary.link)):
         _print_line(out, line)
-    flown_s = seconds(recording.result.sim_time_ns)
+    flown_s = seconds(result.sim_time_ns)
     _print_line(out, f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
-    out.print(f"seed       {recording.seed}")
-    if recording.pictures:
-        log = shell_word(recording.path)
-        _print_line(out, f"pictures   {recording.pictures}: waypointctl replay {log} --pictures FOLDER")
-    _print_line(out, f"log        {printable(recording.path)} ({size(recording.path.stat().st_size)})")
-    _print_line(out, f"sha256     {recording.sha256}")
+    out.print(f"seed       {result.seed}")
+    if result.log is None:
+        return
+    if result.pictures:
+        log = shell_word(result.log)
+        _print_line(out, f"pictures   {result.pictures}: waypointctl replay {log} --pictures FOLDER")
+    _print_line(out, f"log        {printable(result.log)} ({size(result.log.stat().st_size)})")
+    _print_line(out, f"sha256     {result.log_sha256}")
 
 
 def print_verdict(verification: Verification, *, stderr: bool) -> None:

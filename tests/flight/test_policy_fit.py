@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from waypointctl.errors import PolicyError
-from waypointctl.flight.pay import reward_weights
+from waypointctl.flight.policy_fit import reward_weights
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.task.reward import RewardWeights
 

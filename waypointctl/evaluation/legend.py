@@ -1,18 +1,20 @@
-"""The key of the picture of evaluations, below its panels."""
+"""The marks of the picture of evaluations, and its legend below the panels."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final, TypeAlias
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
 
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from waypointctl.evaluation.panels import Panel
-from waypointctl.evaluation.plot_style import HOLD, LOOKS, Regions
-from waypointctl.figure import GREEN, INK
+from waypointctl.evaluation.panels import End, Panel
+from waypointctl.evaluation.suite import Hold
+from waypointctl.figure import BLUE, GREEN, INK, OCHRE, PURPLE, VERMILION
+from waypointctl.mission.fields import Acceptance
 
 Handle: TypeAlias = Line2D | Patch
 
@@ -24,17 +26,45 @@ _FOOT_IN: Final = 0.24  # the line below
 _AXIS_IN: Final = 0.42  # the axes' numbers above
 _SAMPLE: Final = "drawn: the first trials, and the first of those that failed"
 
+# The colour of a trajectory, and the mark at its end.
+TRIAL_STYLE: Final[dict[End, tuple[str, str]]] = {
+    "success": (BLUE, ""),
+    "fall": (VERMILION, "x"),
+    "time-out": (PURPLE, "s"),
+    "strayed": (OCHRE, "D"),
+}
+HOLD_STYLE: Final[dict[str, Any]] = {
+    "facecolor": "none",
+    "edgecolor": INK,
+    "linestyle": ":",
+    "linewidth": 0.8,
+    "zorder": 2,
+}
 
-def key_of(panels: Sequence[Panel], regions: Regions) -> list[Handle]:
-    """Return what the key explains, each with its label."""
+
+@dataclass(frozen=True, slots=True)
+class Regions:
+    """What is drawn around waypoints.
+
+    Attributes:
+        acceptance: around each.
+        hold: around the last one, where it is to be held.
+    """
+
+    acceptance: Acceptance
+    hold: Hold | None
+
+
+def legend_of(panels: Sequence[Panel], regions: Regions) -> list[Handle]:
+    """Return the entries of the legend, each with its label."""
     handles: list[Handle] = [
         Line2D([], [], color="white", marker="o", markeredgecolor=INK, linestyle="none", label="start"),
         Patch(facecolor=f"{GREEN}44", edgecolor=GREEN, label=f"acceptance region, {regions.acceptance}"),
     ]
     if (hold := regions.hold) is not None:
-        handles.append(Patch(**HOLD, label=f"to be held for {hold.time_s:g} s within {hold.within_m:g} m"))
+        handles.append(Patch(**HOLD_STYLE, label=f"to be held for {hold.time_s:g} s within {hold.within_m:g} m"))
     ends = {trial.end for panel in panels for trial in panel.trials}
-    for end, (color, mark) in LOOKS.items():
+    for end, (color, mark) in TRIAL_STYLE.items():
         if end in ends:
             face = color if mark == "x" else "white"
             handles.append(Line2D([], [], color=color, marker=mark or "None", markerfacecolor=face, label=end))
@@ -46,8 +76,8 @@ def margin_in(handles: Sequence[Handle], width_in: float) -> float:
     return _AXIS_IN + _rows(handles, width_in) * _ROW_IN + _FOOT_IN
 
 
-def draw_key(figure: Figure, handles: Sequence[Handle], left_in: float, *, is_sample: bool) -> None:
-    """Draw the key into the margin, from `left_in` on, and say how the trials were chosen if not all are shown."""
+def draw_legend(figure: Figure, handles: Sequence[Handle], left_in: float, *, is_sample: bool) -> None:
+    """Draw the legend into the margin, from `left_in` on, and say how the trials were chosen if not all are shown."""
     width_in, height_in = figure.get_size_inches()
     columns = math.ceil(len(handles) / _rows(handles, width_in))
     figure.legend(

@@ -1,0 +1,47 @@
+"""Each example runs, made small, and prints what it is for."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = ROOT / "examples"
+SHORT = """
+name: short
+policy: ant-waypoint
+waypoints: [{position: [1 m, 0 m]}]
+link: {delay: 100 ms}
+"""
+PRINTED = {
+    "fly_and_read_log.py MISSION": r"success: .*\nverified: exact\n.*mission short started\n(.*\n)*1 waypoints reached",
+    "own_suite.py --trials 2": r"zigzag: \d of 2 succeeded.*\nshort legs: \d of 2 succeeded",
+    "sb3_ppo.py --steps 128": r"after 128 steps: ",
+    "custom_policy.py": r"failure: .*\nequivalent: .*\nnot compared: .*__main__\.Wriggle, is not in the log",
+    "seed_study.py MISSION --seeds 2": r"2 of 2 flights succeeded\nmedian time ",
+    "log_to_pandas.py": r"\d+ states, \d+ telemetry frames\ncount ",
+}
+
+
+def test_every_example_is_run() -> None:
+    assert {command.split()[0] for command in PRINTED} == {path.name for path in EXAMPLES.glob("*.py")}
+
+
+@pytest.mark.parametrize("command", PRINTED)
+def test_an_example(command: str, tmp_path: Path) -> None:
+    if command.startswith("log_to_pandas"):
+        pytest.importorskip("pandas")
+    (tmp_path / "short.yaml").write_text(SHORT)
+    script, *arguments = command.replace("MISSION", "short.yaml").split()
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / script, *arguments], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.search(PRINTED[command], done.stdout), done.stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["short.yaml"]
