@@ -55,19 +55,22 @@ def train_once(setting: Setting, steps: int) -> tuple[float, float]:
     """Return control steps a second, and processor time by wall time, of some rollouts and updates."""
     import torch
 
-    from waypointctl.training.learner import Learner
     from waypointctl.training.recipe_file import load_recipe
+    from waypointctl.training.state import TrainingState
 
     torch.set_num_threads(setting.torch)
     recipe = load_recipe(RECIPE).recipe
-    learner = Learner(recipe, setting.physics)
+    learner = TrainingState(recipe, setting.physics).learner
     torch.set_num_threads(setting.torch)
-    rollout = recipe.ppo.robots * recipe.ppo.rollout_steps
-    learner.ppo.learn(rollout)  # the first one makes what the others use
+    learner.collect()  # the first one makes what the others use
+    learner.update()
+    first = learner.steps
     begin_s, begin_cpu_s = perf_counter(), process_time()
-    learner.ppo.learn(steps, reset_num_timesteps=False)
+    while learner.steps < first + steps:
+        learner.collect()
+        learner.update()
     wall_s = perf_counter() - begin_s
-    return (learner.steps - rollout) / wall_s, (process_time() - begin_cpu_s) / wall_s
+    return (learner.steps - first) / wall_s, (process_time() - begin_cpu_s) / wall_s
 
 
 def evaluate_once(setting: Setting, trials: int) -> tuple[float, float]:

@@ -26,10 +26,10 @@ from bench.attempt import Attempt, Look, Stopwatch
 from bench.sb3_peer import PROCESSES, train_peer
 from waypointctl.errors import RecipeError, WaypointctlError
 from waypointctl.evaluation.suite import Suite, load_suite
+from waypointctl.training.events import CheckpointEvaluated, CheckpointSaved, TrainingEvent
 from waypointctl.training.recipe import Recipe
+from waypointctl.training.recipe_evaluation import SelectionRecipe
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
-from waypointctl.training.recipe_selection import SelectionRecipe
-from waypointctl.training.status import CheckpointSaved, CheckpointTested, News
 from waypointctl.training.train import train
 
 RECIPE: Final = Path("policies/ant-waypoint/train.yaml")
@@ -39,17 +39,17 @@ def train_ours(recipe_file: RecipeFile, target: float, threads: int, tell: Calla
     """Train as `waypointctl train` does, until the recipe's `stop_at`, the target, is met or the recipe ends."""
     stopwatch, looks, saved_s = Stopwatch(), list[Look](), 0.0
 
-    def watch(news: News) -> None:
+    def watch(event: TrainingEvent) -> None:
         nonlocal saved_s
-        if isinstance(news, CheckpointSaved):
+        if isinstance(event, CheckpointSaved):
             saved_s = stopwatch.seconds
-        if isinstance(news, CheckpointTested):
-            looks.append(Look(news.steps, saved_s, news.success_rate))
+        if isinstance(event, CheckpointEvaluated):
+            looks.append(Look(event.steps, saved_s, event.success_rate))
             tell(looks[-1])
             stopwatch.leave_out(stopwatch.seconds - saved_s)
 
     with TemporaryDirectory() as folder:
-        train(recipe_file, Path(folder, "out"), run=Path(folder, "run"), threads=threads, watch=watch)
+        train(recipe_file, Path(folder, "out"), run=Path(folder, "run"), threads=threads, on_event=watch)
     return Attempt(tuple(looks), target)
 
 
@@ -113,8 +113,8 @@ def as_asked(recipe_file: RecipeFile, options: argparse.Namespace) -> RecipeFile
         RecipeError: it starts from another policy, or its evaluation has the seed that is selected by.
     """
     recipe = recipe_file.recipe if options.steps is None else recipe_file.recipe.scaled_to(options.steps)
-    if recipe.start_from is not None:
-        problem = f"start_from: {recipe.start_from!r} was trained in time that would not be counted"
+    if recipe.warm_start is not None:
+        problem = f"warm_start: {recipe.warm_start!r} was trained in time that would not be counted"
         hint = "Give a recipe that begins with nothing, as the peer does."
         raise RecipeError(problem, where=str(recipe_file.path), hint=hint)
     try:

@@ -24,9 +24,10 @@ from stable_baselines3.common.vec_env import SubprocVecEnv, VecNormalize
 
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.env import WaypointEnv
-from waypointctl.training.learner import ACTIVATIONS, Learner
+from waypointctl.training.algorithms.ppo_learner import ACTIVATIONS, PpoLearner
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.recipe_file import load_recipe
+from waypointctl.training.state import TrainingState
 
 PROCESSES = 8
 ITERATIONS = 2  # of ours a round
@@ -60,10 +61,10 @@ def elapsed_s(work: Callable[[], object]) -> float:
     return perf_counter() - begin
 
 
-def watched(learner: Learner) -> Stopwatch:
+def watched(state: TrainingState, learner: PpoLearner) -> Stopwatch:
     stopwatch = Stopwatch()
-    stopwatch.watch(learner.env.batch, "step", "physics")
-    stopwatch.watch(learner.env, "step", "env")
+    stopwatch.watch(state.env.batch, "step", "physics")
+    stopwatch.watch(state.env, "step", "env")
     stopwatch.watch(learner.normaliser, "step_wait", "vec_env")
     stopwatch.watch(learner.ppo.policy, "forward", "inference")
     stopwatch.watch(learner.ppo, "train", "update")
@@ -85,7 +86,7 @@ def shares(seconds: Mapping[str, float], total_s: float) -> dict[str, float]:
 
 def peer(recipe: Recipe, task: TaskConfig) -> tuple[PPO, int]:
     """Return PPO on worker processes, and how many samples it takes an iteration."""
-    ppo, net = recipe.ppo, recipe.network
+    ppo, net = recipe.algorithm, recipe.network
     env = VecNormalize(SubprocVecEnv([lambda: WaypointEnv(task)] * PROCESSES), norm_reward=False)
     model = PPO(
         "MlpPolicy",
@@ -97,7 +98,7 @@ def peer(recipe: Recipe, task: TaskConfig) -> tuple[PPO, int]:
         policy_kwargs={
             "net_arch": list(net.hidden),
             "activation_fn": ACTIVATIONS[net.activation],
-            "log_std_init": net.initial_log_std,
+            "log_std_init": ppo.initial_log_std,
         },
         seed=0,
         device="cpu",
@@ -106,19 +107,22 @@ def peer(recipe: Recipe, task: TaskConfig) -> tuple[PPO, int]:
 
 
 def measure(recipe: Recipe, rounds: int, threads: int) -> dict[str, Any]:
-    learner = Learner(recipe, threads)
-    samples = recipe.ppo.robots * recipe.ppo.rollout_steps
+    state = TrainingState(recipe, threads)
+    learner, samples = state.learner, recipe.algorithm.iteration_steps
+    assert isinstance(learner, PpoLearner)
     model, peer_samples = peer(recipe, recipe.task(0))
 
     def ours() -> None:
-        learner.ppo.learn(ITERATIONS * samples, reset_num_timesteps=False)
+        for _ in range(ITERATIONS):
+            learner.collect()
+            learner.update()
 
     def theirs() -> None:
         model.learn(peer_samples, reset_num_timesteps=False)
 
     for warm_up in (ours, theirs):
         warm_up()
-    stopwatch = watched(learner)
+    stopwatch = watched(state, learner)
     ours_s, theirs_s = [], []
     try:
         for _ in range(rounds):

@@ -24,7 +24,7 @@ from waypointctl.policy.manifest import (
 )
 from waypointctl.policy.write import write_bundle
 from waypointctl.task.observation import layout
-from waypointctl.training.onnx_export import mlp_to_onnx
+from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
 
 # The torch that has CUDA brings Triton, whose LLVM crashes the process where that of Mesa's software renderer has been
 # loaded before it. Here one process draws and trains; the other way round they get along.

@@ -15,8 +15,8 @@ from waypointctl.errors import RecipeError, SuiteError
 from waypointctl.evaluation.suite import Suite
 from waypointctl.evaluation.track import NEAR_M, STILL_M, WINDOW_S
 from waypointctl.mission.yaml_source import read_model
+from waypointctl.training.events import ENOUGH, WINDOW
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.status import ENOUGH, WINDOW
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 TRAINING, EVALUATION = ((DOCS / f"{name}.md").read_text(encoding="utf-8") for name in ("training", "evaluation"))

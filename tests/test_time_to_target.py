@@ -27,7 +27,7 @@ name: tiny
 course: {perimeter: legs, count: 1, leg: [0.6 m, 1 m]}
 deadline: {first: 0.3 s, further: 1 s}
 network: {hidden: [8]}
-ppo: {robots: 8, rollout_steps: 8, minibatch: 64, epochs: 1}
+algorithm: {name: ppo, robots: 8, rollout_steps: 8, minibatch: 64, epochs: 1}
 phases:
   - {steps: 64}
   - {steps: 64, reward: {alive: 7}}
@@ -84,7 +84,7 @@ def test_the_ratio_is_a_bound_where_the_peer_is_not_there_yet(
 @pytest.mark.parametrize(
     ("more", "options", "message"),
     [
-        ("start_from: ../other\n", "", r"recipe\.yaml: start_from: '\.\./other' was trained in time that would not be"),
+        ("warm_start: ../other\n", "", r"recipe\.yaml: warm_start: '\.\./other' was trained in time that would not be"),
         ("evaluation: {seed: 1000}\n", "", r"recipe\.yaml: evaluation\.seed is 1000, .*\n  Give the recipe's"),
         ("", "--target 1.5", r"--target: '1\.5' is not a success rate above 0, up to 1"),
         ("", "--every 0", r"--every: '0' is not a whole number > 0"),

@@ -51,7 +51,7 @@ def test_the_next_steps_do_what_they_say(empty: Path, program: Program) -> None:
     code, out, err = program(*steps[3], "--steps", "1", "--json")
     assert (code, json.loads(out)["outcome"]) == (0, "complete"), err
     assert json.loads(out)["selection"]["suite"] == "suite.yaml"
-    (empty / "recipe.yaml").write_text(recipe.replace("# start_from", "start_from"))
+    (empty / "recipe.yaml").write_text(recipe.replace("# warm_start", "warm_start"))
     assert program(*steps[3], "--steps", "1")[0] == 0
 
 

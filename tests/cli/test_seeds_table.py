@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from waypointctl.cli.tui.seeds import seeds_table
-from waypointctl.training.seed_result import SeedResult, spreads
-from waypointctl.training.seeds import SeedsResult
+from waypointctl.cli.tui.training_seeds import seeds_table
+from waypointctl.training.seeds import SeedResult, SeedsResult, spreads
 
 RESULTS = tuple(
     SeedResult(

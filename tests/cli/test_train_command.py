@@ -52,7 +52,7 @@ def test_a_training_ends_with_its_table_and_a_policy_in_the_run(command: Command
     assert "checkpoint runs/tiny/checkpoints/step-0000001024" in err
     assert load_policy(Path("runs/tiny")).manifest.name == "tiny"
     assert "Traceback" not in out + err
-    assert "threads    1 of the physics, 1 of the network\n" in err
+    assert "threads    1 for the physics, 1 for the network\n" in err
     assert Path("runs/tiny/curves.png").read_bytes().startswith(b"\x89PNG")
     assert Path("runs/tiny/curves.csv").read_text().startswith("steps,success_mean,")
 
@@ -66,20 +66,20 @@ def test_resuming_a_complete_run_says_so_and_trains_nothing(command: Command) ->
     assert "resume     the training is complete at step 1024 of 1024; nothing is left to train" in err
     assert out.splitlines()[-1] == "runs/tiny: the training was complete before; nothing was left to train"
     after = json.loads(command("recipe.yaml", "--resume", "--json")[1])
-    assert (before["complete_before"], after["complete_before"]) == (False, True)
+    assert (before["already_complete"], after["already_complete"]) == (False, True)
     assert before["policy_sha256"] == after["policy_sha256"]
     assert before["evaluation"] == after["evaluation"]
     assert {path: path.stat().st_mtime_ns for path in Path("runs/tiny/checkpoints").iterdir()} == written
     Path("runs/tiny/evaluation.json").unlink()  # a training that was ended in its evaluation has it still to do
     again = json.loads(command("recipe.yaml", "--resume", "--json")[1])
-    assert (again["complete_before"], again["evaluation"]) == (True, before["evaluation"])
+    assert (again["already_complete"], again["evaluation"]) == (True, before["evaluation"])
 
 
 def test_json_is_all_there_is_on_stdout(command: Command) -> None:
     code, out, err = command("recipe.yaml", "--json", "--out", "made", "--steps", "250", "--seed", "12")
     found = json.loads(out)
     assert (code, found["outcome"], found["policy"], found["run"]) == (0, "complete", "made", "runs/tiny")
-    assert (found["seed"], found["steps"], found["total_steps"]) == (12, 256, 250)  # rounded up to whole rollouts
+    assert (found["seed"], found["steps"], found["total_steps"]) == (12, 256, 256)  # rounded up to whole rollouts
     policy = load_policy(Path("made"))
     assert found["policy_sha256"] == policy.sha256
     assert (policy.manifest.training.seed, policy.manifest.training.steps) == (12, 256)
@@ -137,7 +137,8 @@ def test_a_run_goes_on_with_the_seed_and_steps_it_began_with(command: Command) -
         (("recipe.yaml", "--runs", "recipe.yaml"), "error: recipe.yaml: the folder cannot be written: this is a file"),
         (("recipe.yaml", "--steps", "0"), "'--steps'"),
         (("recipe.yaml", "--seed", "-1"), "'--seed'"),
-        (("recipe.yaml", "--seed", "4294967296"), "'--seed'"),
+        (("recipe.yaml", "--seed", "4294967296"), "'--seed': 4294967296 is not a whole number from 0 to 4294967295.\n"),
+        (("recipe.yaml", "--seed", "abc"), "'--seed': abc is not a whole number from 0 to 4294967295.\n"),
         (("recipe.yaml", "--stop-at", "95"), "'--stop-at': 95 is not a rate from 0.01 to 1: 95 % is 0.95.\n"),
         (("recipe.yaml", "--stop-at", "0.001"), "'--stop-at': 0.001 is not a rate from 0.01 to 1.\n"),
         (("recipe.yaml", "--stop-at", "nan"), "'--stop-at': nan is not a rate from 0.01 to 1.\n"),

@@ -11,13 +11,12 @@ from tests.cli.flying import Program
 from tests.training.scores import NEAR
 from tests.training.tiny import RECIPE
 from waypointctl.cli.train_seeds import seeds_of
-from waypointctl.cli.tui.seeds import seeds_table
+from waypointctl.cli.tui.training_seeds import seeds_table
 from waypointctl.errors import InputError
 from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.policy.bundle import load_policy
 from waypointctl.training import train
-from waypointctl.training.seed_result import SeedResult, spreads
-from waypointctl.training.seeds import SeedsResult
+from waypointctl.training.seeds import SeedResult, SeedsResult, spreads
 
 SHORT = RECIPE.replace("steps: 640", "steps: 128").replace("steps: 384", "steps: 128")
 SELECTING = "selection: {suite: near.yaml, trials: 2, seed: 50, every: 128}\n"
@@ -66,7 +65,7 @@ def test_two_seeds_are_trained_compared_and_drawn_and_a_third_is_added(command: 
     code, out, err = command("train", "recipe.yaml", "--seeds", "2", "--threads", "1")
     assert code == 0
     assert "tiny, seed 7, 1 of 2, in runs/tiny-seeds/seed-7" in err
-    assert "tested     success 0.0% of 2 at 256, the best" in err
+    assert "evaluated  success 0.0% of 2 at 256, the best" in err
     assert [line.split()[0] for line in out.splitlines()[3:5]] == ["7", "8"]
     assert out.splitlines()[-1] == "runs/tiny-seeds/curves.png: the learning curves; as numbers in curves.csv"
     before = load_policy(Path("runs/tiny-seeds/seed-7")).sha256
@@ -98,26 +97,26 @@ def test_a_target_is_told_in_words_and_in_json(command: Program) -> None:
     assert (found["outcome"], found["steps"], found["trained_steps"]) == ("complete", 128, 128)
     assert (found["target"]["met"], found["target"]["steps"], found["target"]["stop_at"]) == (True, 128, 0.95)
     assert 0 <= found["target"]["wall_time_s"] <= found["trained_wall_time_s"] + 0.1
-    assert found["selection"]["chosen"]["success_rate"] == 1.0
+    assert found["selection"]["selected"]["success_rate"] == 1.0
 
 
 def test_a_target_that_is_not_met_is_said(command: Program) -> None:
     code, out, _ = command("train", "recipe.yaml", "--stop-at", "0.5", "--threads", "1")
     assert code == 0
-    assert "target of 0.5 not met in 256 steps; the checkpoint at step 256 of 256 was chosen: 0.0% of 2 trials" in out
+    assert "target of 0.5 not met in 256 steps; the checkpoint at step 256 of 256 was selected: 0.0% of 2 trials" in out
 
 
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
-        (SHORT + "start_from: none\n", (), "error: recipe.yaml:13:13: start_from: none: no such folder"),
+        (SHORT + "warm_start: none\n", (), "error: recipe.yaml:13:13: warm_start: none: no such folder"),
         (
             SHORT + "selection: {suite: none.yaml}\n",
             ("--seeds", "2"),
             "selection.suite: none.yaml: there is no such file",
         ),
         (SHORT.replace("{trials: 1}", "{seed: 1000}"), ("--stop-at", "0.9"), "--stop-at: evaluation.seed is 1000"),
-        (SHORT, ("--seeds", "x"), "--seeds: 'x' is no number of seeds"),
+        (SHORT, ("--seeds", "x"), "--seeds: expected a count or a comma-separated list of seeds"),
         (SHORT, ("--seeds", "2", "--resume"), "no group of seeds of 'tiny' to go on with"),
         (SHORT, ("--stop-at", "2"), "'--stop-at'"),
         (SHORT, ("--out", "/proc/x"), "error: /proc/x: the folder cannot be written"),

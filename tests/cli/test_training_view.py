@@ -8,11 +8,11 @@ from rich.console import Console
 
 from tests.training.tiny import RECIPE
 from waypointctl.cli.tui.training import LivePanel, PlainLines
-from waypointctl.cli.tui.training_words import count, line, percent, span, sparkline
+from waypointctl.cli.tui.training_text import count, duration, line, percent, sparkline
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_source import read_model
+from waypointctl.training.events import ENOUGH, CheckpointSaved, EvaluationProgress, Resumed, Threads, TrainingStatus
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.status import ENOUGH, CheckpointSaved, Resumed, Threads, TrainingStatus
 
 TINY = read_model(RECIPE.encode(), "tiny", Recipe, RecipeError)
 
@@ -29,8 +29,7 @@ def status(steps: int, success: float | None = 0.25, episodes: int = 40) -> Trai
         fall_rate=0.5 if episodes >= ENOUGH else None,
         timeout_rate=0.25 if episodes >= ENOUGH else None,
         mean_reward=0.517,
-        learning_rate=5.9e-4,
-        entropy=0.01,
+        schedules={"learning_rate": 5.9e-4, "entropy": 0.0},
     )
 
 
@@ -45,7 +44,7 @@ def test_counts(number: float, text: str) -> None:
     ("time_s", "text"), [(-3.0, "0:00"), (0.4, "0:00"), (59.6, "1:00"), (167, "2:47"), (3767, "1:02:47")]
 )
 def test_spans(time_s: float, text: str) -> None:
-    assert span(time_s) == text
+    assert duration(time_s) == text
 
 
 def test_a_rate_of_nothing_is_a_dash() -> None:
@@ -60,8 +59,8 @@ def test_the_sparkline_is_as_long_as_the_whole_training() -> None:
 
 def test_a_line_says_where_it_is() -> None:
     assert line(status(640), 2) == (
-        " 62.5%  640 of 1.0 k steps  13/s  phase 2/2  success 25%  fall 50%  timeout 25%  reward 0.52  rate 5.9e-04  "
-        "0:30 left"
+        " 62.5%  640 of 1.0 k steps  13/s  phase 2/2  success 25%  fall 50%  timeout 25%  reward 0.52  "
+        "learning rate 5.90e-04  0:30 left"
     )
 
 
@@ -76,8 +75,8 @@ def test_a_rate_that_rests_on_few_episodes_is_not_shown(episodes: int) -> None:
     panel(status(128, None, 0))
     panel(early)
     with people.capture() as capture:
-        people.print(panel.picture())
-    text = "25% success, 50% fall, 25% timeout of the last 20" if enough else f"{episodes} lately; rates are shown fr"
+        people.print(panel.panel())
+    text = "25% success, 50% fall, 25% timeout of the last 20" if enough else f"{episodes} so far; rates are shown fr"
     assert text in capture.get()
     assert any(block in capture.get() for block in "▁▂▃▄▅▆▇█") is enough
 
@@ -85,11 +84,14 @@ def test_a_rate_that_rests_on_few_episodes_is_not_shown(episodes: int) -> None:
 @pytest.mark.parametrize(
     ("threads", "text"),
     [
-        (Threads(2, 1, asked=False), "2 of the physics, 1 of the network, the default"),
-        (Threads(3, 3, asked=True), "3 of the physics, 3 of the network"),
-        (Threads(2, 3, asked=False, began=3), "2 of the physics, 3 of the network, as the run began"),
-        (Threads(3, 3, asked=True, began=3), "3 of the physics, 3 of the network"),
-        (Threads(1, 1, asked=True, began=3), "1 of the network; the run began with 3, so its weights will not be bit-"),
+        (Threads(2, 1, requested=False), "2 for the physics, 1 for the network, the default"),
+        (Threads(3, 3, requested=True), "3 for the physics, 3 for the network"),
+        (Threads(2, 3, requested=False, began=3), "2 for the physics, 3 for the network, as the run began"),
+        (Threads(3, 3, requested=True, began=3), "3 for the physics, 3 for the network"),
+        (
+            Threads(1, 1, requested=True, began=3),
+            "1 for the network; the run began with 3, so its weights will not be",
+        ),
     ],
 )
 def test_the_threads_are_told(threads: Threads, text: str) -> None:
@@ -100,15 +102,9 @@ def test_the_threads_are_told(threads: Threads, text: str) -> None:
     panel(threads)
     panel(Resumed(1024, 1024, complete=True))
     with people.capture() as capture:
-        people.print(panel.picture())
+        people.print(panel.panel())
     assert text[:55] in capture.get()
     assert "the training is complete at step 1024 of 1024" in capture.get()
-
-
-def test_the_last_update_overshoots_and_is_all_of_it_with_no_time_left() -> None:
-    said = line(status(1100), 2)
-    assert said.startswith("100.0%  1.1 k of 1.0 k steps")
-    assert said.endswith("  0:00 left")
 
 
 def test_plain_lines_come_now_and_then_and_none_before_a_checkpoint_is_lost(
@@ -121,11 +117,13 @@ def test_plain_lines_come_now_and_then_and_none_before_a_checkpoint_is_lost(
             clock[0] = 100.0 + second
             lines(status(second + 1))
         lines(CheckpointSaved(25, Path("runs/tiny/step")))
-        lines.evaluating("to-6-6", 0)
-        lines.evaluating("to-6-6", TINY.evaluation.trials)
+        lines(EvaluationProgress("region", False, "region", 5, 5))
+        lines(EvaluationProgress("paper", True, "to-6-6", 0, 5))
+        lines(EvaluationProgress("paper", True, "to-6-6", 5, 5))
     said = capsys.readouterr().err.splitlines()
     assert [text.split()[1] for text in said[:4]] == ["1", "11", "21", "25"]
-    assert said[4:] == ["checkpoint runs/tiny/step", "evaluated to-6-6"]
+    announced = "evaluating on the suite paper, 5 trials of each case"
+    assert said[4:] == ["checkpoint runs/tiny/step", announced, "evaluated to-6-6"]
 
 
 @pytest.mark.parametrize("width", [40, 80, 200])
@@ -139,12 +137,12 @@ def test_the_panel_fits_and_tells_all(width: int, encoding: str) -> None:
         panel(status(128, None))
         panel(status(640))
         panel(CheckpointSaved(640, Path("runs/step")))
-        panel.evaluating("to-6-6", 3)
+        panel(EvaluationProgress("paper", True, "to-6-6", 3, 100))
         asked[0] = True
     stream.flush()
     shown = Console(file=io.StringIO(), width=width, height=30)
     with shown.capture() as capture:
-        shown.print(panel.picture())
+        shown.print(panel.panel())
     lines = capture.get().splitlines()
     assert max(len(text) for text in lines) <= width
     for part in ("tiny in runs/tiny", "640 of 1.0 k", "1:01:40 elapsed", "2 of 2", "0.517", "25% success", "runs/step"):

@@ -180,15 +180,18 @@ def variations() -> dict[str, str]:
 
 def training() -> dict[str, str]:
     """Hash the weights after two iterations of the flagship's recipe, cut short."""
-    from waypointctl.training.learner import Learner  # torch is loaded by what needs it
+    from waypointctl.training.algorithms.ppo_learner import PpoLearner  # torch is loaded by what needs it
+    from waypointctl.training.state import TrainingState
 
     recipe = load_recipe(ROOT / "policies" / "ant-waypoint" / "train.yaml").recipe
-    ppo = recipe.ppo.model_copy(update={"robots": 32, "rollout_steps": 16, "minibatch": 128})
-    learner = Learner(recipe.model_copy(update={"ppo": ppo}).scaled_to(1024), threads=1)
-    from stable_baselines3.common.callbacks import CallbackList
-
-    learner.enter_phase()
-    learner.learn(CallbackList([]))
+    ppo = recipe.algorithm.model_copy(update={"robots": 32, "rollout_steps": 16, "minibatch": 128})
+    state = TrainingState(recipe.model_copy(update={"algorithm": ppo}).scaled_to(1024), threads=1)
+    learner = state.learner
+    assert isinstance(learner, PpoLearner)
+    state.enter_phase()
+    for _ in range(2):
+        learner.collect()
+        learner.update()
     digest = Digest()
     for parameter in learner.ppo.policy.parameters():
         digest.add(parameter.detach().numpy())

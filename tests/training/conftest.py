@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 import pytest
 
@@ -13,6 +14,7 @@ from waypointctl.training import train
 
 @pytest.fixture(autouse=True, scope="session")
 def _hardly_any_evaluation() -> Iterator[None]:
+    @cache
     def hurried(name: str) -> Suite:
         return load_suite(name).model_copy(update={"deadline": Deadline(first_s=0.1, further_s=0)})
 

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import hashlib
 import json
 import pickletools
 import shutil
@@ -12,13 +11,13 @@ import pytest
 import torch
 from safetensors.numpy import load
 
-from tests.training.tiny import RECIPE, after, new_learner, tiny_recipe, trained
+from tests.training.tiny import RECIPE, after, new_state, tiny_recipe, trained
 from waypointctl.errors import RecipeError
 from waypointctl.policy.bundle import load_policy
 from waypointctl.sim.batch import default_threads
-from waypointctl.training.checkpoint import ARRAYS, FACTS, Facts, begun_as, load_checkpoint
-from waypointctl.training.learner import TORCH_THREADS, Learner
+from waypointctl.training.checkpoint import ARRAYS, FACTS, begun_as, load_checkpoint
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
+from waypointctl.training.state import TORCH_THREADS, TrainingState
 from waypointctl.training.train import train
 
 
@@ -75,14 +74,14 @@ def test_damage_is_found(checkpoint: Path, recipe_file: RecipeFile, name: str, p
         content[place] ^= 1
     (checkpoint / name).write_bytes(content)
     with pytest.raises(RecipeError, match=r"step-0000000256: the checkpoint is damaged: .*\n  Remove the folder"):
-        load_checkpoint(new_learner(recipe_file), recipe_file, checkpoint)
+        load_checkpoint(new_state(recipe_file), recipe_file, checkpoint)
 
 
 @pytest.mark.parametrize("name", [FACTS, ARRAYS])
 def test_a_missing_file_is_named(checkpoint: Path, recipe_file: RecipeFile, name: str) -> None:
     (checkpoint / name).unlink()
     with pytest.raises(RecipeError, match=f"{name}: there is no such file"):
-        load_checkpoint(new_learner(recipe_file), recipe_file, checkpoint)
+        load_checkpoint(new_state(recipe_file), recipe_file, checkpoint)
 
 
 @pytest.mark.parametrize("text", ["[]", "{}", '{"sha256": "0", "facts": {}}', "null", "\ud83d", ""])
@@ -120,24 +119,12 @@ def test_the_copy_of_the_recipe_in_the_run_resumes_it(original: Path) -> None:
 
 def test_a_run_keeps_its_number_of_threads_of_the_network(recipe_file: RecipeFile, tmp_path: Path) -> None:
     began = train(recipe_file, tmp_path, run=tmp_path, threads=2, interrupted=after(1))
-    assert (began.threads.torch, began.threads.asked) == (2, True)
-    same = Learner(recipe_file.recipe, threads=0)
+    assert (began.threads.torch, began.threads.requested) == (2, True)
+    same = TrainingState(recipe_file.recipe, threads=0)
     assert same.threads.torch == torch.get_num_threads() == TORCH_THREADS
     load_checkpoint(same, recipe_file, began.folder)
     assert (same.threads.torch, same.threads.began, torch.get_num_threads()) == (2, 2, 2)
     assert same.threads.physics == default_threads()
-    other = Learner(recipe_file.recipe, threads=1)
+    other = TrainingState(recipe_file.recipe, threads=1)
     load_checkpoint(other, recipe_file, began.folder)
     assert (other.threads.torch, other.threads.began, torch.get_num_threads()) == (1, 2, 1)
-
-
-def test_a_checkpoint_that_does_not_say_its_threads_is_read(checkpoint: Path, recipe_file: RecipeFile) -> None:
-    content = json.loads((checkpoint / FACTS).read_bytes())
-    del content["facts"]["torch_threads"]
-    facts = Facts.model_validate(content["facts"])
-    arrays = (checkpoint / ARRAYS).read_bytes()
-    digest = hashlib.sha256(facts.model_dump_json(exclude_unset=True).encode() + arrays).hexdigest()
-    (checkpoint / FACTS).write_text(json.dumps({"sha256": digest, "facts": content["facts"]}))
-    learner = new_learner(recipe_file)
-    load_checkpoint(learner, recipe_file, checkpoint)
-    assert learner.threads.began is None

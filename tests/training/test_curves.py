@@ -9,8 +9,8 @@ import pytest
 
 from waypointctl.training.curves import curves, curves_csv, write_curves
 from waypointctl.training.curves_picture import HEIGHT, WIDTH, draw_curves
+from waypointctl.training.events import ENOUGH, WINDOW
 from waypointctl.training.progress_file import ProgressRow
-from waypointctl.training.status import ENOUGH, WINDOW
 
 
 def run_of(seed: int, rollouts: int) -> list[ProgressRow]:
@@ -20,7 +20,7 @@ def run_of(seed: int, rollouts: int) -> list[ProgressRow]:
     for rollout in range(rollouts):
         successes, falls, timeouts = (0, 0, 0) if rollout < 3 else map(int, rng.integers(0, 5, 3))
         steps, episodes = 100 * (rollout + 1), successes + falls + timeouts
-        rows.append(ProgressRow(steps, 0.0, 0, episodes, successes, falls, timeouts, 0, 0.0, 1e-3, 0.0))
+        rows.append(ProgressRow(steps, 0.0, 0, episodes, successes, falls, timeouts, 0, 0.0))
     return rows
 
 
@@ -79,7 +79,7 @@ def test_the_table_has_means_of_all_seeds_or_none() -> None:
 
 
 def test_runs_of_other_rollouts_share_no_steps_and_no_mean() -> None:
-    shifted = [ProgressRow(row.steps + 50, 0, 0, row.episodes, *(0,) * 4, 0.0, 0.0, 0.0) for row in RUNS[4]]
+    shifted = [ProgressRow(row.steps + 50, 0, 0, row.episodes, *(0,) * 4, 0.0) for row in RUNS[4]]
     found = curves({4: RUNS[4], 5: shifted})
     assert len(found.steps) == 100
     assert not found.shared("success").any()
@@ -105,7 +105,7 @@ def test_a_run_without_an_episode_can_be_drawn() -> None:
 
 @pytest.mark.parametrize("each", [1, 3, 19, 20, 50])
 def test_no_rate_is_of_fewer_than_twenty_episodes(each: int) -> None:
-    rows = [ProgressRow(100 * (i + 1), 0.0, 0, each, each, 0, 0, 0, 0.0, 0.0, 0.0) for i in range(30)]
+    rows = [ProgressRow(100 * (i + 1), 0.0, 0, each, each, 0, 0, 0, 0.0) for i in range(30)]
     first = -(-ENOUGH // each)  # the rollout in which the twentieth ends
     has = ~np.isnan(curves({1: rows}).rates["success"][0])
     assert has.tolist() == [False] * (first - 1) + [True] * (30 - first + 1)

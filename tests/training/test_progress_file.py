@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import shutil
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,23 +9,25 @@ import pytest
 
 from tests.training.tiny import ROLLOUT, ROLLOUTS, after, tiny_recipe
 from waypointctl.errors import InputError
+from waypointctl.training.events import TrainingEvent, TrainingStatus
 from waypointctl.training.progress_file import PROGRESS, ProgressFile, ProgressRow, read_progress
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.run_folder import checkpoint_at
-from waypointctl.training.status import News, TrainingStatus
 from waypointctl.training.train import train
+
+SCHEDULES = ("learning_rate", "entropy")
 
 
 def row(steps: int) -> ProgressRow:
-    return ProgressRow(steps, 0.5, 1, 7, 3, 2, 2, 9, 0.1 + 0.2, 1e-05, 0.01)
+    return ProgressRow(steps, 0.5, 1, 7, 3, 2, 2, 9, 0.1 + 0.2, {"learning_rate": 1e-05, "entropy": 0.01})
 
 
 def trained_telling(recipe_file: RecipeFile, run: Path, rollouts: int | None, *, resume: bool) -> list[TrainingStatus]:
     """Train as asked; return what was told after each rollout."""
-    news: list[News] = []
+    events: list[TrainingEvent] = []
     interrupted = (lambda: False) if rollouts is None else after(rollouts)
-    train(recipe_file, run, run=run, threads=1, resume=resume, interrupted=interrupted, watch=news.append)
-    return [told for told in news if isinstance(told, TrainingStatus)]
+    train(recipe_file, run, run=run, threads=1, resume=resume, interrupted=interrupted, on_event=events.append)
+    return [told for told in events if isinstance(told, TrainingStatus)]
 
 
 def timeless(rows: list[ProgressRow]) -> list[ProgressRow]:
@@ -33,7 +36,7 @@ def timeless(rows: list[ProgressRow]) -> list[ProgressRow]:
 
 def test_rows_come_back_as_they_were_and_are_on_disk_at_once(tmp_path: Path) -> None:
     rows = [row(steps) for steps in (128, 256, 384)]
-    with ProgressFile(tmp_path, 0) as file:
+    with closing(ProgressFile(tmp_path, 0, SCHEDULES)) as file:
         for number, one in enumerate(rows):
             file.add(one)
             assert read_progress(tmp_path) == rows[: number + 1]
@@ -45,17 +48,17 @@ def test_rows_come_back_as_they_were_and_are_on_disk_at_once(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("cut", [0, 1, 12, 40])
 def test_rows_after_the_checkpoint_and_one_cut_short_by_a_kill_are_left_out(tmp_path: Path, cut: int) -> None:
-    with ProgressFile(tmp_path, 0) as file:
+    with closing(ProgressFile(tmp_path, 0, SCHEDULES)) as file:
         for steps in (128, 256, 384, 512):
             file.add(row(steps))
     path = tmp_path / PROGRESS
     path.write_bytes(path.read_bytes()[: -cut or None])
     assert len(read_progress(tmp_path)) == (4 if cut == 0 else 3)
-    with ProgressFile(tmp_path, 256) as file:
+    with closing(ProgressFile(tmp_path, 256, SCHEDULES)) as file:
         assert file.rows == [row(128), row(256)]
         file.add(row(384))
     assert read_progress(tmp_path) == [row(128), row(256), row(384)]
-    with ProgressFile(tmp_path, 0):
+    with closing(ProgressFile(tmp_path, 0, SCHEDULES)):
         assert read_progress(tmp_path) == []
 
 

@@ -18,13 +18,13 @@ WRONG = [
     ("fall: 50", "fall: true", "recipe.yaml:10:76: phases[1].reward.fall: true is not a number"),
     ("fall: 50", "fall: .nan", "recipe.yaml:10:76: phases[1].reward.fall: nan is not a finite number"),
     ("fall: 50", "fal: 50", "recipe.yaml:10:70: phases[1].reward.fal: unknown key; did you mean 'fall'?"),
-    ("robots: 16", "robot: 16", "recipe.yaml:7:7: ppo.robot: unknown key; did you mean 'robots'?"),
+    ("robots: 16", "robot: 16", "recipe.yaml:7:24: algorithm.robot: unknown key; did you mean 'robots'?"),
     (
         "minibatch: 64",
         "minibatch: 60",
-        "recipe.yaml:7:6: ppo: robots x rollout_steps = 128 is no multiple of minibatch",
+        "recipe.yaml:7:12: algorithm: robots x rollout_steps = 128 is not a multiple of minibatch",
     ),
-    ("minibatch: 64", "minibatch: 1", "recipe.yaml:7:48: ppo.minibatch: 1 is not >= 2"),
+    ("minibatch: 64", "minibatch: 1", "recipe.yaml:7:65: algorithm.minibatch: 1 is not >= 2"),
     ("steps: 640", "steps: 4_000_000", "recipe.yaml:9:13: phases[0].steps: '4_000_000' is not a whole number"),
     ("steps: 640", "steps: 640.5", "recipe.yaml:9:13: phases[0].steps: 640.5 is not a whole number"),
     ("[1.0e-3, 5.0e-4]", "['1e-3', 5.0e-4]", "recipe.yaml:9:34: phases[0].learning_rate[0]: '1e-3' is not a number"),
@@ -57,7 +57,7 @@ def test_a_recipe_needs_a_phase(tmp_path: Path) -> None:
 
 def test_everything_wrong_is_said_at_once(tmp_path: Path) -> None:
     text = RECIPE.replace("fall: 50", "fall: -3").replace("robots: 16", "robots: 0")
-    with pytest.raises(RecipeError, match=r"2 problems\n.*:7:15: ppo\.robots: 0 is not > 0\n.*:10:76: .*fall"):
+    with pytest.raises(RecipeError, match=r"2 problems\n.*:7:32: algorithm\.robots: 0 is not > 0\n.*:10:76: .*fall"):
         tiny_recipe(tmp_path, text)
 
 

@@ -28,16 +28,16 @@ def refused(folder: Path, text: str) -> list[str]:
 
 
 def test_what_is_not_there_is_told_with_everything_else_in_the_order_of_the_file(tmp_path: Path) -> None:
-    text = f"start_from: nowhere\nselection: {{suite: regoin}}\n{RECIPE.replace('robots: 16', 'robots: 0')}"
+    text = f"warm_start: nowhere\nselection: {{suite: regoin}}\n{RECIPE.replace('robots: 16', 'robots: 0')}"
     head, first, *others = refused(tmp_path, text)
     assert first.startswith(
-        "recipe.yaml:1:13: start_from: nowhere: no such folder; a path is relative to this file; a policy is a folder "
+        "recipe.yaml:1:13: warm_start: nowhere: no such folder; a path is relative to this file; a policy is a folder "
         "with manifest.json, or a name. There is "
     )
     assert [head, *others] == [
         "recipe.yaml: 3 problems",
         "recipe.yaml:2:20: selection.suite: there is no suite 'regoin'; did you mean 'region'?",
-        "recipe.yaml:9:15: ppo.robots: 0 is not > 0",
+        "recipe.yaml:9:32: algorithm.robots: 0 is not > 0",
     ]
 
 
@@ -45,9 +45,9 @@ def test_two_uses_of_one_seed_are_told_with_everything_else(tmp_path: Path) -> N
     text = RECIPE.replace("robots: 16", "robots: 0").replace("{trials: 1}", "{trials: 1, seed: 5}")
     assert refused(tmp_path, f"{text}selection: {{seed: 5, suite: regoin}}\n") == [
         "recipe.yaml: 3 problems",
-        "recipe.yaml:7:15: ppo.robots: 0 is not > 0",
-        f"recipe.yaml:{LAST + 1}:19: selection.seed: the seed 5 is evaluation.seed, too: what a policy is chosen by "
-        "must not be what is reported of it; give selection a seed of its own",
+        "recipe.yaml:7:32: algorithm.robots: 0 is not > 0",
+        f"recipe.yaml:{LAST + 1}:19: selection.seed: the seed 5 is evaluation.seed too: a policy must not be "
+        "reported on the trials that selected it; give selection another seed",
         f"recipe.yaml:{LAST + 1}:29: selection.suite: there is no suite 'regoin'; did you mean 'region'?",
     ]
 
@@ -89,7 +89,7 @@ def test_what_is_wrong_with_a_suite_of_ones_own_has_its_place_there_and_comes_la
 
 
 def test_a_policy_to_start_from_that_does_not_fit(tmp_path: Path, make_policy: Callable[..., LoadedPolicy]) -> None:
-    text = f"{RECIPE.replace('{trials: 1}', '{trials: 1, seed: 5}')}start_from: other\n"
+    text = f"{RECIPE.replace('{trials: 1}', '{trials: 1, seed: 5}')}warm_start: other\n"
     record = SelectionRecord(suite="region", seed=5, trials=2, successes=1, candidates=1, last_step=1, stop_at=None)
     policy = make_policy(tmp_path / "other")
     training = policy.manifest.training.model_copy(update={"selection": record})
@@ -97,20 +97,20 @@ def test_a_policy_to_start_from_that_does_not_fit(tmp_path: Path, make_policy: C
     seed, sizes = (line.split(": ", 3)[-1] for line in refused(tmp_path, text)[:0:-1])
     assert sizes == (
         "its hidden layers are [8, 8], the recipe's [16, 16]; give the recipe the network and an observation of that "
-        "policy's sizes, or another policy in start_from"
+        "policy's sizes, or another policy in warm_start"
     )
-    assert seed.startswith("it was chosen in 'region' with seed 5, which is the recipe's evaluation.seed; give eval")
+    assert seed.startswith("it was selected in 'region' with seed 5, which is evaluation.seed here; give eval")
     (tmp_path / "other" / "manifest.json").unlink()
     (line,) = refused(tmp_path, text)
-    assert line.startswith(f"recipe.yaml:{LAST + 1}:13: start_from: other: no manifest.json; a policy has")
+    assert line.startswith(f"recipe.yaml:{LAST + 1}:13: warm_start: other: no manifest.json; a policy has")
 
 
 def test_a_recipe_that_is_merely_read_needs_nothing_beside_it(tmp_path: Path) -> None:
-    recipe = tiny_recipe(tmp_path, f"{RECIPE}start_from: gone\nselection: {{suite: gone.yaml}}\n").recipe
-    assert (recipe.start_from, recipe.selection and recipe.selection.suite) == ("gone", "gone.yaml")
+    recipe = tiny_recipe(tmp_path, f"{RECIPE}warm_start: gone\nselection: {{suite: gone.yaml}}\n").recipe
+    assert (recipe.warm_start, recipe.selection and recipe.selection.suite) == ("gone", "gone.yaml")
 
 
-@pytest.mark.parametrize("wrong", ["a: [", "- 1", "selection: 3\nstart_from: [4]", "selection: {suite: 5}"])
+@pytest.mark.parametrize("wrong", ["a: [", "- 1", "selection: 3\nwarm_start: [4]", "selection: {suite: 5}"])
 def test_what_is_no_name_at_all_is_told_once(tmp_path: Path, wrong: str) -> None:
     lines = refused(tmp_path, wrong)
     assert len(lines) == len(set(lines))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from safetensors.numpy import load
 
-from tests.training.tiny import RECIPE, new_learner, tiny_recipe, trained, weights_of
+from tests.training.tiny import RECIPE, new_state, tiny_recipe, trained, weights_of
 from waypointctl.training.checkpoint import ARRAYS, load_checkpoint
 from waypointctl.training.run_folder import newest_checkpoint
 
@@ -48,7 +48,7 @@ def test_stopped_three_times_it_ends_in_the_weights_of_one_that_nobody_disturbed
 def test_a_restored_learner_remembers_every_course_and_every_stream(tmp_path: Path) -> None:
     recipe_file = tiny_recipe(tmp_path, recipe_with(COURSES["drawn"]))
     folder = trained(recipe_file, tmp_path / "run", rollouts=4).folder
-    learner = new_learner(recipe_file)
+    learner = new_state(recipe_file)
     load_checkpoint(learner, recipe_file, folder)
     saved = {name: array for name, array in load((folder / ARRAYS).read_bytes()).items() if name.startswith("failed.")}
     assert learner.env.failed is not None

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from waypointctl.errors import InputError, OutputError, RecipeError
-from waypointctl.training.installed import MODULES, refuse_incomplete
+from waypointctl.training.recipe_file import MODULES, require_packages
 from waypointctl.training.run_folder import Places, newest_checkpoint, places
 
 
@@ -93,7 +93,7 @@ def test_a_folder_without_permission(tmp_path: Path) -> None:
 def test_a_missing_package_is_named_with_the_command_that_installs_it(
     monkeypatch: pytest.MonkeyPatch, module: str
 ) -> None:
-    refuse_incomplete()
+    require_packages()
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(InputError, match=rf'not installed: {module}\n  .*pip install "\.\[train\]"'):
-        refuse_incomplete()
+        require_packages()

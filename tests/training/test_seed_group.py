@@ -15,8 +15,7 @@ from waypointctl.training.curves import CURVES, PICTURE
 from waypointctl.training.progress_file import PROGRESS
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.seed_group import GROUP, begin_group, group_begun_as, group_place, is_complete, run_of
-from waypointctl.training.seed_result import Spread
-from waypointctl.training.seeds import RESULTS, compare, train_seeds
+from waypointctl.training.seeds import RESULTS, Spread, compare, train_seeds
 from waypointctl.training.train import train
 
 SHORT = RECIPE.replace("steps: 640", "steps: 128").replace("steps: 384", "steps: 128")

@@ -7,7 +7,7 @@ import pytest
 
 from tests.conftest import describe
 from waypointctl.policy.manifest import FileRecord, Manifest
-from waypointctl.training.trained_on import trained_on
+from waypointctl.training.recipe_file import trained_on
 
 REST = "name: a\nobservation: state\nphases: [{steps: 10}]\n"
 

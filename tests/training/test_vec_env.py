@@ -14,7 +14,8 @@ from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.reward import RewardWeights
-from waypointctl.training.vec_env import BatchedVecEnv, Tally
+from waypointctl.training.algorithms.vec_env import BatchedVecEnv
+from waypointctl.training.learner import Rollout
 
 ROBOTS = 24
 STEPS = 60
@@ -81,7 +82,7 @@ def test_the_tally_adds_up(twins: Twins) -> None:
     assert tally.waypoints == sum(int(step.reached.sum()) for step in bare)
     assert tally.steps == ROBOTS * STEPS
     assert tally.reward == pytest.approx(sum(step.reward.sum() for step in bare), rel=1e-12)
-    assert coat.drain() == Tally()
+    assert coat.drain() == Rollout()
 
 
 def test_stable_baselines3_finds_nothing_wrong() -> None:
@@ -104,6 +105,6 @@ def test_one_robot_of_a_batch_has_no_env_of_its_own() -> None:
     assert coat.get_attr("num_envs", [0, 2]) == [3, 3]
     assert coat.seed(1) == [None, None, None]
     with pytest.raises(AttributeError, match="share one env"):
-        coat.set_attr("tally", Tally(), 0)
+        coat.set_attr("env", Rollout(), 0)
     with pytest.raises(AttributeError, match="call observe on"):
         coat.env_method("observe")

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 from safetensors.numpy import load
 
-from waypointctl.training.learner import Learner
+from waypointctl.training.algorithms.ppo_learner import PpoLearner
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
-from waypointctl.training.train import Trained, train
+from waypointctl.training.state import TrainingState
+from waypointctl.training.train import TrainingResult, train
 
 RECIPE = """\
 name: tiny
@@ -19,7 +20,7 @@ course: {perimeter: legs, count: 2, leg: [0.6 m, 1 m]}
 start: {random_heading: true}
 deadline: {first: 0.4 s, further: 0.4 s}
 network: {hidden: [16, 16]}
-ppo: {robots: 16, rollout_steps: 8, minibatch: 64, epochs: 2}
+algorithm: {name: ppo, robots: 16, rollout_steps: 8, minibatch: 64, epochs: 2}
 phases:
   - {steps: 640, learning_rate: [1.0e-3, 5.0e-4]}
   - {steps: 384, learning_rate: [5.0e-4, 1.0e-4], reward: {alive: 0, fall: 50}}
@@ -49,10 +50,10 @@ def after(rollouts: int) -> Callable[[], bool]:
     return interrupted
 
 
-def trained(recipe_file: RecipeFile, run: Path, *, rollouts: int | None = None, resume: bool = False) -> Trained:
+def trained(recipe_file: RecipeFile, run: Path, *, rollouts: int | None = None, resume: bool = False) -> TrainingResult:
     """Train into the run's folder, on one thread, for some rollouts or to the end."""
     interrupted = (lambda: False) if rollouts is None else after(rollouts)
-    return train(recipe_file, run, run=run, threads=1, resume=resume, interrupted=interrupted)
+    return train(recipe_file, run, threads=1, resume=resume, interrupted=interrupted)
 
 
 def weights_of(folder: Path) -> bytes:
@@ -62,6 +63,12 @@ def weights_of(folder: Path) -> bytes:
     return content
 
 
-def new_learner(recipe_file: RecipeFile) -> Learner:
-    """Return a learner that has not begun."""
-    return Learner(recipe_file.recipe, threads=1)
+def ppo_of(state: TrainingState) -> PpoLearner:
+    """Return the learner of a training by the recipe above."""
+    assert isinstance(state.learner, PpoLearner)
+    return state.learner
+
+
+def new_state(recipe_file: RecipeFile) -> TrainingState:
+    """Return a training that has not begun."""
+    return TrainingState(recipe_file.recipe, threads=1)

@@ -19,7 +19,7 @@ from waypointctl.evaluation.suite import Suite, SuiteCase, load_suite
 from waypointctl.mission.fields import Acceptance
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import SelectionRecord
-from waypointctl.training.trained_on import trained_on
+from waypointctl.training.recipe_file import trained_on
 from waypointctl.units import NUMBER_PATTERN
 
 

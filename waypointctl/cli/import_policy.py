@@ -35,9 +35,9 @@ def import_policy(
     objects. The new network's actions are compared with those of stable-baselines3's own policy. What is taken on trust
     is what it was trained on: the observations, the robot and its control period.
     """
-    from waypointctl.training.installed import refuse_incomplete
+    from waypointctl.training.recipe_file import require_packages
 
-    refuse_incomplete()
+    require_packages()
 
     from waypointctl.training.sb3_import import import_sb3
 

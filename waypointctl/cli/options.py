@@ -40,3 +40,15 @@ def rate_from(least: float) -> Callable[[float | None], float | None]:
         raise typer.BadParameter(f"{value:g} is not a rate from {least:g} to 1{meant}.")
 
     return rate
+
+
+def whole_number(least: int, most: int) -> Callable[[object], int]:
+    """Return what reads a whole number from `least` to `most`, for `parser=` of an option."""
+
+    def number(text: object) -> int:
+        digits = str(text).strip()
+        if digits.isascii() and digits.isdecimal() and len(digits) <= 20 and least <= int(digits) <= most:
+            return int(digits)
+        raise typer.BadParameter(f"{text!s:.40} is not a whole number from {least} to {most}.")
+
+    return number

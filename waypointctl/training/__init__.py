@@ -1,4 +1,4 @@
-"""Training on stable-baselines3: recipes, the batched env as a VecEnv, checkpoints, export."""
+"""Training: recipes, algorithms, checkpoints, selection, export."""
 
 import os
 

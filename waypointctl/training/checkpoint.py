@@ -18,11 +18,10 @@ from waypointctl.errors import OutputError, RecipeError
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.policy.manifest import StartRecord
 from waypointctl.training.export import export_policy
-from waypointctl.training.learner import Learner
-from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.recipe_selection import SelectionRecipe
-from waypointctl.training.run_folder import RECIPE, checkpoint_at, require_checkpoint
-from waypointctl.training.snapshot import LearnerFacts, Snapshot, restore, take
+from waypointctl.training.recipe_evaluation import SelectionRecipe
+from waypointctl.training.recipe_file import RECIPE, RecipeFile
+from waypointctl.training.run_folder import checkpoint_at, require_checkpoint
+from waypointctl.training.state import SavedState, StateFacts, TrainingState
 
 ARRAYS: Final = "training.safetensors"
 FACTS: Final = "training.json"
@@ -41,8 +40,8 @@ class Facts(BaseModel):
         wall_time_s: spent on training until then.
         selection: of the run, which need not be the file's.
         start: the policy that the run began with the weights of, which need not be there any more.
-        torch_threads: of the run, on which the weights depend; None of a version that did not record it.
-        learner: its state.
+        torch_threads: of the run, on which the weights depend.
+        state: of the robots and the learner.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -51,13 +50,13 @@ class Facts(BaseModel):
     seed: int
     phase_steps: list[int]
     wall_time_s: float
-    selection: SelectionRecipe | None = None
-    start: StartRecord | None = None
-    torch_threads: int | None = None
-    learner: LearnerFacts
+    selection: SelectionRecipe | None
+    start: StartRecord | None
+    torch_threads: int
+    state: StateFacts
 
 
-def save_checkpoint(learner: Learner, recipe_file: RecipeFile, run: Path, wall_time_s: float) -> Path:
+def save_checkpoint(state: TrainingState, recipe_file: RecipeFile, run: Path, wall_time_s: float) -> Path:
     """Write a checkpoint into the run's folder and return its own folder, which appears whole.
 
     A checkpoint of this step that is there already was taken of the very same state, and stays.
@@ -65,16 +64,16 @@ def save_checkpoint(learner: Learner, recipe_file: RecipeFile, run: Path, wall_t
     Raises:
         OutputError: it cannot be written.
     """
-    final = checkpoint_at(run, learner.steps)
+    final = checkpoint_at(run, state.steps)
     if final.exists():
         return final
     staging = final.with_name(f".{final.name}.{os.getpid()}.tmp")
     try:
         staging.parent.mkdir(parents=True, exist_ok=True)
-        export_policy(learner, recipe_file, staging, wall_time_s)
-        snapshot = take(learner)
-        arrays = save(snapshot.arrays)
-        facts = _facts(learner, recipe_file, wall_time_s, snapshot)
+        export_policy(state, recipe_file, staging, wall_time_s)
+        saved = state.save()
+        arrays = save(saved.arrays)
+        facts = _facts(state, recipe_file, wall_time_s, saved.facts)
         (staging / ARRAYS).write_bytes(arrays)
         text = json.dumps({"sha256": _sha256(facts, arrays), "facts": facts.model_dump(mode="json")})
         (staging / FACTS).write_text(text, encoding="utf-8")
@@ -95,15 +94,13 @@ def begun_as(recipe_file: RecipeFile, run: Path) -> RecipeFile:
     checkpoint = require_checkpoint(run)
     facts, _ = _read(checkpoint)
     _refuse_other_file(facts, recipe_file, checkpoint)
+    recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps)
     began = {"seed": facts.seed, "selection": facts.selection}
-    if "selection" not in facts.model_fields_set:  # of a version that had none
-        del began["selection"]
-    recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps).model_copy(update=began)
-    return replace(recipe_file, recipe=recipe)
+    return replace(recipe_file, recipe=recipe.model_copy(update=began))
 
 
-def load_checkpoint(learner: Learner, recipe_file: RecipeFile, folder: Path) -> float:
-    """Put a fresh learner where a checkpoint was taken; return the wall time spent until then [s].
+def load_checkpoint(state: TrainingState, recipe_file: RecipeFile, folder: Path) -> float:
+    """Let a training that has not begun go on from a checkpoint; return the wall time spent until then [s].
 
     Raises:
         RecipeError: the checkpoint is damaged, or of another recipe, seed or number of steps.
@@ -119,34 +116,31 @@ def load_checkpoint(learner: Learner, recipe_file: RecipeFile, folder: Path) -> 
             problem = f"the run began with {what} {began}, not {now}"
             raise RecipeError(problem, where=str(folder), hint="Resume it as it began, or begin another run.")
     try:
-        restore(learner, Snapshot(load(arrays), facts.learner))
+        state.load(SavedState(load(arrays), facts.state))
     except (KeyError, RuntimeError, ValueError, SafetensorError) as error:
         problem = f"the checkpoint does not fit this version of waypointctl: {error}"
         raise RecipeError(problem, where=str(folder), hint="Resume with the version it was made by.") from error
-    learner.start = facts.start
-    if facts.torch_threads is not None:
-        learner.use_torch_threads(facts.torch_threads)
+    state.start = facts.start
+    state.use_torch_threads(facts.torch_threads)
     return facts.wall_time_s
 
 
-def _facts(learner: Learner, recipe_file: RecipeFile, wall_time_s: float, snapshot: Snapshot) -> Facts:
+def _facts(state: TrainingState, recipe_file: RecipeFile, wall_time_s: float, facts: StateFacts) -> Facts:
     recipe = recipe_file.recipe
-    facts = Facts(
+    return Facts(
         recipe_sha256=recipe_file.sha256,
         seed=recipe.seed,
         phase_steps=[phase.steps for phase in recipe.phases],
         wall_time_s=wall_time_s,
         selection=recipe.selection,
-        start=learner.start,
-        torch_threads=learner.threads.torch,
-        learner=snapshot.facts,
+        start=state.start,
+        torch_threads=state.threads.torch,
+        state=facts,
     )
-    return Facts.model_validate(facts.model_dump())  # with every field set, those at their defaults too
 
 
 def _sha256(facts: Facts, arrays: bytes) -> str:
-    # Only what the file has: fields that were added since must not change what it was.
-    return hashlib.sha256(facts.model_dump_json(exclude_unset=True).encode() + arrays).hexdigest()
+    return hashlib.sha256(facts.model_dump_json().encode() + arrays).hexdigest()
 
 
 def _read(folder: Path) -> tuple[Facts, bytes]:

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.paths import write_whole
+from waypointctl.training.events import ENOUGH, WINDOW
 from waypointctl.training.progress_file import ProgressRow
-from waypointctl.training.status import ENOUGH, WINDOW
 
 QUANTITIES: Final = ("success", "fall", "timeout")
 CURVES: Final = "curves.csv"

@@ -11,7 +11,7 @@ from matplotlib.ticker import EngFormatter, PercentFormatter
 
 from waypointctl.figure import GREEN, VERMILION, picture
 from waypointctl.training.curves import Curves
-from waypointctl.training.status import ENOUGH, WINDOW
+from waypointctl.training.events import ENOUGH, WINDOW
 
 WIDTH: Final = 1600  # pixels
 HEIGHT: Final = 720

@@ -14,16 +14,16 @@ from waypointctl.errors import OutputError, RecipeError
 from waypointctl.input_file import read_input
 from waypointctl.paths import write_whole
 from waypointctl.training.checkpoint import begun_as, load_checkpoint, save_checkpoint
-from waypointctl.training.learner import Learner
+from waypointctl.training.checkpoint_evaluation import SUITE
 from waypointctl.training.progress_file import PROGRESS
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.recipe_file import RecipeFile, load_recipe
-from waypointctl.training.run_folder import RECIPE, checkpoints
+from waypointctl.training.recipe_file import RECIPE, RecipeFile, load_recipe
+from waypointctl.training.run_folder import checkpoints
 from waypointctl.training.selection import SELECTION
-from waypointctl.training.testing import SUITE
+from waypointctl.training.state import TrainingState
 
-# What two recipes may differ in without training otherwise.
 _LARGEST: Final = 2**26  # [bytes]
+# What two recipes may differ in without training otherwise.
 _FREE: Final = ("name", "description", "phases", "checkpoint_steps", "evaluation")
 
 
@@ -64,7 +64,7 @@ def shared_checkpoints(recipe_file: RecipeFile, source: Path) -> tuple[RecipeFil
         RecipeError: as `extend`.
     """
     if not checkpoints(source):
-        hint = "--extend takes the folder of a run, or its name; a recipe's start_from begins with a policy's weights."
+        hint = "--extend takes the folder of a run, or its name; a recipe's warm_start begins with a policy's weights."
         raise RecipeError("is not a run: it has no checkpoints", where=str(source), hint=hint)
     began = begun_as(load_recipe(source / RECIPE), source)
     shared = shared_steps(began.recipe, recipe_file.recipe, source)
@@ -99,7 +99,7 @@ def shared_steps(old: Recipe, new: Recipe, source: Path) -> int:
 
 def _take(folder: Path, began: RecipeFile, recipe_file: RecipeFile, run: Path, threads: int) -> int:
     """Write a checkpoint as the longer recipe makes it; return its steps."""
-    learner = Learner(recipe_file.recipe, threads)
-    wall_time_s = load_checkpoint(learner, began, folder)
-    save_checkpoint(learner, recipe_file, run, wall_time_s)
-    return learner.steps
+    state = TrainingState(recipe_file.recipe, threads)
+    wall_time_s = load_checkpoint(state, began, folder)
+    save_checkpoint(state, recipe_file, run, wall_time_s)
+    return state.steps

@@ -1,110 +1,175 @@
-"""The learner: stable-baselines3's PPO on the batched env, as a recipe says."""
+"""The seam between the training loop and the algorithms: what a recipe's `algorithm` block is and makes.
+
+An algorithm is one file in `algorithms/`: a model of the block's keys, and a learner. It is added to the union in
+`algorithms/__init__.py`; no other file names it.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Final
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias
 
-import torch
-from stable_baselines3 import PPO
-from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.running_mean_std import RunningMeanStd
-from stable_baselines3.common.vec_env import VecNormalize
-from torch import nn
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field
 
-from waypointctl.policy.manifest import StartRecord
-from waypointctl.sim.batch import default_threads
-from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.training.recipe import Recipe
-from waypointctl.training.status import Threads
-from waypointctl.training.vec_env import BatchedVecEnv
+from waypointctl.mission.file_model import FileModel
+from waypointctl.training.recipe_fields import Few, Fraction, Rate
 
-# Layers of 128 gain little from more than one thread, and lose much beside other work (bench/threads.py).
-TORCH_THREADS: Final = 1
-ACTIVATIONS: Final = {"elu": nn.ELU, "tanh": nn.Tanh, "relu": nn.ReLU}
+if TYPE_CHECKING:
+    from waypointctl.task.batched import BatchedWaypointEnv, Step
+    from waypointctl.training.recipe import Recipe
+
+Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
-class Learner:
-    """A policy being trained: the robots, the normaliser and PPO.
+def _both_ends(value: object) -> object:
+    return [value, value] if isinstance(value, int | float) and not isinstance(value, bool) else value
 
-    Attributes:
-        recipe: what it follows.
-        env: the robots.
-        robots: `env` as stable-baselines3 takes it.
-        normaliser: of the observations, around `robots`.
-        ppo: the algorithm, with policy and optimiser.
-        start: the policy that it began with the weights of, if it did.
-        threads: that it is trained with.
-    """
 
-    def __init__(self, recipe: Recipe, threads: int) -> None:
-        """Begin a training.
+# The value at the beginning and at the end of a phase; a number stands for a constant.
+RateSchedule: TypeAlias = Annotated[
+    tuple[Rate, Rate], BeforeValidator(_both_ends, json_schema_input_type=Rate | tuple[Rate, Rate])
+]
+WeightSchedule: TypeAlias = Annotated[
+    tuple[Fraction, Fraction], BeforeValidator(_both_ends, json_schema_input_type=Fraction | tuple[Fraction, Fraction])
+]
+
+
+class Schedules(FileModel):
+    """Quantities of an algorithm that change along a phase, from the first value to the second, in a straight line."""
+
+    learning_rate: RateSchedule | None = Field(None, description="of the optimiser")
+    entropy: WeightSchedule | None = Field(None, description="weight of the entropy bonus")
+
+
+class AlgorithmRecipe(FileModel):
+    """What the `algorithm` blocks of all algorithms have; each adds a `name`, its own keys and its schedules."""
+
+    robots: Few = Field(256, description="simulated side by side")
+
+    @property
+    def iteration_steps(self) -> int:
+        """Control steps of all robots in one `Learner.collect`."""
+        raise NotImplementedError
+
+    @property
+    def schedules(self) -> dict[str, tuple[float, float]]:
+        """The schedules of a phase that has none of its own, by the names of `Schedules`."""
+        return {name: getattr(self, name) for name in Schedules.model_fields if name in type(self).model_fields}
+
+    def make_learner(self, recipe: Recipe, env: BatchedWaypointEnv) -> Learner:
+        """Return a learner that has not begun.
 
         Args:
-            recipe: what to follow.
-            threads: of physics and of torch; 0 is the default: `default_threads()` of physics, TORCH_THREADS of torch.
+            recipe: with this block, the network, the phases and the seed.
+            env: the robots, not reset yet.
         """
-        self.threads = Threads(threads or default_threads(), threads or TORCH_THREADS, asked=threads > 0)
-        torch.set_num_threads(self.threads.torch)
-        self.recipe = recipe
-        self.start: StartRecord | None = None
-        ppo, net = recipe.ppo, recipe.network
-        self.env = BatchedWaypointEnv(recipe.task(0), ppo.robots, recipe.seed, threads=self.threads.physics)
-        self.robots = BatchedVecEnv(self.env, ppo.reward_scale)
-        self.normaliser = VecNormalize(self.robots, norm_reward=False, clip_obs=ppo.clip_observation)
-        self.ppo = PPO(
-            "MlpPolicy",
-            self.normaliser,
-            n_steps=ppo.rollout_steps,
-            batch_size=ppo.minibatch,
-            n_epochs=ppo.epochs,
-            gamma=ppo.gamma,
-            gae_lambda=ppo.gae_lambda,
-            clip_range=ppo.clip,
-            ent_coef=ppo.entropy,
-            vf_coef=ppo.value,
-            max_grad_norm=ppo.max_gradient,
-            learning_rate=lambda _: recipe.learning_rate_at(self.steps),
-            policy_kwargs={
-                "net_arch": list(net.hidden),
-                "activation_fn": ACTIVATIONS[net.activation],
-                "log_std_init": net.initial_log_std,
-            },
-            seed=recipe.seed,
-            device="cpu",
-            verbose=0,
-        )
+        raise NotImplementedError
 
-    def use_torch_threads(self, number: int) -> None:
-        """Go on with as many threads of the network as the run began with, unless another number was asked for."""
-        self.threads = replace(self.threads, began=number, torch=self.threads.torch if self.threads.asked else number)
-        torch.set_num_threads(self.threads.torch)
+
+@dataclass(slots=True)
+class Rollout:
+    """What the robots did in one or several calls of `Learner.collect`.
+
+    Attributes:
+        steps: control steps of all robots.
+        reward: sum over these, unscaled.
+        episodes: that ended, by success, fall or timeout.
+        successes: episodes that reached the last waypoint.
+        falls: episodes that ended in a fall.
+        timeouts: episodes that ended at their deadline.
+        waypoints: reached.
+    """
+
+    steps: int = 0
+    reward: float = 0.0
+    episodes: int = 0
+    successes: int = 0
+    falls: int = 0
+    timeouts: int = 0
+    waypoints: int = 0
+
+    def add(self, step: Step) -> None:
+        """Count one control step of all robots."""
+        successes, falls, ended = int(step.success.sum()), int(step.terminated.sum()), len(step.ended)
+        self.steps += len(step.reward)
+        self.reward += float(step.reward.sum())
+        self.episodes += ended
+        self.successes += successes
+        self.falls += falls
+        self.timeouts += ended - successes - falls
+        self.waypoints += int(step.reached.sum())
+
+
+@dataclass(frozen=True, slots=True)
+class LearnerState:
+    """All that a learner needs to go on bit for bit: arrays, and what of it is no array, as JSON has it."""
+
+    arrays: Arrays
+    facts: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class ExportedPolicy:
+    """The policy as it is now.
+
+    Attributes:
+        onnx: the network, with the normalisation of its observations, for flying.
+        weights: everything learnt, by name, for another training to begin with.
+    """
+
+    onnx: bytes
+    weights: dict[str, NDArray[np.generic]]
+
+
+class Learner(Protocol):
+    """An algorithm at work on the robots of one training.
+
+    `save`, `export` and `load` are called between an update and the next collection alone. A learner draws from random
+    streams of its own and from those that its state holds: what it is after `load` decides all that follows.
+    """
+
+    algorithm: str  # its name, with the package that it is from, for the manifest
 
     @property
     def steps(self) -> int:
         """Control steps of all robots so far."""
-        # PPO asks for the first learning rate while it is being made.
-        return int(self.ppo.num_timesteps) if hasattr(self, "ppo") else 0
 
-    @property
-    def statistics(self) -> RunningMeanStd:
-        """Mean and variance (k,) of the observations so far."""
-        statistics = self.normaliser.obs_rms
-        assert isinstance(statistics, RunningMeanStd)
-        return statistics
+    def collect(self) -> Rollout:
+        """Act on the robots for `AlgorithmRecipe.iteration_steps` control steps, and keep what is learnt from."""
 
-    def enter_phase(self) -> int:
-        """Pay as the phase of the present step says; return its number."""
-        phase, _ = self.recipe.phase_at(self.steps)
-        self.env.config = self.recipe.task(phase)
-        return phase
+    def update(self) -> dict[str, float]:
+        """Learn; return metrics by name, such as losses and the present values of the schedules.
 
-    def weigh_entropy(self) -> float:
-        """Weigh the entropy bonus of the next update as the present step says; return the weight."""
-        self.ppo.ent_coef = self.recipe.entropy_at(self.steps)
-        return self.ppo.ent_coef
+        Raises:
+            ValueError: a number is not finite, so that no update is possible.
+        """
 
-    def learn(self, callback: BaseCallback) -> None:
-        """Train from the present step to the recipe's last, or until the callback ends it."""
-        # Not reset, even at step 0: a checkpoint of that step has begun its episodes, and a new learner begins them.
-        self.ppo.learn(self.recipe.total_steps - self.steps, callback, reset_num_timesteps=False)
+    def is_finite(self) -> bool:
+        """Return whether all that was learnt are finite numbers."""
+
+    def save(self) -> LearnerState:
+        """Return the state; one that has not begun begins its first episodes before."""
+
+    def load(self, state: LearnerState) -> None:
+        """Go on from a state that a learner of the same recipe saved.
+
+        Raises:
+            KeyError, RuntimeError, ValueError: it is of another kind of learner.
+        """
+
+    def export(self) -> ExportedPolicy:
+        """Return the policy as it is now."""
+
+    def warm_start(self, weights: dict[str, NDArray[np.generic]], *, other_inputs: bool) -> None:
+        """Begin with the weights of another policy; the optimiser is new.
+
+        Args:
+            weights: as `export` has them.
+            other_inputs: some inputs have another meaning here, so that the statistics of the observations must be
+                free to change.
+
+        Raises:
+            ValueError: the weights have other names or shapes.
+        """

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass, field, fields
 from io import StringIO
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Final, Self
 
 from waypointctl.errors import InputError, OutputError
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.paths import write_whole
+from waypointctl.training.events import TrainingStatus
+from waypointctl.training.learner import Rollout
 
 PROGRESS: Final = "progress.csv"
 
@@ -30,13 +31,12 @@ class ProgressRow:
         wall_time_s: of the training until then, earlier sessions of a resumed one counted in.
         phase: number of the recipe's phase, from 0.
         episodes: that ended in this rollout, by success, fall or timeout.
-        successes: whole courses walked, actions drawn at random as training does.
+        successes: episodes that reached the last waypoint, with the random actions of training.
         falls: episodes that ended so.
         timeouts: episodes that ended so.
         waypoints: reached in this rollout.
         mean_reward: a control step, unscaled.
-        learning_rate: of the update that followed.
-        entropy: weight of its entropy bonus.
+        schedules: of the update that followed, by name; a column each.
     """
 
     steps: int
@@ -48,18 +48,49 @@ class ProgressRow:
     timeouts: int
     waypoints: int
     mean_reward: float
-    learning_rate: float
-    entropy: float
+    schedules: dict[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, status: TrainingStatus, rollout: Rollout) -> Self:
+        """Return the row of a rollout; its status has the rates of several."""
+        return cls(
+            steps=status.steps,
+            wall_time_s=round(status.elapsed_s, 1),
+            phase=status.phase,
+            episodes=rollout.episodes,
+            successes=rollout.successes,
+            falls=rollout.falls,
+            timeouts=rollout.timeouts,
+            waypoints=rollout.waypoints,
+            mean_reward=rollout.reward / rollout.steps,
+            schedules=status.schedules,
+        )
+
+    def rollout(self, steps: int) -> Rollout:
+        """Return the rollout, which had so many control steps of all robots."""
+        counts = {name: getattr(self, name) for name in ("episodes", "successes", "falls", "timeouts", "waypoints")}
+        return Rollout(steps=steps, reward=self.mean_reward * steps, **counts)
+
+    def cells(self) -> tuple[object, ...]:
+        """Return the row as the file has it."""
+        return (*(getattr(self, name) for name in _KINDS), *self.schedules.values())
 
 
-_KINDS: Final = {field.name: float if field.type == "float" else int for field in fields(ProgressRow)}
+_KINDS: Final = {
+    each.name: float if each.type == "float" else int for each in fields(ProgressRow) if each.name != "schedules"
+}
 
 
 class ProgressFile:
     """A run's progress.csv, being written. Rows leave the process at once: a killed training loses none."""
 
-    def __init__(self, run: Path, steps: int) -> None:
+    def __init__(self, run: Path, steps: int, schedules: tuple[str, ...]) -> None:
         """Keep the rows up to `steps`, from which training goes on, and none of what was trained in vain after it.
+
+        Args:
+            run: the run's folder.
+            steps: that training goes on from.
+            schedules: their names.
 
         Raises:
             OutputError: the file cannot be written.
@@ -67,7 +98,9 @@ class ProgressFile:
         """
         self._path = run / PROGRESS
         self.rows = [row for row in read_progress(run) if row.steps <= steps] if steps else []
-        write_whole(self._path, _text([list(_KINDS), *map(astuple, self.rows)]).encode(), "the progress")
+        write_whole(
+            self._path, _text([(*_KINDS, *schedules), *(row.cells() for row in self.rows)]).encode(), "the progress"
+        )
         self._file = self._path.open("a", encoding="utf-8", newline="")
 
     def add(self, row: ProgressRow) -> None:
@@ -78,18 +111,12 @@ class ProgressFile:
         """
         self.rows.append(row)
         try:
-            self._file.write(_text([astuple(row)]))
+            self._file.write(_text([row.cells()]))
             self._file.flush()
         except OSError as error:
             raise OutputError(f"cannot be written: {error.strerror}", where=str(self._path)) from error
 
-    def __enter__(self) -> Self:
-        """Write."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
         """Close the file."""
         self._file.close()
 
@@ -119,10 +146,10 @@ def read_progress(run: Path) -> list[ProgressRow]:
 
 def _row(cells: dict[str, str]) -> ProgressRow:
     values: dict[str, Any] = {name: kind(cells[name]) for name, kind in _KINDS.items()}
-    return ProgressRow(**values)
+    return ProgressRow(**values, schedules={name: float(cells[name]) for name in cells if name not in _KINDS})
 
 
-def _text(rows: list[list[str] | tuple[object, ...]]) -> str:
+def _text(rows: list[tuple[object, ...]]) -> str:
     text = StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue()

@@ -17,16 +17,11 @@ from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.domain_randomization import DomainRandomization
 from waypointctl.task.failure_replay import FailureReplay
-from waypointctl.training.recipe_fields import Count, Few
-from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe, PpoRecipe
-from waypointctl.training.recipe_selection import SelectionRecipe
-
-
-class EvaluationRecipe(FileModel):
-    """The test that follows training."""
-
-    trials: Few = Field(100, description="of each of the paper's cases")
-    seed: Annotated[int, Strict(), Field(ge=0)] = 1
+from waypointctl.training.algorithms import Algorithm
+from waypointctl.training.algorithms.ppo import PpoRecipe
+from waypointctl.training.recipe_evaluation import EvaluationRecipe, SelectionRecipe
+from waypointctl.training.recipe_fields import Count
+from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe
 
 
 class Recipe(FileModel):
@@ -46,15 +41,15 @@ class Recipe(FileModel):
         DomainRandomization(), description="how robots and episodes differ from the robot's model"
     )
     network: NetworkRecipe = NetworkRecipe()
-    ppo: PpoRecipe = PpoRecipe()
+    algorithm: Algorithm = PpoRecipe(name="ppo")
     phases: Annotated[tuple[PhaseRecipe, ...], Field(min_length=1)]
-    start_from: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
+    warm_start: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
         None, description="policy to begin with the weights of: its folder, relative to this file, or its name"
     )
     checkpoint_steps: Count = Field(1_000_000, description="control steps between checkpoints")
     evaluation: EvaluationRecipe = EvaluationRecipe()
     selection: SelectionRecipe | None = Field(
-        None, description="choose the policy among the checkpoints; without it, it is the last"
+        None, description="select the policy among the checkpoints; without it, it is the last"
     )
 
     @field_validator("domain_randomization")
@@ -69,14 +64,14 @@ class Recipe(FileModel):
 
     @field_validator("selection")
     @classmethod
-    def _chosen_and_reported_apart(
+    def _selected_and_reported_apart(
         cls, selection: SelectionRecipe | None, info: ValidationInfo
     ) -> SelectionRecipe | None:
         evaluation = info.data.get("evaluation")  # none: it is wrong already
         if selection is not None and evaluation is not None and selection.seed == evaluation.seed:
             text = (
-                f"the seed {selection.seed} is evaluation.seed, too: what a policy is chosen by must not be what is "
-                "reported of it; give selection a seed of its own"
+                f"the seed {selection.seed} is evaluation.seed too: a policy must not be reported on the trials that "
+                "selected it; give selection another seed"
             )
             error = PydanticCustomError("recipe", "{text}", {"text": text})
             raise ValidationError.from_exception_data(
@@ -89,6 +84,11 @@ class Recipe(FileModel):
         """Control steps of all robots in all phases."""
         return sum(phase.steps for phase in self.phases)
 
+    @property
+    def last_step(self) -> int:
+        """Control step where training ends: `total_steps`, rounded up to whole rollouts."""
+        return -(-self.total_steps // self.algorithm.iteration_steps) * self.algorithm.iteration_steps
+
     def phase_at(self, step: int) -> tuple[int, float]:
         """Return which phase a control step is in and how far through it that is, 0 to 1."""
         begun = 0
@@ -98,17 +98,12 @@ class Recipe(FileModel):
             begun += phase.steps
         return len(self.phases) - 1, 1.0
 
-    def learning_rate_at(self, step: int) -> float:
-        """Return the learning rate at a control step."""
+    def schedules_at(self, step: int) -> dict[str, float]:
+        """Return the values of the algorithm's schedules at a control step, by name."""
         number, progress = self.phase_at(step)
-        first, last = self.phases[number].learning_rate
-        return first + (last - first) * progress
-
-    def entropy_at(self, step: int) -> float:
-        """Return the weight of the entropy bonus at a control step."""
-        number, progress = self.phase_at(step)
-        first, last = self.phases[number].entropy or (self.ppo.entropy, self.ppo.entropy)
-        return first + (last - first) * progress
+        own = self.phases[number]
+        ends = {name: getattr(own, name) or default for name, default in self.algorithm.schedules.items()}
+        return {name: first + (last - first) * progress for name, (first, last) in ends.items()}
 
     def task(self, phase: int) -> TaskConfig:
         """Return the task as it is in a phase."""
@@ -132,7 +127,7 @@ class Recipe(FileModel):
         """
         selection = (self.selection or SelectionRecipe()).model_copy(update={"stop_at": rate})
         if selection.seed == self.evaluation.seed:
-            raise ValueError(f"evaluation.seed is {selection.seed}, which checkpoints are selected by unless told")
+            raise ValueError(f"evaluation.seed is {selection.seed}, the default seed of a selection")
         return self.model_copy(update={"selection": selection})
 
     def scaled_to(self, steps: int) -> Recipe:

@@ -1,17 +1,23 @@
-"""Recipes as YAML files, and the JSON Schema for editors."""
+"""Recipes as YAML files, and what a policy's recipe says of it."""
 
 from __future__ import annotations
 
 import hashlib
 import math
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
-from waypointctl.errors import RecipeError
+from waypointctl.errors import InputError, RecipeError
+from waypointctl.evaluation.suite import Training
 from waypointctl.mission.yaml_source import read_model, read_source
 from waypointctl.mission.yaml_tree import read_tree
+from waypointctl.policy.manifest import Manifest
 from waypointctl.training.recipe import Recipe
+
+RECIPE: Final = "train.yaml"  # in a run's folder and in a policy's
+MODULES: Final = ("torch", "stable_baselines3", "gymnasium", "onnx", "safetensors", "tensorboard")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +53,38 @@ def load_recipe(path: Path) -> RecipeFile:
     """
     source = read_source(path, RecipeError)
     return RecipeFile(read_model(source, str(path), Recipe, RecipeError), source, path)
+
+
+def trained_on(folder: Path, manifest: Manifest) -> Training | None:
+    """Return whether a policy was trained on a single point or on waypoints.
+
+    Args:
+        folder: the bundle.
+        manifest: the bundle's, with the hash of the recipe that made it.
+
+    Returns:
+        None where that recipe is not in the folder, was changed, or is not read any more.
+    """
+    try:
+        recipe_file = load_recipe(folder / RECIPE)
+    except RecipeError:
+        return None
+    if recipe_file.sha256 != manifest.training.recipe_sha256:
+        return None
+    cases = recipe_file.recipe.course.cases
+    points = {point.position_m for case in cases or () for point in case.waypoints}
+    return "single point" if cases and len(points) == 1 else "waypoints"
+
+
+def require_packages() -> None:
+    """Refuse to train where a package of the extra `train` is missing.
+
+    Raises:
+        InputError: naming what is missing and how to install it.
+    """
+    if missing := [module for module in MODULES if find_spec(module) is None]:
+        problem = f"training needs packages that are not installed: {', '.join(missing)}"
+        raise InputError(problem, hint='Install them with the train extra: pip install ".[train]" in the checkout.')
 
 
 def recipe_schema() -> dict[str, Any]:

@@ -1,7 +1,7 @@
-"""What a recipe refers to beside itself: the suite that it selects by, and the policy that it starts from.
+"""What a recipe refers to: the suite that it selects by, and the policy that it starts from.
 
-Whoever is about to train is told of what is not there together with everything else that is wrong with the file. A
-recipe that is merely read, such as the copy in a policy's folder, need not have what it refers to at hand.
+Before a training, missing files are reported together with everything else that is wrong with the recipe. A recipe that
+is only read, such as the copy in a policy's folder, need not have them.
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ def _reference_problems(source: bytes, path: Path, recipe: Recipe | None) -> Ite
         return
     if suite := _text_at(tree, ("selection", "suite")):
         yield from _suite_problems(suite, path, tree)
-    if start_from := _text_at(tree, ("start_from",)):
-        for text in _start_faults(start_from, path.parent, recipe):
-            yield _problem(path, tree, ("start_from",), text)
+    if warm_start := _text_at(tree, ("warm_start",)):
+        for text in _warm_start_faults(warm_start, path.parent, recipe):
+            yield _problem(path, tree, ("warm_start",), text)
 
 
 def _text_at(tree: Tree, path: DataPath) -> str | None:
@@ -98,11 +98,11 @@ def _unknown_suite(suite: str, known: tuple[str, ...]) -> str:
     return f"there is no suite {suite!r}; give {', '.join(known)} or a YAML file, relative to this one"
 
 
-def _start_faults(named: str, beside: Path, recipe: Recipe | None) -> Iterator[str]:
+def _warm_start_faults(named: str, beside: Path, recipe: Recipe | None) -> Iterator[str]:
     from waypointctl.mission.policy_name import policies_there_are, policy_folder
     from waypointctl.paths import folder_fault
     from waypointctl.policy.bundle import load_policy
-    from waypointctl.training.origin import misfits, not_startable
+    from waypointctl.training.warm_start import misfits, not_startable
 
     folder = policy_folder(named, beside)
     if fault := folder_fault(folder):

@@ -25,7 +25,6 @@ from waypointctl.errors import OutputError, RecipeError
 from waypointctl.paths import open_lock, refuse_unwritable_folder
 
 FOLDER: Final = "checkpoints"
-RECIPE: Final = "train.yaml"
 
 _ELSEWHERE: Final = "Give a folder in a place that you can write to."
 

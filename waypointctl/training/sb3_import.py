@@ -28,8 +28,8 @@ from waypointctl.robots.load import load_robot
 from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
 from waypointctl.task.observation import Layout, layout
+from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
 from waypointctl.training.export import ACTION_MEANING
-from waypointctl.training.onnx_export import mlp_to_onnx
 from waypointctl.training.sb3_archive import Sb3Archive, read_archive
 from waypointctl.training.sb3_network import Sb3Network, build_network
 from waypointctl.training.sb3_normaliser import Normaliser, read_normaliser

@@ -17,8 +17,8 @@ from stable_baselines3.td3.policies import TD3Policy
 from torch import nn
 
 from waypointctl.errors import PolicyError
-from waypointctl.training.learner import ACTIVATIONS
-from waypointctl.training.onnx_export import Activation, Layer
+from waypointctl.training.algorithms.onnx_export import Activation, Layer
+from waypointctl.training.algorithms.ppo_learner import ACTIVATIONS
 from waypointctl.training.sb3_archive import Sb3Archive
 from waypointctl.training.sb3_tensors import Array
 

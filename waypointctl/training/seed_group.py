@@ -22,9 +22,9 @@ from waypointctl.evaluation.result import EVALUATION
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.paths import refuse_unwritable_folder, write_whole
 from waypointctl.policy.manifest import MANIFEST
-from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.recipe_selection import SelectionRecipe
-from waypointctl.training.run_folder import RECIPE, new_run, newest_checkpoint
+from waypointctl.training.recipe_evaluation import SelectionRecipe
+from waypointctl.training.recipe_file import RECIPE, RecipeFile
+from waypointctl.training.run_folder import new_run, newest_checkpoint
 
 GROUP: Final = "group.json"
 

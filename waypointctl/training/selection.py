@@ -1,7 +1,7 @@
-"""Which checkpoint becomes the policy: each is tested, the most successful is chosen.
+"""Which checkpoint becomes the policy: each is evaluated, the most successful is selected.
 
-What has been found stands in the run's selection.json. When the next test is due follows from that alone, so that a
-training that is killed and resumed tests the very checkpoints that an undisturbed one does.
+The results are in the run's selection.json. When the next evaluation is due follows from that alone, so that a training
+that is killed and resumed evaluates the same checkpoints as an undisturbed one.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import NETWORK, WEIGHTS, SelectionRecord
 from waypointctl.policy.write import bundle_files
-from waypointctl.training.recipe_selection import SelectionRecipe
+from waypointctl.training.recipe_evaluation import SelectionRecipe
 
 SELECTION: Final = "selection.json"
 
@@ -27,11 +27,11 @@ class _Record(BaseModel):
 
 
 class Candidate(_Record):
-    """A checkpoint that was tested.
+    """A checkpoint that was evaluated.
 
     Attributes:
         steps: of its training.
-        wall_time_s: spent on training until the test was over, earlier sessions of a resumed one counted in.
+        wall_time_s: spent on training until the evaluation was over, earlier sessions of a resumed one included.
         trials: of all cases together, > 0.
         successes: among them.
         falls: among them.
@@ -45,31 +45,31 @@ class Candidate(_Record):
 
     @property
     def success_rate(self) -> float:
-        """What it is chosen by."""
+        """The quantity that selects."""
         return self.successes / self.trials
 
 
 class SelectionFile(_Record):
-    """selection.json: what was tested, and how."""
+    """selection.json: what was evaluated, and how."""
 
     suite: str
     seed: int
     stop_at: float | None
-    chosen_steps: int
+    selected_steps: int
     candidates: list[Candidate]
 
 
 class Selection:
-    """The checkpoints of a run that were tested so far."""
+    """The checkpoints of a run that were evaluated so far."""
 
     def __init__(self, recipe: SelectionRecipe, run: Path, steps: int, suite_name: str | None = None) -> None:
         """Go on from what the run's folder has of the time until `steps`; 0 begins anew.
 
         Args:
-            recipe: how checkpoints are tested.
+            recipe: how checkpoints are evaluated.
             run: the run's folder.
             steps: that training has come to.
-            suite_name: the suite's own name, for people; None: as the recipe has it, which may be a file.
+            suite_name: the suite's own name, to be shown; None: as the recipe has it, which may be a file.
 
         Raises:
             RecipeError: the record in the folder is damaged.
@@ -90,8 +90,8 @@ class Selection:
     def best(self) -> Candidate:
         """The candidate with the most successes; there has to be one.
 
-        The later of equals, which has learnt longer and at a lower rate. Speed is no tie-breaker: what is to be quick
-        is for the reward to say, and equals differ in it by chance.
+        Of equals, the later one, which has learnt longer and at a lower rate. Speed breaks no tie: the reward decides
+        on speed, and equals differ in it by chance.
         """
         return max(self.candidates, key=lambda candidate: (candidate.successes, candidate.steps))
 
@@ -101,13 +101,13 @@ class Selection:
         target = self.recipe.stop_at
         return target is not None and bool(self.candidates) and self.best.success_rate >= target
 
-    def due(self, steps: int) -> bool:
-        """Return whether a checkpoint at `steps` is to be tested."""
+    def is_due(self, steps: int, *, last: bool) -> bool:
+        """Return whether a checkpoint at `steps`, which may be the last, is to be evaluated."""
         every = self.recipe.every
-        return steps >= (self.last_steps // every + 1) * every
+        return steps >= (self.last_steps // every + 1) * every or (last and self.last_steps != steps)
 
     def add(self, candidate: Candidate) -> None:
-        """Take one candidate more, and write all to the run's folder.
+        """Add a candidate, and write all to the run's folder.
 
         Raises:
             OutputError: they cannot be written.
@@ -117,13 +117,13 @@ class Selection:
             suite=self.recipe.suite,
             seed=self.recipe.seed,
             stop_at=self.recipe.stop_at,
-            chosen_steps=self.best.steps,
+            selected_steps=self.best.steps,
             candidates=self.candidates,
         )
         write_whole(self._path, f"{written.model_dump_json(indent=2)}\n".encode(), "the record of the checkpoints")
 
     def record(self) -> SelectionRecord:
-        """Return what the manifest of the chosen policy says of it."""
+        """Return the record for the manifest of the selected policy."""
         best = self.best
         return SelectionRecord(
             suite=self.recipe.suite,
@@ -137,7 +137,7 @@ class Selection:
 
 
 def with_record(policy: LoadedPolicy, record: SelectionRecord) -> LoadedPolicy:
-    """Return a checkpoint's policy with a manifest that says how it was chosen."""
+    """Return a checkpoint's policy with a manifest that says how it was selected."""
     manifest = policy.manifest
     training = manifest.training.model_copy(update={"selection": record})
     description = manifest.model_copy(update={"training": training})
@@ -152,7 +152,7 @@ def _read(path: Path) -> list[Candidate]:
         ).candidates
     except (RecipeError, ValidationError) as error:
         if getattr(error, "problem", "") == NOT_THERE:
-            return []  # killed before the first test
-        problem = "the record of the checkpoints that were tested cannot be read"
-        hint = "Remove the file: the checkpoints from now on are tested."
+            return []  # killed before the first evaluation
+        problem = "the record of the evaluated checkpoints cannot be read"
+        hint = "Remove the file: only the checkpoints from now on are evaluated then."
         raise RecipeError(problem, where=str(path), hint=hint) from error

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
-from waypointctl.errors import InputError, OutputError
-from waypointctl.evaluation.evaluate import Progress
+from waypointctl.errors import InputError, OutputError, RecipeError
 from waypointctl.evaluation.result import EVALUATION, Evaluation, read_evaluation
 from waypointctl.evaluation.saved import remove_outdated
 from waypointctl.evaluation.suite import load_suite
@@ -16,33 +17,33 @@ from waypointctl.paths import refuse_unwritable_folder, write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.write import copy_bundle
 from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
-from waypointctl.training.divergence import refuse_diverged
-from waypointctl.training.learner import Learner
-from waypointctl.training.origin import load_origin
-from waypointctl.training.progress_file import ProgressFile
-from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.run_folder import RECIPE, checkpoint_at, held, newest_checkpoint, require_checkpoint
-from waypointctl.training.scalars import scalar_logger
+from waypointctl.training.checkpoint_evaluation import CheckpointSelector, Evaluator, selection_suite
+from waypointctl.training.events import CheckpointSaved, OnEvent, Resumed, Threads, TrainingEvent
+from waypointctl.training.recipe_file import RECIPE, RecipeFile
+from waypointctl.training.recipe_references import load_recipe_to_train
+from waypointctl.training.run_folder import checkpoint_at, held, newest_checkpoint, require_checkpoint
 from waypointctl.training.selection import Selection, with_record
-from waypointctl.training.start_from import start_from
-from waypointctl.training.status import CheckpointSaved, Resumed, Threads, Watch
-from waypointctl.training.testing import Tester, evaluate_unless, selection_suite
-from waypointctl.training.watcher import Watcher
+from waypointctl.training.state import TrainingState
+from waypointctl.training.training_log import TrainingLog
+from waypointctl.training.warm_start import load_warm_start
+
+FINAL_SUITE: Final = "paper"
 
 
 @dataclass(frozen=True, slots=True)
-class Trained:
-    """What a training came to.
+class TrainingResult:
+    """The outcome of a training.
 
     Attributes:
-        policy: as it stands in `folder`.
-        folder: the bundle; the last checkpoint's if the training was interrupted.
+        policy: loaded from `folder`.
+        folder: of the bundle; the last checkpoint's if the training was interrupted.
         evaluation: on the paper's cases; None if the training was interrupted.
-        steps: that training went on for; the policy's own are fewer if an earlier checkpoint was selected.
+        steps: control steps that training went on for; the policy's own are fewer if an earlier checkpoint was
+            selected.
         wall_time_s: of all sessions, without the evaluation.
-        selection: the checkpoints that were tested, where the recipe wants that.
+        selection: the checkpoints that were evaluated, where the recipe has a selection.
         threads: that were used.
-        complete_before: a training was resumed that had come to its end already.
+        already_complete: the training was resumed and had come to its end before.
     """
 
     policy: LoadedPolicy
@@ -52,159 +53,219 @@ class Trained:
     wall_time_s: float
     selection: Selection | None
     threads: Threads
-    complete_before: bool
+    already_complete: bool
+
+
+def _ignore(event: TrainingEvent) -> None:
+    pass
 
 
 def train(
-    recipe_file: RecipeFile,
-    out: Path,
+    recipe: RecipeFile | Path | str,
+    out: Path | str,
     *,
-    run: Path,
+    run: Path | str | None = None,
     threads: int = 0,
     resume: bool = False,
-    watch: Watch = lambda _: None,
-    evaluating: Progress = lambda case, ended: None,
+    on_event: OnEvent = _ignore,
     interrupted: Callable[[], bool] = lambda: False,
-) -> Trained:
-    """Train a policy and write its bundle.
+) -> TrainingResult:
+    """Train a policy by a recipe, evaluate it on the paper's cases and write its bundle.
 
-    A training that is interrupted leaves `out` as it was; its last checkpoint is a bundle too, and flies. Resumed
-    with as many threads, it ends in the very weights it would have ended in.
+    An interrupted training leaves `out` as it was; its last checkpoint is a bundle that flies. Resumed with as many
+    threads, it ends in the weights of an uninterrupted one, bit for bit.
 
     Args:
-        recipe_file: what to do.
-        out: where the finished bundle goes, with its recipe and evaluation; what is there is replaced.
-        run: the run's folder, for checkpoints, progress and TensorBoard scalars.
+        recipe: its file, or the loaded file; of that, seed and steps may have been changed.
+        out: folder of the finished bundle, with its recipe and evaluation; a bundle in it is replaced.
+        run: folder for checkpoints, progress and TensorBoard scalars; `out` by default.
         threads: of physics and of torch; 0 is the default, or those that the resumed run was trained with.
         resume: go on from the newest checkpoint in `run`.
-        watch: told how it goes.
-        evaluating: told how the evaluation goes.
-        interrupted: asked before every rollout and while evaluating; True ends the training.
+        on_event: called with the progress of training and evaluation.
+        interrupted: called before every rollout and while evaluating; True ends the training with a checkpoint.
 
     Raises:
-        OutputError: `out` or `run` cannot be written, or `run` is of an earlier training that is not to be resumed.
-        RecipeError: there is no checkpoint to resume from, or it is damaged or of another recipe; or the training
-            diverged, or is to start from a policy of other sizes.
-        PolicyError, SuiteError: the policy to start from, or the suite to select by, is not there.
+        OutputError: `out` or `run` cannot be written, or `run` has checkpoints and `resume` is False.
+        RecipeError: the recipe is wrong; there is no checkpoint to resume from, or it is damaged or of another recipe;
+            the training diverged; or the policy to start from does not fit the recipe.
+        PolicyError, SuiteError: the policy to start from, or the suite to select by, does not exist or is damaged.
     """
+    recipe_file = recipe if isinstance(recipe, RecipeFile) else load_recipe_to_train(Path(recipe))
+    out = Path(out)
+    run = out if run is None else Path(run)
     refuse_unwritable_folder(out)
     with held(run):
-        learner = Learner(recipe_file.recipe, threads)
-        begun_s = time.monotonic() - _begin(learner, recipe_file, run, resume, watch)
-        watch(learner.threads)
-        tester = None
-        complete = resume and learner.steps >= recipe_file.recipe.total_steps
-        if (suite := selection_suite(recipe_file, run, resume=resume)) and (plan := recipe_file.recipe.selection):
-            selection = Selection(plan, run, learner.steps, suite.name)
-            complete = complete or (resume and selection.met)
-            tester = Tester(selection, suite, threads=threads, begun_s=begun_s, watch=watch, interrupted=interrupted)
+        state = TrainingState(recipe_file.recipe, threads)
+        begun_s = time.monotonic() - _begin(state, recipe_file, run, resume, on_event)
+        on_event(state.threads)
+        evaluator = Evaluator(threads, on_event, interrupted)
+        selector = _selector(state, recipe_file, run, resume, evaluator, begun_s)
+        complete = resume and (
+            state.steps >= state.recipe.last_step or (selector is not None and selector.selection.met)
+        )
         if resume:
-            watch(Resumed(learner.steps, recipe_file.recipe.total_steps, complete))
-        watcher = _learn(learner, recipe_file, run, begun_s, tester, watch, interrupted)
+            on_event(Resumed(state.steps, state.recipe.last_step, complete))
+        loop = _Loop(state, recipe_file, run, begun_s, selector, on_event, interrupted)
+        finished = loop.run_to_end()
         wall_time_s = time.monotonic() - begun_s
-        folder, policy, steps = _chosen(watcher, tester, run)
-        evaluation = None
-        if not watcher.interrupted:
-            kept = _kept_evaluation(policy, recipe_file, out) if complete else None
-            evaluation = kept or _evaluate(policy, recipe_file, threads, evaluating, interrupted)
-        tested = tester.selection if tester else None
+        folder, policy, steps = _selected(loop, selector, run, finished)
+        evaluation = _evaluation(policy, recipe_file, evaluator, out, complete) if finished else None
         if evaluation is None:
             policy = load_policy(folder)
         else:
             _finish(policy, recipe_file, evaluation, out)
             folder = out
-        return Trained(policy, folder, evaluation, steps, wall_time_s, tested, learner.threads, complete)
+        selection = selector.selection if selector else None
+        return TrainingResult(policy, folder, evaluation, steps, wall_time_s, selection, state.threads, complete)
 
 
-def _begin(learner: Learner, recipe_file: RecipeFile, run: Path, resume: bool, watch: Watch) -> float:
+@dataclass(slots=True)
+class _Loop:
+    """The training loop, and the last checkpoint that it saved."""
+
+    state: TrainingState
+    recipe_file: RecipeFile
+    run: Path
+    begun_s: float
+    selector: CheckpointSelector | None
+    on_event: OnEvent
+    interrupted: Callable[[], bool]
+    saved: CheckpointSaved | None = None
+    next_checkpoint: int = 0
+
+    def run_to_end(self) -> bool:
+        """Train until the last step, or the selection's target is met; return False if interrupted before."""
+        state, learner = self.state, self.state.learner
+        self._plan_checkpoint()
+        with TrainingLog(self.run, state.recipe, state.steps, self.begun_s) as log:
+            finished = self._target_met or self._checkpoint_and_select(log)
+            while finished is None:
+                state.enter_phase()
+                try:
+                    rollout = learner.collect()
+                    metrics = learner.update()
+                except ValueError:  # a number that is not finite, in the middle of an update
+                    self._refuse_diverged()
+                    raise
+                self._refuse_diverged()
+                self.on_event(log.add(state.steps, rollout, metrics))
+                finished = self._checkpoint_and_select(log)
+        return finished
+
+    def _checkpoint_and_select(self, log: TrainingLog) -> bool | None:
+        """Save and evaluate a checkpoint where one is due; return whether training is finished, None to go on."""
+        steps = self.state.steps
+        ended = steps >= self.state.recipe.last_step
+        stopped = not ended and self.interrupted()
+        evaluates = self.selector is not None and self.selector.selection.is_due(steps, last=ended)
+        if ended or stopped or evaluates or steps >= self.next_checkpoint:
+            self._checkpoint()
+        if stopped:
+            return False
+        if evaluates and not self._select(log):
+            return False
+        return True if ended or self._target_met else None
+
+    def _checkpoint(self) -> None:
+        folder = save_checkpoint(self.state, self.recipe_file, self.run, time.monotonic() - self.begun_s)
+        self.saved = CheckpointSaved(self.state.steps, folder)
+        self._plan_checkpoint()
+        self.on_event(self.saved)
+
+    def _plan_checkpoint(self) -> None:
+        every = self.state.recipe.checkpoint_steps
+        self.next_checkpoint = (self.state.steps // every + 1) * every
+
+    def _select(self, log: TrainingLog) -> bool:
+        """Evaluate the checkpoint just saved; return False if that was interrupted."""
+        assert self.selector is not None
+        assert self.saved is not None
+        candidate = self.selector.evaluate(self.saved)
+        if candidate is not None:
+            log.add_selection(candidate.steps, candidate.success_rate)
+        return candidate is not None
+
+    @property
+    def _target_met(self) -> bool:
+        return self.selector is not None and self.selector.selection.met
+
+    def _refuse_diverged(self) -> None:
+        """End a training whose network has numbers that are not finite: no update recovers from them.
+
+        Raises:
+            RecipeError: it has, with the step and the last checkpoint, which was taken before.
+        """
+        if self.state.learner.is_finite():
+            return
+        last = newest_checkpoint(self.run)
+        kept = f"the last checkpoint is {last}" if last else "there is no checkpoint yet"
+        problem = f"the training diverged: at step {self.state.steps} the network has numbers that are not finite"
+        hint = "Begin another run with a lower learning_rate, reward_scale or max_gradient."
+        raise RecipeError(f"{problem}; {kept}", where=str(self.recipe_file.path), hint=hint)
+
+
+def _begin(state: TrainingState, recipe_file: RecipeFile, run: Path, resume: bool, on_event: OnEvent) -> float:
     """Return the wall time spent until now [s]."""
     if resume:
-        return load_checkpoint(learner, recipe_file, require_checkpoint(run))
+        return load_checkpoint(state, recipe_file, require_checkpoint(run))
     if newest_checkpoint(run):
         problem = "has the checkpoints of an earlier training"
         raise OutputError(problem, where=str(run), hint="Resume that training, or choose another folder.")
-    if origin := load_origin(recipe_file):
-        watch(start_from(learner, origin, recipe_file))
+    if warm_start := load_warm_start(recipe_file):
+        on_event(warm_start.apply(state.learner, recipe_file))
+        state.start = warm_start.record()
     _place_recipe(recipe_file, run)
     return 0.0
 
 
-def _learn(
-    learner: Learner,
-    recipe_file: RecipeFile,
-    run: Path,
-    begun_s: float,
-    tester: Tester | None,
-    watch: Watch,
-    interrupted: Callable[[], bool],
-) -> Watcher:
-    def save() -> CheckpointSaved:
-        folder = save_checkpoint(learner, recipe_file, run, time.monotonic() - begun_s)
-        return CheckpointSaved(learner.steps, folder)
-
-    def refuse() -> None:
-        refuse_diverged(learner, recipe_file, run)
-
-    with scalar_logger(run / "tensorboard", learner.steps) as logger, ProgressFile(run, learner.steps) as progress:
-        watcher = Watcher(
-            learner,
-            watch=watch,
-            save=save,
-            progress=progress,
-            tester=tester,
-            refuse_diverged=refuse,
-            interrupted=interrupted,
-            begun_s=begun_s,
-        )
-        learner.ppo.set_logger(logger)
-        if watcher.met:  # in an earlier session, which was ended in the evaluation
-            return watcher
-        try:
-            learner.learn(watcher)
-        except ValueError:  # torch's distributions refuse numbers that are not finite in the middle of an update
-            refuse()
-            raise
-    return watcher
+def _selector(
+    state: TrainingState, recipe_file: RecipeFile, run: Path, resume: bool, evaluator: Evaluator, begun_s: float
+) -> CheckpointSelector | None:
+    suite, plan = selection_suite(recipe_file, run, resume=resume), recipe_file.recipe.selection
+    if suite is None or plan is None:
+        return None
+    return CheckpointSelector(Selection(plan, run, state.steps, suite.name), suite, evaluator, begun_s)
 
 
-def _chosen(watcher: Watcher, tester: Tester | None, run: Path) -> tuple[Path, LoadedPolicy, int]:
+def _selected(
+    loop: _Loop, selector: CheckpointSelector | None, run: Path, finished: bool
+) -> tuple[Path, LoadedPolicy, int]:
     """Return the checkpoint that becomes the policy, the policy, and the steps that training ended at.
 
-    It is the last one, unless the best was to be selected and training has come to its end.
+    It is the last one, unless there is a selection and training is finished.
     """
-    if tester is None or watcher.interrupted:
-        assert watcher.saved is not None, "every training ends with a checkpoint"
-        return watcher.saved.folder, load_policy(watcher.saved.folder), watcher.saved.steps
-    folder = checkpoint_at(run, tester.selection.best.steps)
-    return folder, with_record(load_policy(folder), tester.selection.record()), tester.selection.last_steps
+    if selector is None or not finished:
+        assert loop.saved is not None, "every training ends with a checkpoint"
+        return loop.saved.folder, load_policy(loop.saved.folder), loop.saved.steps
+    selection = selector.selection
+    folder = checkpoint_at(run, selection.best.steps)
+    return folder, with_record(load_policy(folder), selection.record()), selection.last_steps
 
 
-def _evaluate(
-    policy: LoadedPolicy,
-    recipe_file: RecipeFile,
-    threads: int,
-    evaluating: Progress,
-    interrupted: Callable[[], bool],
+def _evaluation(
+    policy: LoadedPolicy, recipe_file: RecipeFile, evaluator: Evaluator, out: Path, complete: bool
 ) -> Evaluation | None:
-    """Return how the policy does on the paper's cases, None if that was interrupted."""
-    plan = recipe_file.recipe.evaluation
-    return evaluate_unless(interrupted, policy, load_suite("paper"), plan.trials, plan.seed, threads, evaluating)
+    """Return how the policy does on the paper's cases, None if that was interrupted.
 
-
-def _kept_evaluation(policy: LoadedPolicy, recipe_file: RecipeFile, out: Path) -> Evaluation | None:
-    """Return the evaluation that a complete training left in `out`, None if it is not this policy's in these trials."""
+    What an already complete training left in `out` is kept, if it is this policy's in these trials.
+    """
     plan = recipe_file.recipe.evaluation
-    try:
-        found = read_evaluation(out / EVALUATION)
-    except InputError:
-        return None
-    asked = ("paper", plan.seed, policy.sha256, {plan.trials})
-    kept = (found.suite, found.seed, found.policy_sha256, {case.trials for case in found.cases})
-    return found if kept == asked else None
+    if complete:
+        with suppress(InputError):
+            found = read_evaluation(out / EVALUATION)
+            trials = {case.trials for case in found.cases}
+            if (found.suite, found.seed, found.policy_sha256, trials) == (
+                FINAL_SUITE,
+                plan.seed,
+                policy.sha256,
+                {plan.trials},
+            ):
+                return found
+    return evaluator.evaluate(policy, load_suite(FINAL_SUITE), plan)
 
 
 def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluation, out: Path) -> None:
-    """Put the bundle into `out`; evaluations of an earlier one are never beside it."""
+    """Put the bundle into `out`, and remove the evaluations of an earlier one."""
     remove_outdated(out, policy.sha256)
     copy_bundle(policy, out)
     _place_recipe(recipe_file, out)

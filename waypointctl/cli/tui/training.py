@@ -1,4 +1,4 @@
-"""Watching a training: one panel on a terminal, a line now and then elsewhere."""
+"""A training on stderr: one panel on a terminal, a line now and then elsewhere."""
 
 from __future__ import annotations
 
@@ -10,30 +10,31 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Final, Protocol, Self
 
 from waypointctl.cli.console import console, is_live
-from waypointctl.cli.tui.training_words import (
+from waypointctl.cli.tui.training_text import (
+    checkpoint_text,
     count,
-    done,
-    lately,
+    duration,
+    evaluation_text,
     line,
     percent,
+    rates,
     resumed_text,
-    span,
+    schedules,
     sparkline,
-    started,
-    tested,
     threads_text,
+    warm_start_text,
 )
 from waypointctl.display_text import printable
-from waypointctl.training.status import (
+from waypointctl.training.events import (
     ENOUGH,
+    CheckpointEvaluated,
     CheckpointSaved,
-    CheckpointTested,
-    CheckpointTesting,
-    News,
+    EvaluationProgress,
     Resumed,
-    StartedFrom,
     Threads,
+    TrainingEvent,
     TrainingStatus,
+    WarmStarted,
 )
 
 if TYPE_CHECKING:
@@ -43,26 +44,23 @@ if TYPE_CHECKING:
     from waypointctl.training.recipe import Recipe
 
 LINE_PERIOD_S: Final = 10.0  # between two lines where there is no terminal
-PICTURE_PERIOD_S: Final = 0.2  # between two pictures where there is one
+PANEL_PERIOD_S: Final = 0.2  # between two panels where there is one
 _WIDEST: Final = 100  # columns of the panel
 _LABELS: Final = 12  # columns of the labels, with their gap
 _FRAME: Final = 6  # columns of the frame, with the gaps inside it
 
 
 class TrainingView(AbstractContextManager["TrainingView"], Protocol):
-    """Shows people how a training and its evaluation go."""
+    """Shows a training and its evaluation."""
 
-    def __call__(self, news: News) -> None:
-        """Take news of the training."""
-
-    def evaluating(self, case: str, ended: int) -> None:
-        """Take news of the evaluation: how many trials of a case have ended."""
+    def __call__(self, event: TrainingEvent) -> None:
+        """Take an event."""
 
 
-def watch_training(recipe: Recipe, title: str, interrupted: Callable[[], bool]) -> TrainingView:
+def training_view(recipe: Recipe, title: str, interrupted: Callable[[], bool]) -> TrainingView:
     """Return what shows a training on stderr, under a title; `interrupted` says whether it has been asked to end."""
-    people = console(stderr=True)
-    return LivePanel(people, recipe, title, interrupted) if is_live(people) else PlainLines(recipe)
+    stderr = console(stderr=True)
+    return LivePanel(stderr, recipe, title, interrupted) if is_live(stderr) else PlainLines(recipe)
 
 
 class PlainLines:
@@ -71,26 +69,24 @@ class PlainLines:
     def __init__(self, recipe: Recipe) -> None:
         """Begin."""
         self._phases = len(recipe.phases)
-        self._trials = recipe.evaluation.trials
         self._next_s = 0.0
-        self._unsaid: TrainingStatus | None = None
+        self._unwritten: TrainingStatus | None = None
+        self._evaluating = False
 
-    def __call__(self, news: News) -> None:
-        """Take news of the training."""
-        if isinstance(news, CheckpointTesting):
-            return
-        if isinstance(news, TrainingStatus):
-            self._unsaid = news
-            if time.monotonic() < self._next_s:
-                return
-        self._say_last()
-        if not isinstance(news, TrainingStatus):
-            self._say(line(news, self._phases))
-
-    def evaluating(self, case: str, ended: int) -> None:
-        """Take news of the evaluation."""
-        if ended == self._trials:
-            self._say(f"evaluated {case}")
+    def __call__(self, event: TrainingEvent) -> None:
+        """Take an event."""
+        match event:
+            case TrainingStatus():
+                self._unwritten = event
+                if time.monotonic() >= self._next_s:
+                    self._write_last()
+            case EvaluationProgress(final=False):
+                pass
+            case EvaluationProgress():
+                self._evaluation(event)
+            case _:
+                self._write_last()
+                self._write(line(event, self._phases))
 
     def __enter__(self) -> Self:
         """Begin."""
@@ -101,13 +97,20 @@ class PlainLines:
     ) -> None:
         """Leave what has been written."""
 
-    def _say_last(self) -> None:
-        if self._unsaid is not None:
-            self._say(line(self._unsaid, self._phases))
-            self._unsaid = None
+    def _evaluation(self, event: EvaluationProgress) -> None:
+        if not self._evaluating:
+            self._evaluating = True
+            self._write(f"evaluating on the suite {event.suite}, {event.trials} trials of each case")
+        if event.ended == event.trials:
+            self._write(f"evaluated {event.case}")
+
+    def _write_last(self) -> None:
+        if self._unwritten is not None:
+            self._write(line(self._unwritten, self._phases))
+            self._unwritten = None
             self._next_s = time.monotonic() + LINE_PERIOD_S
 
-    def _say(self, text: str) -> None:
+    def _write(self, text: str) -> None:
         print(printable(text), file=sys.stderr, flush=True)
 
 
@@ -119,46 +122,27 @@ class LivePanel:
         from rich.live import Live
 
         self._console = people
-        self._recipe = recipe
+        self._phases = len(recipe.phases)
         self._title = title
         self._interrupted = interrupted
         self._ascii_only = not people.encoding.lower().startswith("utf")
         self._status: TrainingStatus | None = None
-        self._saved: CheckpointSaved | None = None
-        self._start = self._threads = self._resumed = ""
-        self._tested = ""
-        self._testing = ""
-        self._evaluation = ""
+        self._texts: dict[str, str] = {}  # by the label of their row
         self._history: list[tuple[float, float]] = []
         self._next_s = 0.0
         self._live = Live(console=people, auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
 
-    def __call__(self, news: News) -> None:
-        """Take news of the training."""
-        match news:
-            case Threads():
-                self._threads = threads_text(news)
-            case Resumed():
-                self._resumed = resumed_text(news)
-            case StartedFrom():
-                self._start = started(news)
-            case CheckpointSaved():
-                self._saved = news
-            case CheckpointTesting():
-                self._testing = f"testing {news.case}, {news.ended} of {news.trials}"
-            case CheckpointTested():
-                self._tested, self._testing = tested(news), ""
-            case TrainingStatus():
-                self._status = news
-                success = dict(lately(news))["success"]
-                if success is not None:
-                    self._history.append((done(news), success))
-        self._draw_in_time()
-
-    def evaluating(self, case: str, ended: int) -> None:
-        """Take news of the evaluation."""
-        self._evaluation = f"{case}, {ended} of {self._recipe.evaluation.trials} trials"
-        self._draw_in_time()
+    def __call__(self, event: TrainingEvent) -> None:
+        """Take an event."""
+        if isinstance(event, TrainingStatus):
+            self._status = event
+            if event.success_rate is not None:
+                self._history.append((event.steps / event.total_steps, event.success_rate))
+        else:
+            label, text = _row(event)
+            self._texts[label] = text
+        if time.monotonic() >= self._next_s:
+            self.draw()
 
     def __enter__(self) -> Self:
         """Begin to draw."""
@@ -169,16 +153,16 @@ class LivePanel:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Leave the last picture standing."""
+        """Leave the last panel standing."""
         self.draw()
         self._live.stop()
 
     def draw(self) -> None:
         """Draw now."""
-        self._live.update(self.picture(), refresh=True)
-        self._next_s = time.monotonic() + PICTURE_PERIOD_S
+        self._live.update(self.panel(), refresh=True)
+        self._next_s = time.monotonic() + PANEL_PERIOD_S
 
-    def picture(self) -> Panel:
+    def panel(self) -> Panel:
         """Return the panel, made to the terminal's width as it is now."""
         from rich.box import ASCII, ROUNDED
         from rich.panel import Panel
@@ -190,7 +174,7 @@ class LivePanel:
         table = Table.grid(padding=(0, 2, 0, 0), pad_edge=False)
         table.add_column(style="dim", no_wrap=True, overflow="crop", width=_LABELS - 2)
         table.add_column(no_wrap=True, overflow="crop" if self._ascii_only else "ellipsis", width=columns)
-        for label, value in self._rows(columns):
+        for label, value in (*self._text_rows("resume", "threads"), *self._rows(columns)):
             table.add_row(label, value)
         hint = "stopping after this update" if self._interrupted() else "Ctrl-C stops it with a checkpoint"
         box = ASCII if self._ascii_only else ROUNDED
@@ -200,32 +184,46 @@ class LivePanel:
         from rich.progress_bar import ProgressBar
 
         status = self._status
-        ahead = [(label, value) for label, value in (("resume", self._resumed), ("threads", self._threads)) if value]
         if status is None:
-            last = self._evaluation and [("evaluation", self._evaluation)]
-            return [*ahead, *(last or [("", "making the robots")])]
-        bar = ProgressBar(status.total_steps, status.steps, width=columns)
-        rows: list[tuple[str, RenderableType]] = [
-            ("", bar),
-            *ahead,
-            ("steps", f"{count(status.steps)} of {count(status.total_steps)}, {done(status):.1%}"),
+            return [*(self._text_rows("evaluation") or [("", "making the robots")])]
+        share = status.steps / status.total_steps
+        return [
+            ("", ProgressBar(status.total_steps, status.steps, width=columns)),
+            ("steps", f"{count(status.steps)} of {count(status.total_steps)}, {share:.1%}"),
             ("speed", f"{count(status.steps_per_s)} steps/s"),
-            ("time", f"{span(status.elapsed_s)} elapsed, {span(status.remaining_s)} left"),
-            ("phase", f"{status.phase + 1} of {len(self._recipe.phases)}, learning rate {status.learning_rate:.2e}"),
+            ("time", f"{duration(status.elapsed_s)} elapsed, {duration(status.remaining_s)} left"),
+            ("phase", f"{status.phase + 1} of {self._phases}, {schedules(status)}"),
             ("reward", f"{status.mean_reward:.3f} a step"),
             ("episodes", self._episodes(status)),
             ("success", sparkline(self._history, columns, ascii_only=self._ascii_only)),
-            ("checkpoint", "none yet" if self._saved is None else str(self._saved.folder)),
+            *(self._text_rows("checkpoint") or [("checkpoint", "none yet")]),
+            *self._text_rows("selection", "warm start", "evaluation"),
         ]
-        more = (("selection", self._testing or self._tested), ("start", self._start), ("evaluation", self._evaluation))
-        return [*rows, *((label, value) for label, value in more if value)]
+
+    def _text_rows(self, *labels: str) -> list[tuple[str, RenderableType]]:
+        return [(label, self._texts[label]) for label in labels if label in self._texts]
 
     def _episodes(self, status: TrainingStatus) -> str:
         if status.episodes < ENOUGH:
-            return f"{status.episodes} lately; rates are shown from {ENOUGH} on"
-        rates = ", ".join(f"{percent(rate)} {name}" for name, rate in lately(status))
-        return f"{rates} of the last {status.episodes}"
+            return f"{status.episodes} so far; rates are shown from {ENOUGH} on"
+        return f"{', '.join(f'{percent(rate)} {name}' for name, rate in rates(status))} of the last {status.episodes}"
 
-    def _draw_in_time(self) -> None:
-        if time.monotonic() >= self._next_s:
-            self.draw()
+
+def _row(event: TrainingEvent) -> tuple[str, str]:
+    """Return the label and the text of the row that an event other than a status is shown in."""
+    match event:
+        case Threads():
+            return "threads", threads_text(event)
+        case Resumed():
+            return "resume", resumed_text(event)
+        case WarmStarted():
+            return "warm start", warm_start_text(event)
+        case CheckpointSaved():
+            return "checkpoint", str(event.folder)
+        case CheckpointEvaluated():
+            return "selection", checkpoint_text(event)
+        case EvaluationProgress(final=False):
+            return "selection", f"evaluating {evaluation_text(event)}"
+        case EvaluationProgress():
+            return "evaluation", evaluation_text(event)
+    raise AssertionError(event)

@@ -1,4 +1,4 @@
-"""How a training is going, for whoever watches."""
+"""How a training is going, as events for a view."""
 
 from __future__ import annotations
 
@@ -13,22 +13,21 @@ ENOUGH: Final = 20  # episodes; of fewer, most of them short because they failed
 
 @dataclass(frozen=True, slots=True)
 class TrainingStatus:
-    """One look at a training, taken after a rollout.
+    """The state of a training after an update.
 
     Attributes:
         steps: control steps of all robots so far.
-        total_steps: in the recipe.
-        elapsed_s: wall time of training so far, earlier sessions of a resumed one counted in.
-        steps_per_s: lately.
+        total_steps: where training ends, in whole rollouts.
+        elapsed_s: wall time of training so far, earlier sessions of a resumed one included.
+        steps_per_s: over the last WINDOW rollouts.
         phase: number of the recipe's phase, from 0.
         episodes: that ended in the last WINDOW rollouts; the rates are of these, and None as long as they are fewer
             than ENOUGH.
-        success_rate: of whole courses walked, actions drawn at random as training does.
+        success_rate: of episodes that reached the last waypoint, with the random actions of training.
         fall_rate: of episodes.
         timeout_rate: of episodes.
         mean_reward: a control step, unscaled.
-        learning_rate: of the optimiser.
-        entropy: weight of the entropy bonus.
+        schedules: the present values of the algorithm's schedules, by name.
     """
 
     steps: int
@@ -41,8 +40,7 @@ class TrainingStatus:
     fall_rate: float | None
     timeout_rate: float | None
     mean_reward: float
-    learning_rate: float
-    entropy: float
+    schedules: dict[str, float]
 
     @property
     def remaining_s(self) -> float:
@@ -59,17 +57,27 @@ class CheckpointSaved:
 
 
 @dataclass(frozen=True, slots=True)
-class CheckpointTesting:
-    """A checkpoint is being tested: `ended` of the `trials` of a case have ended."""
+class EvaluationProgress:
+    """A policy is being evaluated.
 
+    Attributes:
+        suite: its name.
+        final: the evaluation of the finished policy; otherwise of a checkpoint, for the selection.
+        case: that is being evaluated.
+        ended: trials of it that have ended.
+        trials: of each case.
+    """
+
+    suite: str
+    final: bool
     case: str
     ended: int
     trials: int
 
 
 @dataclass(frozen=True, slots=True)
-class CheckpointTested:
-    """A checkpoint has been tested, for the selection of the best.
+class CheckpointEvaluated:
+    """A checkpoint has been evaluated for the selection.
 
     Attributes:
         steps: of its training.
@@ -89,36 +97,36 @@ class CheckpointTested:
 
 
 @dataclass(frozen=True, slots=True)
-class StartedFrom:
+class WarmStarted:
     """Training begins with another policy's weights.
 
     Attributes:
         policy: its name.
         layout: of its observations.
         own_layout: of the observations in this training.
-        others: which of the inputs mean something else here: (what it was, what it is now).
+        changed: the inputs that have another meaning here: (what it was, what it is now).
     """
 
     policy: str
     layout: str
     own_layout: str
-    others: tuple[tuple[str, str], ...]
+    changed: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Threads:
-    """How many threads a training uses.
+    """The numbers of threads that a training uses.
 
     Attributes:
         physics: of the simulation; the weights do not depend on it.
         torch: of the network; the weights depend on it in their last bits.
-        asked: whether somebody asked for this number; otherwise it is the default, or the resumed run's.
-        began: `torch` of the run that is resumed; None for a new run, and where its checkpoint does not say.
+        requested: whether this number was given; otherwise it is the default, or the resumed run's.
+        began: `torch` of the run that is resumed; None for a new run.
     """
 
     physics: int
     torch: int
-    asked: bool
+    requested: bool
     began: int | None = None
 
 
@@ -128,7 +136,7 @@ class Resumed:
 
     Attributes:
         steps: of the checkpoint.
-        total_steps: in the recipe.
+        total_steps: where training ends, in whole rollouts.
         complete: whether nothing is left to train.
     """
 
@@ -137,7 +145,7 @@ class Resumed:
     complete: bool
 
 
-News: TypeAlias = (
-    Threads | Resumed | TrainingStatus | CheckpointSaved | CheckpointTesting | CheckpointTested | StartedFrom
+TrainingEvent: TypeAlias = (
+    Threads | Resumed | WarmStarted | TrainingStatus | CheckpointSaved | EvaluationProgress | CheckpointEvaluated
 )
-Watch: TypeAlias = Callable[[News], None]
+OnEvent: TypeAlias = Callable[[TrainingEvent], None]

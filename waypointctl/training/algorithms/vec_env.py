@@ -1,9 +1,8 @@
-"""The batched env as stable-baselines3 wants it: a thin coat, all robots in one call."""
+"""The batched env with stable-baselines3's interface: all robots in one call."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,19 +12,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from waypointctl.task.batched import BatchedWaypointEnv
-
-
-@dataclass(slots=True)
-class Tally:
-    """How the episodes that ended since the last look went."""
-
-    episodes: int = 0
-    successes: int = 0
-    falls: int = 0
-    timeouts: int = 0
-    waypoints: int = 0
-    steps: int = 0
-    reward: float = 0.0
+from waypointctl.training.learner import Rollout
 
 
 class BatchedVecEnv(VecEnv):
@@ -36,19 +23,19 @@ class BatchedVecEnv(VecEnv):
     """
 
     def __init__(self, env: BatchedWaypointEnv, reward_scale: float) -> None:
-        """Put the coat on `env`; every reward is multiplied by `reward_scale`."""
+        """Wrap `env`; every reward is multiplied by `reward_scale`."""
         bound = np.full(env.layout.size, np.inf, np.float32)
         limit = np.ones(env.robot.num_actions, np.float32)
         super().__init__(env.num_robots, spaces.Box(-bound, bound), spaces.Box(-limit, limit))
         self.env = env
-        self.tally = Tally()
+        self._rollout = Rollout()
         self._reward_scale = reward_scale
         self._actions: NDArray[np.float64] = np.zeros((env.num_robots, env.robot.num_actions))
 
-    def drain(self) -> Tally:
-        """Return the tally since the last call and begin a new one."""
-        tally, self.tally = self.tally, Tally()
-        return tally
+    def drain(self) -> Rollout:
+        """Return what was counted since the last call, and begin anew."""
+        rollout, self._rollout = self._rollout, Rollout()
+        return rollout
 
     def reset(self) -> VecEnvObs:
         """Begin a new episode with every robot."""
@@ -65,7 +52,7 @@ class BatchedVecEnv(VecEnv):
         for i, final in zip(step.ended, step.final_observation.astype(np.float32), strict=True):
             infos[i] = {"terminal_observation": final, "TimeLimit.truncated": bool(step.truncated[i])}
             infos[i]["is_success"] = bool(step.success[i])
-        self._count(step.reached.sum(), step.success.sum(), step.terminated.sum(), len(step.ended), step.reward.sum())
+        self._rollout.add(step)
         return (
             step.observation.astype(np.float32),
             (self._reward_scale * step.reward).astype(np.float32),
@@ -73,21 +60,11 @@ class BatchedVecEnv(VecEnv):
             infos,
         )
 
-    def _count(self, waypoints: int, successes: int, falls: int, episodes: int, reward: float) -> None:
-        tally = self.tally
-        tally.waypoints += int(waypoints)
-        tally.successes += int(successes)
-        tally.falls += int(falls)
-        tally.episodes += episodes
-        tally.timeouts += episodes - int(successes) - int(falls)
-        tally.steps += self.num_envs
-        tally.reward += float(reward)
-
     def close(self) -> None:
         """Nothing to release: the physics threads end with the object."""
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Return an attribute of the coat, once a robot asked for."""
+        """Return an attribute of this object, once for each robot asked for."""
         if attr_name == "render_mode":
             return [None for _ in self._get_indices(indices)]
         return [getattr(self, attr_name) for _ in self._get_indices(indices)]

@@ -11,23 +11,19 @@ import numpy as np
 import pytest
 from safetensors.numpy import load
 
-from tests.training.tiny import RECIPE, ROLLOUT, new_learner, tiny_recipe, trained, weights_of
+from tests.training.tiny import RECIPE, ROLLOUT, new_state, ppo_of, tiny_recipe, trained, weights_of
 from waypointctl.errors import PolicyError, RecipeError
 from waypointctl.policy.bundle import load_policy
 from waypointctl.policy.manifest import SelectionRecord
 from waypointctl.policy.write import copy_bundle
-from waypointctl.training.checkpoint import ARRAYS, FACTS, load_checkpoint
-from waypointctl.training.export import weights
-from waypointctl.training.origin import load_origin
+from waypointctl.training.events import TrainingEvent, WarmStarted
 from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.run_folder import newest_checkpoint
 from waypointctl.training.selection import with_record
-from waypointctl.training.start_from import start_from
-from waypointctl.training.status import News, StartedFrom
 from waypointctl.training.train import train
+from waypointctl.training.warm_start import load_warm_start
 
 NOISE = RECIPE.replace("name: tiny", "name: source\nobservation: state_noise")
-GOAL = RECIPE.replace("name: tiny", "name: next\nobservation: state_goal\nstart_from: ../source")
+GOAL = RECIPE.replace("name: tiny", "name: next\nobservation: state_goal\nwarm_start: ../source")
 
 
 @dataclass(frozen=True)
@@ -54,10 +50,10 @@ def shelf(trained_source: Path, tmp_path: Path) -> Shelf:
 
 
 def test_the_first_weights_are_the_sources_in_another_layout(shelf: Shelf) -> None:
-    learner, origin = new_learner(shelf.recipe_file), load_origin(shelf.recipe_file)
-    assert origin is not None
-    told = start_from(learner, origin, shelf.recipe_file)
-    theirs, own = load((shelf.source / "weights.safetensors").read_bytes()), weights(learner)
+    learner, warm_start = ppo_of(new_state(shelf.recipe_file)), load_warm_start(shelf.recipe_file)
+    assert warm_start is not None
+    event = warm_start.apply(learner, shelf.recipe_file)
+    theirs, own = load((shelf.source / "weights.safetensors").read_bytes()), learner.export().weights
     assert own.keys() == theirs.keys()
     for name in own.keys() - {"normaliser.count"}:
         assert np.array_equal(own[name], theirs[name]), name
@@ -65,7 +61,7 @@ def test_the_first_weights_are_the_sources_in_another_layout(shelf: Shelf) -> No
     assert theirs["normaliser.count"] == pytest.approx(1040, abs=0.01)
     assert own["normaliser.count"] == ROLLOUT
     assert not learner.ppo.policy.optimizer.state_dict()["state"]
-    assert told == StartedFrom(
+    assert event == WarmStarted(
         "source",
         "state_noise",
         "state_goal",
@@ -80,11 +76,10 @@ def test_the_first_weights_are_the_sources_in_another_layout(shelf: Shelf) -> No
 
 def test_in_the_same_layout_the_normaliser_goes_on_as_it_was(shelf: Shelf) -> None:
     recipe_file = tiny_recipe(shelf.recipe_file.path.parent, GOAL.replace("state_goal", "state_noise"))
-    learner, origin = new_learner(recipe_file), load_origin(recipe_file)
-    assert origin is not None
-    told = start_from(learner, origin, recipe_file)
-    assert told.others == ()
-    own = weights(learner)
+    learner, warm_start = ppo_of(new_state(recipe_file)), load_warm_start(recipe_file)
+    assert warm_start is not None
+    assert warm_start.apply(learner, recipe_file).changed == ()
+    own = learner.export().weights
     for name, array in load((shelf.source / "weights.safetensors").read_bytes()).items():
         assert np.array_equal(own[name], array), name
 
@@ -93,9 +88,9 @@ def test_trained_and_resumed_without_the_source_it_ends_the_same_and_says_where_
     shelf: Shelf, tmp_path: Path
 ) -> None:
     whole, pieces = tmp_path / "whole", tmp_path / "pieces"
-    news: list[News] = []
-    train(shelf.recipe_file, whole, run=whole, threads=1, watch=news.append)
-    assert [told.policy for told in news if isinstance(told, StartedFrom)] == ["source"]
+    events: list[TrainingEvent] = []
+    train(shelf.recipe_file, whole, run=whole, threads=1, on_event=events.append)
+    assert [told.policy for told in events if isinstance(told, WarmStarted)] == ["source"]
     trained(shelf.recipe_file, pieces, rollouts=3)
     sha256 = load_policy(shelf.source).sha256
     weights_sha256 = hashlib.sha256((shelf.source / "weights.safetensors").read_bytes()).hexdigest()
@@ -129,7 +124,7 @@ def test_another_kind_of_policy_is_refused_before_anything_is_written(
     shelf: Shelf, tmp_path: Path, right: str, wrong: str, problem: str
 ) -> None:
     recipe_file = tiny_recipe(shelf.recipe_file.path.parent, GOAL.replace(right, wrong))
-    with pytest.raises(RecipeError, match=rf"recipe\.yaml:\d+:13: start_from: policy 'source' .*: {problem}\n  Give"):
+    with pytest.raises(RecipeError, match=rf"recipe\.yaml:\d+:13: warm_start: .*'source': {problem}\n  Give"):
         trained(recipe_file, tmp_path / "run")
     assert not (tmp_path / "run" / "train.yaml").exists()
 
@@ -145,15 +140,13 @@ def test_a_source_that_was_chosen_with_the_seed_of_the_evaluation_is_refused(
     copy_bundle(with_record(source, record), shelf.source)
     recipe_file = tiny_recipe(shelf.recipe_file.path.parent, GOAL.replace("{trials: 1}", "{trials: 1, seed: 5}"))
     if refused:
-        message = r"start_from: .*chosen in 'region' with seed 5, .* evaluation\.seed\n  Give evaluation another seed"
+        message = r"warm_start: .*selected in 'region' with seed 5, .* evaluation\.seed here\n  Give evaluation"
         with pytest.raises(RecipeError, match=message):
-            load_origin(recipe_file)
+            load_warm_start(recipe_file)
     else:
-        learner, origin = new_learner(recipe_file), load_origin(recipe_file)
-        assert origin is not None
-        start_from(learner, origin, recipe_file)
-        assert learner.start is not None
-        assert learner.start.selection == record
+        warm_start = load_warm_start(recipe_file)
+        assert warm_start is not None
+        assert warm_start.record().selection == record
 
 
 def test_a_source_that_is_not_there_or_damaged_is_refused(shelf: Shelf, tmp_path: Path) -> None:
@@ -184,26 +177,8 @@ def test_weights_that_are_not_plain_numbers_are_refused(shelf: Shelf, kind: str,
     manifest["files"]["weights.safetensors"] = {"sha256": hashlib.sha256(weights).hexdigest(), "size": len(weights)}
     (shelf.source / "manifest.json").write_text(json.dumps(manifest))
     with pytest.raises(RecipeError, match=f"weights.safetensors: the weights {message}"):
-        load_origin(shelf.recipe_file)
-
-
-def test_a_checkpoint_from_before_the_sources_selection_was_kept_is_read(shelf: Shelf, tmp_path: Path) -> None:
-    trained(shelf.recipe_file, tmp_path / "run", rollouts=1)
-    folder = newest_checkpoint(tmp_path / "run")
-    assert folder is not None
-    content, arrays = json.loads((folder / FACTS).read_bytes()), (folder / ARRAYS).read_bytes()
-
-    def sha256(facts: object) -> str:
-        return hashlib.sha256(json.dumps(facts, separators=(",", ":")).encode() + arrays).hexdigest()
-
-    assert sha256(content["facts"]) == content["sha256"]
-    assert content["facts"]["start"].pop("selection") is None
-    (folder / FACTS).write_text(json.dumps(content | {"sha256": sha256(content["facts"])}))
-    learner = new_learner(shelf.recipe_file)
-    load_checkpoint(learner, shelf.recipe_file, folder)
-    assert learner.start is not None
-    assert (learner.start.policy, learner.start.selection) == ("source", None)
+        load_warm_start(shelf.recipe_file)
 
 
 def test_without_one_there_is_none(tmp_path: Path) -> None:
-    assert load_origin(tiny_recipe(tmp_path)) is None
+    assert load_warm_start(tiny_recipe(tmp_path)) is None

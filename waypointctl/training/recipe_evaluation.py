@@ -1,4 +1,4 @@
-"""What of a recipe says which checkpoint becomes the policy, and when training has come far enough."""
+"""What of a recipe says how policies are evaluated: which checkpoint is selected, and the final evaluation."""
 
 from __future__ import annotations
 
@@ -10,6 +10,13 @@ from waypointctl.mission.file_model import FileModel
 from waypointctl.training.recipe_fields import Count, Few, Rate
 
 
+class EvaluationRecipe(FileModel):
+    """The evaluation that follows training, on the paper's cases."""
+
+    trials: Few = Field(100, description="of each of the paper's cases")
+    seed: Annotated[int, Strict(), Field(ge=0)] = 1
+
+
 class SelectionRecipe(FileModel):
     """Checkpoints are evaluated with deterministic actions; the most successful one becomes the policy."""
 
@@ -19,7 +26,7 @@ class SelectionRecipe(FileModel):
     trials: Few = Field(200, description="of each of the suite's cases")
     # 0 was the seed that `waypointctl eval` reported by default in earlier versions.
     seed: Annotated[int, Strict(), Field(ge=1, lt=2**32)] = Field(
-        1000, description="of the trials; not evaluation.seed: what is reported must not have been chosen by"
+        1000, description="of the trials; not evaluation.seed: a policy must not be reported on what selected it"
     )
     every: Count = Field(1_000_000, description="control steps between evaluations; the last step has one too")
     stop_at: Rate | None = Field(None, description="end the training when this success rate is reached")

@@ -1,4 +1,4 @@
-"""What `waypointctl train` was asked for."""
+"""The options of `waypointctl train`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RUNS: Final = Path("runs")
 
 
 @dataclass(frozen=True, slots=True)
-class TrainingAsked:
+class TrainOptions:
     """The command's arguments; what is None was not given.
 
     Attributes:
@@ -23,13 +23,13 @@ class TrainingAsked:
         out: the folder of the policy, or of the group of seeds.
         runs: the folder of all runs.
         resume: go on with a run, or with a group of seeds.
-        extend: the run to go on from by a longer recipe.
+        extend: the run to go on from, by a longer recipe.
         steps: of all phases together.
         seed: in place of the recipe's.
         seeds: how many, or which.
-        stop_at: the success rate in a checkpoint's test that ends the training.
-        threads: of physics and network; 0 is the default, or those of the run that is gone on from.
-        json: whether the answer is for machines.
+        stop_at: the success rate of a checkpoint that ends the training.
+        threads: of physics and network; 0 is the default, or those of the run that is resumed.
+        json: print one JSON object.
     """
 
     recipe: Path
@@ -45,32 +45,31 @@ class TrainingAsked:
     json: bool = False
 
     def load(self) -> RecipeFile:
-        """Return the recipe as its file has it, if there is all for it; that is told before anything is written.
+        """Return the recipe as its file has it; whatever is missing is reported before anything is written.
 
         Raises:
             InputError: packages are missing, the recipe or what it refers to is wrong or not there, or it cannot be
-                given the target that was asked for.
+                given the target of --stop-at.
         """
-        from waypointctl.training.installed import refuse_incomplete
-        from waypointctl.training.recipe_file import load_recipe
+        from waypointctl.training.recipe_file import load_recipe, require_packages
         from waypointctl.training.recipe_references import load_recipe_to_train
 
         # A run that is resumed has what its recipe refers to.
         recipe_file = load_recipe(self.recipe) if self.resume else load_recipe_to_train(self.recipe)
-        refuse_incomplete()
+        require_packages()
         if not self.resume:
             self.applied_to(recipe_file)
         return recipe_file
 
     def applied_to(self, recipe_file: RecipeFile, began: RecipeFile | None = None) -> RecipeFile:
-        """Return a recipe with the steps, seed and target that were asked for.
+        """Return a recipe with the steps, seed and target of the options.
 
         Args:
             recipe_file: as its file has it; phases are shortened or stretched from there.
-            began: as the run began that is resumed; None: nothing has begun.
+            began: as the resumed run began; None: nothing has begun.
 
         Raises:
-            RecipeError: a target was asked for that the recipe cannot be given.
+            RecipeError: the recipe cannot be given the target.
         """
         from waypointctl.errors import RecipeError
 
@@ -90,8 +89,8 @@ class TrainingAsked:
         return replace(recipe_file, recipe=recipe)
 
     @property
-    def go_on(self) -> str:
-        """The command that goes on with what this one began."""
+    def resume_command(self) -> str:
+        """The command that goes on with the training."""
         options = [
             ("--seeds", self.seeds),
             ("--out", self.out),

@@ -1,0 +1,124 @@
+"""Evaluating policies during and after training, so that it can be interrupted."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from waypointctl.errors import SuiteError
+from waypointctl.evaluation.evaluate import evaluate
+from waypointctl.evaluation.result import Evaluation
+from waypointctl.evaluation.suite import Suite, load_suite
+from waypointctl.mission.yaml_source import read_source
+from waypointctl.paths import write_whole
+from waypointctl.policy.bundle import LoadedPolicy, load_policy
+from waypointctl.training.events import CheckpointEvaluated, CheckpointSaved, EvaluationProgress, OnEvent
+from waypointctl.training.recipe_evaluation import EvaluationRecipe, SelectionRecipe
+from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.recipe_references import own_suite
+from waypointctl.training.selection import Candidate, Selection
+
+SUITE: Final = "selection-suite.yaml"  # the copy of a suite of one's own that a run keeps
+
+
+class _Interrupted(Exception):
+    """The evaluation is to end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluator:
+    """Evaluates policies of a training. It draws from streams of its own: training is the same without it.
+
+    Attributes:
+        threads: of the physics; 0 is one a core, 8 at most.
+        on_event: called with the progress.
+        interrupted: asked meanwhile; True ends the evaluation.
+    """
+
+    threads: int
+    on_event: OnEvent
+    interrupted: Callable[[], bool]
+
+    def evaluate(
+        self, policy: LoadedPolicy, suite: Suite, plan: EvaluationRecipe | SelectionRecipe
+    ) -> Evaluation | None:
+        """Return how a policy does in a suite, None if that was interrupted."""
+        final = isinstance(plan, EvaluationRecipe)
+
+        def progress(case: str, ended: int) -> None:
+            if self.interrupted():
+                raise _Interrupted
+            self.on_event(EvaluationProgress(suite.name, final, case, ended, plan.trials))
+
+        try:
+            return evaluate(policy, suite, plan.trials, plan.seed, self.threads, progress)
+        except _Interrupted:
+            return None
+
+
+@dataclass(frozen=True, slots=True)
+class CheckpointSelector:
+    """Evaluates checkpoints for a selection.
+
+    Attributes:
+        selection: of the best of them.
+        suite: the paths.
+        evaluator: what evaluates.
+        begun_s: when training began, on the clock of time.monotonic, earlier sessions included.
+    """
+
+    selection: Selection
+    suite: Suite
+    evaluator: Evaluator
+    begun_s: float
+
+    def evaluate(self, saved: CheckpointSaved) -> Candidate | None:
+        """Evaluate a checkpoint; return None if that was interrupted, so that it is still to be evaluated."""
+        evaluation = self.evaluator.evaluate(load_policy(saved.folder), self.suite, self.selection.recipe)
+        if evaluation is None:
+            return None
+        cases = evaluation.cases
+        candidate = Candidate(
+            steps=saved.steps,
+            wall_time_s=round(time.monotonic() - self.begun_s, 1),
+            trials=sum(case.trials for case in cases),
+            successes=sum(case.successes for case in cases),
+            falls=sum(case.falls for case in cases),
+        )
+        self.selection.add(candidate)
+        best = self.selection.best
+        self.evaluator.on_event(
+            CheckpointEvaluated(
+                candidate.steps,
+                candidate.trials,
+                candidate.success_rate,
+                best.steps,
+                best.success_rate,
+                self.selection.recipe.stop_at,
+            )
+        )
+        return candidate
+
+
+def selection_suite(recipe_file: RecipeFile, run: Path, *, resume: bool) -> Suite | None:
+    """Return the suite that a run's checkpoints are evaluated on; None if they are not.
+
+    A suite of one's own is looked for beside the recipe, and the run keeps a copy to be resumed with.
+
+    Raises:
+        SuiteError: there is no such suite, or it is not one.
+        OutputError: the copy cannot be written.
+    """
+    if recipe_file.recipe.selection is None:
+        return None
+    if resume and (run / SUITE).exists():
+        return load_suite(str(run / SUITE))
+    name = recipe_file.recipe.selection.suite
+    own = own_suite(name, recipe_file.path)
+    suite = load_suite(name if own is None else str(own))
+    if own is not None:
+        write_whole(run / SUITE, read_source(own, SuiteError), "the suite")
+    return suite
