@@ -141,7 +141,7 @@ def test_a_folder_of_something_else_is_never_written_into(saved: Path, tmp_path:
     [
         ({"observation": "state_goal"}, r"maps 31 observations to 8 actions, not 29 to 8"),
         ({"observation": "camera"}, "no observation layout called 'camera'"),
-        ({"robot": "dog"}, "no robot called 'dog'"),
+        ({"robot": "dog"}, "there is no robot 'dog'"),
         ({"vecnormalize": Path("nowhere.pkl")}, "nowhere.pkl: there is no such file"),
     ],
 )
