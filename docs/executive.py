@@ -18,7 +18,7 @@ PAGE = Path(__file__).resolve().parent / "executive.md"
 TEXT = """\
 # The executive on board
 
-<!-- Written by `python docs/executive.py` from waypointctl/flight/executive/machine.py: do not edit. -->
+<!-- Written by `python docs/executive.py` from waypointctl/flight/executive/state_machine.py: do not edit. -->
 
 The robot is in one mode at a time. A signal changes it; a mode that has no row for a signal cannot get it, and
 the program stops on one that it does, for that is a bug. What each command does is in [commands.md](commands.md); what

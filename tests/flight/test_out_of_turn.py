@@ -44,7 +44,7 @@ def steered(seed: int, loss: float) -> tuple[FlightResult, list[Message]]:
 
 @given(st.integers(0, 10_000), st.sampled_from([0.0, 0.2]))
 @settings(max_examples=6, deadline=None)
-def test_no_carrot_that_was_issued_earlier_pulls_the_robot_back(seed: int, loss: float) -> None:
+def test_no_goal_that_was_issued_earlier_pulls_the_robot_back(seed: int, loss: float) -> None:
     _, messages = steered(seed, loss)
     arrived = [command.id for command in only(Command, messages)]
     assert arrived != sorted(arrived), "the link shuffles"
@@ -56,7 +56,7 @@ def test_no_carrot_that_was_issued_earlier_pulls_the_robot_back(seed: int, loss:
     assert all(stage.reason.startswith("overtaken by command ") for stage in skipped)
 
 
-def test_the_ground_makes_nothing_of_a_carrot_that_was_overtaken() -> None:
+def test_the_ground_makes_nothing_of_a_goal_that_was_overtaken() -> None:
     _, messages = steered(3, 0.0)
     stages = only(CommandStage, messages)
     overtaken = {stage.command_id for stage in stages if stage.stage is Stage.SKIPPED}

@@ -42,11 +42,11 @@ class EndCondition:
     is_still: Callable[[int], bool]
 
     def is_done(self, now_ns: int) -> bool:
-        """Tell whether the operator has ended the mission, and all that was begun on board is over."""
+        """Return whether the operator has ended the mission, and all that was begun on board is over."""
         return self.station.finished and self._is_quiet(now_ns) and self._is_told(now_ns)
 
     def is_silent(self, now_ns: int) -> bool:
-        """Tell whether nothing can happen any more: the robot rests, and nobody sends or hears anything."""
+        """Return whether nothing can happen any more: the robot rests, and nobody sends or hears anything."""
         if not self.is_still(now_ns) or self.station.console_is_open or not self.station.is_idle:
             return False
         if not self._is_quiet(now_ns):
@@ -56,7 +56,7 @@ class EndCondition:
         return self._is_told(now_ns) and not any(isinstance(one, Ack) for _, one in self.down.under_way)
 
     def _is_quiet(self, now_ns: int) -> bool:
-        """Tell whether nothing goes on on board, and nothing is under way or will be sent that changes that."""
+        """Return whether nothing goes on on board, and nothing is under way or will be sent that changes that."""
         executive = self.executive
         if executive.mode is Mode.FALLEN:
             return True
@@ -68,19 +68,19 @@ class EndCondition:
         return not (executive.waits_for_ground and self._is_heard(now_ns))
 
     def _is_heard(self, now_ns: int) -> bool:
-        """Tell whether the robot will hear from the ground, if only a sign of life."""
+        """Return whether the robot will hear from the ground, if only a sign of life."""
         beats = self.station.next_heartbeat_ns is not None and not self.up.is_dead(now_ns)
         return beats or self.up.next_arrival_ns is not None
 
     def _is_heard_before(self, now_ns: int, time_ns: int) -> bool:
-        """Tell whether the robot will hear from the ground before a time [ns], unless the link loses it."""
+        """Return whether the robot will hear from the ground before a time [ns], unless the link loses it."""
         arrival_ns, next_ns_ = self.up.next_arrival_ns, self.station.next_heartbeat_ns
         if arrival_ns is None and next_ns_ is not None and not self.up.is_dead(now_ns):
             arrival_ns = self.up.latest_arrival_ns(next_ns_, 1)
         return arrival_ns is not None and arrival_ns <= time_ns
 
     def _is_told(self, now_ns: int) -> bool:
-        """Tell whether the operator has heard how the robot stands, or cannot hear it any more."""
+        """Return whether the operator has heard how the robot stands, or cannot hear it any more."""
         if self.changes.reported_in(self.station.reported.telemetry):
             return True
         if not self.down.is_dead(now_ns) and self.changes.newest - self.changes.first < DEAF_AFTER:

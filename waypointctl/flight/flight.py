@@ -99,7 +99,7 @@ class Flight:
             self._note_end()
 
     def exchange(self) -> None:
-        """Let the ground live up to now, and the robot obey what has arrived, until there is silence."""
+        """Let the ground live up to now, and the robot execute what has arrived, until there is silence."""
         while not self._end_condition.is_done(self._now_ns):
             at_ns = self._next_on_ground_ns
             if at_ns is not None and at_ns <= self._now_ns:

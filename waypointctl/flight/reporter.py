@@ -38,13 +38,13 @@ class TelemetryChanges:
             self.first, self._standing = frame.frame, standing
 
     def unreported(self, executive: Executive) -> bool:
-        """Tell whether no frame has told yet how the robot stands."""
+        """Return whether no frame has told yet how the robot stands."""
         target = -1 if executive.target is None else executive.target.index
         reached = executive.num_reached
         return self._standing != (executive.mode, target, reached, executive.statuses, executive.cause)
 
     def reported_in(self, frame: Telemetry | None) -> bool:
-        """Tell whether a frame that has arrived tells how the robot stands now; None for no frame yet."""
+        """Return whether a frame that has arrived tells how the robot stands now; None for no frame yet."""
         return frame is not None and frame.frame >= self.first
 
 

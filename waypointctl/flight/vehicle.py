@@ -57,7 +57,7 @@ _TOLD_WITH_A_FRAME: Final = FINAL_STAGES - {Stage.REJECTED, Stage.SKIPPED}
 
 
 class Vehicle:
-    """One robot that obeys commands. It is told the time and never looks ahead of it."""
+    """One robot that executes commands. It gets the time with each call."""
 
     def __init__(
         self,
@@ -125,7 +125,7 @@ class Vehicle:
         self._reporter.state(now_ns, self.step, self.plant)
 
     def rests(self, now_ns: int) -> bool:
-        """Tell whether the robot has stood still for so long that its physics can sleep until something happens."""
+        """Return whether the robot has stood still for so long that its physics can sleep until something happens."""
         still = self.is_still(now_ns)
         if still != self._rests:
             self._rests = still
@@ -142,7 +142,7 @@ class Vehicle:
         return still
 
     def is_still(self, now_ns: int) -> bool:
-        """Tell the same, and take no note of it."""
+        """Return the same, without recording it."""
         if self._reporter.every_state and now_ns - self._control_ns < TELEOPERATION_TIMEOUT_NS:
             return False  # a pilot lives on the states that it is sent
         return not self._driven and now_ns - self._moved_ns >= REST_AFTER_NS

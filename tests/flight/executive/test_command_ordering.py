@@ -21,7 +21,7 @@ HOLD, RESUME, ABORT, CANCEL = CommandKind.HOLD, CommandKind.RESUME, CommandKind.
 
 @given(st.permutations(range(1, 30)), st.lists(st.integers(1, 29), max_size=20))
 @settings(max_examples=examples(100), deadline=None)
-def test_the_carrot_that_is_followed_never_goes_back(order: list[int], doubled: list[int]) -> None:
+def test_the_goal_that_is_followed_never_goes_back(order: list[int], doubled: list[int]) -> None:
     rig = Rig()
     followed = []
     for number in order + doubled:  # those that come again are answered, and no more
@@ -171,7 +171,7 @@ def test_what_came_out_of_turn_is_in_the_state_and_what_did_not_is_not() -> None
     rig.send(2.0, CANCEL, id=5, target_id=3)
     state = rig.executive.state()
     assert state["sequence"] == {
-        "obeyed": {"upload_plan": [[1, SECOND]], "release": [[2, SECOND]], "cancel": [[5, 2 * SECOND]]},
+        "executed": {"upload_plan": [[1, SECOND]], "release": [[2, SECOND]], "cancel": [[5, 2 * SECOND]]},
         "released": [[2, 1]],
         "values": {},
         "cancelled": [[3, 5, 2 * SECOND]],

@@ -260,7 +260,7 @@ def test_a_robot_that_walks_out_of_its_fence(do: str, after: Mode, ended: tuple[
     assert breach.severity is Severity.ERROR
 
 
-def test_who_was_let_out_is_stopped_again_only_after_having_been_in() -> None:
+def test_a_robot_outside_is_stopped_again_only_after_having_been_in() -> None:
     rig = Rig(fence=YARD, on_breach="hold")
     rig.command(0.0, A)
     rig.sense(1.0, (2.1, 0.0))

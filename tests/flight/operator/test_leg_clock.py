@@ -26,7 +26,7 @@ def started(clock: LegClock, command_id: int, at_s: float, stage: Stage = Stage.
     clock.on_message(ack(stage, command_id, issued_ns=round(at_s * NS_PER_S)))
 
 
-def test_a_leg_begins_when_its_first_carrot_starts_on_board() -> None:
+def test_a_leg_begins_when_its_first_goal_starts_on_board() -> None:
     clock = LegClock(answer_by)
     clock.on_issued(1, clock.include(goal()))
     started(clock, 1, 19.0, Stage.RECEIVED)
@@ -49,7 +49,7 @@ def test_where_the_first_acknowledgement_is_lost_the_next_one_will_do() -> None:
     assert clock.began_ns == 21 * NS_PER_S
 
 
-def test_what_others_send_and_carrots_of_the_leg_before_begin_no_leg() -> None:
+def test_what_others_send_and_goals_of_the_leg_before_begin_no_leg() -> None:
     clock = LegClock(answer_by)
     old = clock.include(goal())
     clock.restart(5 * NS_PER_S)

@@ -18,17 +18,17 @@ def test_scheduled_commands_are_due_at_their_times_in_order() -> None:
         "- {at: 30 s, do: set_timeout, timeout: 2 min}\n"
         "- {at: 30 s, do: cancel, command: 4}\n"
     )
-    agenda = scheduled_requests(mission)
-    assert agenda.next_ns == 10 * NS_PER_S
-    (hold,) = agenda.due(10 * NS_PER_S)
+    queue = scheduled_requests(mission)
+    assert queue.next_ns == 10 * NS_PER_S
+    (hold,) = queue.due(10 * NS_PER_S)
     assert (hold.kind, hold.expires_ns) == (CommandKind.HOLD, 15 * NS_PER_S)
-    resume, go_to = agenda.due(20 * NS_PER_S)
+    resume, go_to = queue.due(20 * NS_PER_S)
     assert resume.kind is CommandKind.RESUME
     (place,) = go_to.waypoints
     assert (place.x_m, place.y_m, place.tolerance_m) == (1.0, 2.0, 0.2)
-    timeout, cancel = agenda.due(30 * NS_PER_S)
+    timeout, cancel = queue.due(30 * NS_PER_S)
     assert (timeout.value, cancel.target_id) == (120.0, 4)
-    assert agenda.next_ns is None
+    assert queue.next_ns is None
 
 
 @pytest.mark.parametrize(

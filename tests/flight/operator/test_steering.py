@@ -21,7 +21,7 @@ def place(request: CommandRequest) -> tuple[int, float, float]:
     return waypoint.index, waypoint.x_m, waypoint.y_m
 
 
-def test_the_carrot_lies_ahead_of_the_believed_pose_and_the_waypoint_itself_is_sent_when_near() -> None:
+def test_the_goal_lies_ahead_of_the_believed_pose_and_the_waypoint_itself_is_sent_when_near() -> None:
     operator = steering("operator: {lookahead: 1.5 m}")
     assert [place(request) for request in operator.begin()] == [(LOOKAHEAD, 1.5, 0.0)]
     operator.on_issued(1, operator._lookahead_goal())
@@ -34,7 +34,7 @@ def test_the_carrot_lies_ahead_of_the_believed_pose_and_the_waypoint_itself_is_s
     assert place(operator.on_message(0, ack(Stage.COMPLETED))[0]) == (0, 4.0, 0.0)
 
 
-def test_a_carrot_is_reached_within_a_quarter_of_its_distance() -> None:
+def test_a_short_range_goal_is_reached_within_a_quarter_of_its_distance() -> None:
     (request,) = steering("operator: {lookahead: 1 m}").begin()
     assert request.waypoints[0].tolerance_m == 0.25
     (request,) = steering("operator: {lookahead: 3 m}").begin()
@@ -104,3 +104,28 @@ def test_a_fall_ends_the_mission() -> None:
     operator.on_issued(1, operator.begin()[0])
     assert operator.on_message(0, ack(Stage.FAILED, reason="fall")) == []
     assert (operator.finished, operator.failure) == (True, "fall")
+
+
+@pytest.mark.parametrize("steering_kind", ["continuous", "move_and_wait"])
+def test_no_goal_follows_a_way_home_that_somebody_else_commands(steering_kind: str) -> None:
+    operator = steering(f"operator: {{steering: {steering_kind}}}")
+    operator.on_issued(1, operator.begin()[0])
+    operator.note_kind(2, CommandKind.RETURN_HOME)
+    assert operator.on_external_request(NS_PER_S // 2, CommandRequest(CommandKind.RETURN_HOME)) == []
+    assert operator.wake_ns is None
+    assert operator.wake(5 * NS_PER_S) == []
+    assert operator.on_message(6 * NS_PER_S, ack(Stage.COMPLETED, 2)) == []
+    assert operator.finished
+    assert "return_home" in operator.failure
+
+
+def test_goals_go_on_where_the_robot_does_not_go_home() -> None:
+    operator = steering("operator: {steering: continuous}")
+    operator.on_issued(1, operator.begin()[0])
+    operator.note_kind(2, CommandKind.RETURN_HOME)
+    operator.on_external_request(0, CommandRequest(CommandKind.RETURN_HOME, not_before_ns=9 * NS_PER_S))
+    assert not operator.suspended, "the way home is still to come"
+    operator.on_external_request(0, CommandRequest(CommandKind.RETURN_HOME))
+    operator.on_message(0, ack(Stage.EXPIRED, 2))
+    assert not operator.suspended
+    assert operator.wake(NS_PER_S) != []

@@ -1,13 +1,13 @@
 """The order in which the ground issued its commands, where the link did not keep it.
 
 Ids count up in the order of issue. A command starts when it arrives, or at its `not_before` if that is later. Had all
-arrived as they were issued, the robot would obey them by their starts, and of two with one start the older first. A
+arrived as they were issued, the robot would execute them by their starts, and of two with one start the older first. A
 link may bring an older command after a newer one: because its jitter keeps no order, or because the older one was lost
-and sent again. A newer command that has been obeyed *follows* such an older one, unless the older one's `not_before` is
+and sent again. A newer command that was executed *follows* such an older one, unless the older one's `not_before` is
 later than the newer one's start. An abort follows every older command, for it ends those too that wait. Then
 
 - an older command that a newer one which follows it had done with is dropped (SKIPPED, "overtaken by command 7"):
-  `_DONE_WITH_BY` says which kind does that to which. The newer one's `do` was obeyed already; the older one must not
+  `_DONE_WITH_BY` says which kind does that to which. The newer one's `do` was executed already; the older one must not
   undo it. An abort that is dropped itself has still done with all that is older.
 - a newer command that changes how one that it follows is carried out (hold, release, tolerance, time-out, cancel) is
   remembered for those that are still to come.
@@ -39,7 +39,7 @@ _DONE_WITH_BY: Final = {kind: ENDING for kind in CommandKind if kind is not Comm
 
 @dataclass(frozen=True, slots=True)
 class _Mark:
-    """What is remembered of a command that was obeyed.
+    """What is remembered of a command that was executed.
 
     Attributes:
         start_ns: when it was to start; an abort's is later than any.
@@ -54,18 +54,18 @@ class _Mark:
     value: float
 
     def follows(self, command: Command) -> bool:
-        """Tell whether it is newer than another, and was not to start before it."""
+        """Return whether it is newer than another, and was not to start before it."""
         return self.command_id > command.id and self.start_ns >= command.not_before_ns
 
     def says_all_of(self, other: _Mark) -> bool:
-        """Tell whether another need not be remembered: what that one follows, this one follows after it."""
+        """Return whether another need not be remembered: what that one follows, this one follows after it."""
         newer = self.command_id >= other.command_id and self.start_ns >= other.start_ns
         return newer and self.released >= other.released
 
 
 @dataclass(slots=True)
 class Sequence:
-    """What has been obeyed, as far as it matters for older commands that are still to come.
+    """What has been executed, as far as it matters for older commands that are still to come.
 
     Attributes:
         kept: every command has come in its turn so far: ids 1, 2, 3, ... Then all of this follows from them.
@@ -82,8 +82,8 @@ class Sequence:
         self.kept = self.kept and command_id == self._newest + 1
         self._newest = max(self._newest, command_id)
 
-    def execute(self, command: Command, start_ns: int) -> None:
-        """Take note of what is obeyed now, and of when it was to start [ns]."""
+    def record(self, command: Command, start_ns: int) -> None:
+        """Take note of what is executed now, and of when it was to start [ns]."""
         kind, released = command.kind, 0
         if kind is CommandKind.ABORT:
             start_ns = _FOR_EVER_NS
@@ -129,7 +129,7 @@ class Sequence:
         """Return all of it as plain data."""
         settings = (CommandKind.SET_TOLERANCE, CommandKind.SET_TIMEOUT)
         return {
-            "obeyed": {
+            "executed": {
                 kind.value: [[mark.command_id, mark.start_ns] for mark in marks] for kind, marks in self._obeyed.items()
             },
             "released": [[mark.command_id, mark.released] for mark in self._obeyed.get(CommandKind.RELEASE, ())],
@@ -142,9 +142,9 @@ class Sequence:
         }
 
     def _following(self, command: Command, kinds: Iterable[CommandKind]) -> list[_Mark]:
-        """Return what was obeyed of some kinds that follows a command."""
+        """Return what was executed of some kinds that follows a command."""
         return [mark for kind in kinds for mark in self._obeyed.get(kind, ()) if mark.follows(command)]
 
     def _last(self, command: Command, *kinds: CommandKind) -> _Mark | None:
-        """Return the last of what was obeyed of some kinds that follows a command."""
+        """Return the last of what was executed of some kinds that follows a command."""
         return max(self._following(command, kinds), key=lambda mark: (mark.start_ns, mark.command_id), default=None)

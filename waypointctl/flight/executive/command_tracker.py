@@ -24,7 +24,7 @@ class Record:
     Attributes:
         stage: the last it has come to.
         reason: of that stage.
-        attempt: which sending of it was obeyed.
+        attempt: which sending of it was executed.
         expires_ns: after which it is not to be started or gone on with; -1 for never.
     """
 
@@ -39,8 +39,8 @@ class CommandTracker:
     """Every command that has arrived, by its id.
 
     Attributes:
-        report: told each stage at its moment.
-        remind: told the stage that a command is in when it arrives once more.
+        report: takes each stage at its moment.
+        remind: takes the stage that a command is in when it arrives once more.
         records: of each id.
         pending: accepted, and not to be started yet; those that start first are first.
     """
@@ -57,11 +57,11 @@ class CommandTracker:
     _statuses: tuple[CommandStatus, ...] | None = None  # as `statuses` has them; None where they have changed
 
     def knows(self, command_id: int) -> bool:
-        """Tell whether a command has arrived."""
+        """Return whether a command has arrived."""
         return command_id in self.records
 
     def knows_all_before(self, command_id: int) -> bool:
-        """Tell whether every command with a smaller id has arrived: the ground counts them from 1."""
+        """Return whether every command with a smaller id has arrived: the ground counts them from 1."""
         return command_id <= self._known_to + 1
 
     def receive(self, now_ns: int, command: Command) -> None:
@@ -113,11 +113,11 @@ class CommandTracker:
         return None
 
     def is_open(self, command_id: int) -> bool:
-        """Tell whether a command has arrived and has not ended."""
+        """Return whether a command has arrived and has not ended."""
         return command_id in self._open
 
     def has_started(self, command_id: int) -> bool:
-        """Tell whether a command is under way, or has been."""
+        """Return whether a command is under way, or has been."""
         return self.records[command_id].stage not in NOT_STARTED
 
     @property

@@ -26,7 +26,7 @@ class Behaviour:
 
     Attributes:
         do: does it, at a time [ns].
-        objection: says why it cannot be obeyed now; empty if it can.
+        objection: says why it cannot be executed now; empty if it can.
         lateness: says why it is of no use any more; empty if it is.
         lasts: whether it goes on until waypoints are over; the others are completed when they are done.
         waits: whether it is STARTED by the plan, when its turn comes.
@@ -75,7 +75,7 @@ def _extend(execution: PlanExecution, command: Command) -> None:
 
 
 def _may_be_early(execution: PlanExecution, command: Command) -> bool:
-    """Tell whether what a command is about may still be on its way."""
+    """Return whether what a command is about may still be on its way."""
     return not execution.tracker.knows_all_before(command.id)
 
 

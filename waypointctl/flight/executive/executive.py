@@ -1,4 +1,4 @@
-"""The executive on board: it takes commands and looks at the world; machine.py has its modes and what changes them.
+"""The executive on board: it executes commands and follows the plan; its modes are in state_machine.py.
 
 docs/executive.md shows the machine, docs/commands.md what each command does.
 """
@@ -49,9 +49,9 @@ class Executive:
         """Stand idle.
 
         Args:
-            report: told each stage of a command at its moment.
-            announce: told every event.
-            remind: told the stage that a command is in when it arrives once more.
+            report: takes each stage of a command at its moment.
+            announce: takes every event.
+            remind: takes the stage that a command is in when it arrives once more.
             rules: what the robot does by itself; without them it gives a plan up when a leg fails, and no more.
         """
         self._announce = announce
@@ -113,7 +113,7 @@ class Executive:
             self._execution.emit(now_ns, EventKind.TELEOPERATION_STARTED, "the ground has the motors")
 
     def execute(self, now_ns: int, command: Command) -> None:
-        """Take a command that has arrived. Each id is obeyed once."""
+        """Take a command that has arrived. Each id is executed once."""
         self.on_contact(now_ns)
         tracker = self._tracker
         if tracker.knows(command.id):

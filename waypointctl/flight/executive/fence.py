@@ -24,7 +24,7 @@ class Circle:
     radius_m: float
 
     def holds(self, point: Point) -> bool:
-        """Tell whether a point [m] is in it."""
+        """Return whether a point [m] is in it."""
         return math.dist(point, self.center_m) <= self.radius_m
 
     def crossings(self, start: Point, end: Point) -> Iterator[float]:
@@ -49,7 +49,7 @@ class Polygon:
     corners_m: tuple[Point, ...]
 
     def holds(self, point: Point) -> bool:
-        """Tell whether a point [m] is in it."""
+        """Return whether a point [m] is in it."""
         x, y = point
         inside = False
         for (ax, ay), (bx, by) in self._edges():

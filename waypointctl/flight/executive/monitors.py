@@ -39,7 +39,7 @@ class LinkMonitor:
             execution.stand_idle()
 
     def resumes_on_contact(self, execution: PlanExecution) -> bool:
-        """Tell whether the robot stands because of the loss, and has something to go on with."""
+        """Return whether the robot stands because of the loss, and has something to go on with."""
         return execution.mode is Mode.SAFE and execution.cause == LINK_LOST and execution.can_go_on
 
     def check(self, execution: PlanExecution, now_ns: int) -> None:
@@ -64,7 +64,7 @@ class LinkMonitor:
         return self.heard_ns + execution.rules.link_loss_ns
 
     def blocks_commands(self, execution: PlanExecution) -> bool:
-        """Tell whether commands that were kept for later have to wait for the link."""
+        """Return whether commands that were kept for later have to wait for the link."""
         return self.lost and execution.rules.on_link_loss != "finish"
 
 
@@ -80,7 +80,7 @@ def _done_on_loss(execution: PlanExecution) -> str:
 
 @dataclass(slots=True)
 class FenceMonitor:
-    """Whether the robot has walked out of its fence. One that walks back in from outside is let alone.
+    """Whether the robot has walked out of its fence. One that walks back in from outside is left alone.
 
     Attributes:
         outside: whether it was out when it last walked.

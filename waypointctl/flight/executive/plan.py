@@ -94,7 +94,7 @@ class Plan:
         return to_come if command_id is None else [item for item in to_come if item.command_id == command_id]
 
     def has_open(self, command_id: int) -> bool:
-        """Tell whether a command has waypoints left."""
+        """Return whether a command has waypoints left."""
         return any(item.command_id == command_id and not item.over for item in islice(self.items, self.at, None))
 
     def open_commands(self) -> list[int]:

@@ -31,7 +31,7 @@ class PlanExecution:
     Attributes:
         rules: what it does by itself.
         life: of its commands.
-        announce: told every event.
+        announce: takes every event.
         machine: its mode.
         plan: what is to be walked.
         sequence: as the ground issued what has arrived.

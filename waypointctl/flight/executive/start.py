@@ -5,20 +5,21 @@ A command that arrives for the first time is RECEIVED. Then, in this order, it i
 1. REJECTED if its arguments are wrong (arguments.py) or a waypoint of it lies outside the fence,
 2. EXPIRED, "late", if its `expires` is over,
 3. ACCEPTED and kept if its `not_before` is still to come,
-4. SKIPPED, "overtaken by command 7", if one that was issued later has been obeyed and had done with it (sequence.py),
-5. judged by what the robot is doing: REJECTED if it cannot be obeyed (`objection`), or SKIPPED, "late: ...", if it came
-   too late to be of use (`lateness`): a release of what is released already, a skip of a waypoint that is over, a plan
-   that arrives after its `not_before` and of which every waypoint has been reached,
+4. SKIPPED, "overtaken by command 7", if one that was issued later has been executed and had done with it
+   (command_ordering.py),
+5. judged by the robot's mode and plan: REJECTED if it cannot be executed (`objection`), or SKIPPED, "late: ...", if it
+   came too late to be of use (`lateness`): a release of what is released already, a skip of a waypoint that is over, a
+   plan that arrives after its `not_before` and of which every waypoint has been reached,
 6. ACCEPTED and STARTED. One that adds to the plan is STARTED when the robot comes to its first waypoint.
 
 A command that was kept is judged as in 4 and 5 when its time has come, before what arrives then; of those for one time
-the one that was issued first comes first. What cannot be obeyed then has FAILED. After its `expires` a command is
+the one that was issued first comes first. What cannot be executed then has FAILED. After its `expires` a command is
 EXPIRED, not yet started or under way: its waypoints leave the plan, and the robot goes on with what other commands
 want, or stands. What arrives after its `not_before` and before its `expires` starts at once.
 
 While a command that was issued earlier is still to come, one that is about it cannot be told from one that is wrong. A
 release, a resume, a tolerance or a time-out that finds nothing to change, and a cancel of what is not there, are then
-obeyed, and remembered for what is to come.
+executed, and remembered for what is to come.
 
 docs/commands.md is the table of this for people.
 """
@@ -54,7 +55,7 @@ def start(execution: PlanExecution, now_ns: int, command: Command) -> None:
     if not kind.waits:
         tracker.advance(now_ns, command.id, Stage.STARTED)
     kind.do(execution, now_ns, command)
-    execution.ordering.execute(command, command.not_before_ns if kept else now_ns)
+    execution.ordering.record(command, command.not_before_ns if kept else now_ns)
     if not kind.lasts:
         tracker.advance(now_ns, command.id, Stage.COMPLETED)
     elif (hold_id := execution.ordering.held_by(command)) is not None and execution.mode in UNDER_WAY:
@@ -67,6 +68,6 @@ def is_overtaken(execution: PlanExecution, now_ns: int, command: Command) -> boo
     if later_id is None or (command.kind is CommandKind.ABORT and issued_before(execution, command)):
         return False
     if command.kind is CommandKind.ABORT:
-        execution.ordering.execute(command, now_ns)  # what is older and still to come is not wanted either
+        execution.ordering.record(command, now_ns)  # what is older and still to come is not wanted either
     execution.tracker.advance(now_ns, command.id, Stage.SKIPPED, f"overtaken by command {later_id}")
     return True

@@ -147,7 +147,7 @@ class Direction(Generic[T]):
         return max(arrives_ns, self._last_arrival_ns) if self.keeps_order else arrives_ns
 
     def is_dead(self, now_ns: int) -> bool:
-        """Tell whether nothing that is handed over now or later arrives: no contact is left, or all of it is lost."""
+        """Return whether nothing that is handed over now or later arrives: no contact is left, or all of it is lost."""
         if self.loss is not None and self.loss.loses_all and self.duplication is None:
             return True
         return self.contacts.place(max(self._free_ns, now_ns), 1) is None

@@ -46,7 +46,7 @@ def station_for(
 
     Args:
         mission: what it is asked to do.
-        policy: who walks; on the ground where the autonomy is `joint`.
+        policy: the policy that drives the robot; on the ground where the autonomy is `joint`.
         noise: (4,) for layouts that have some.
         sink: takes the ground's own records.
         uplink: takes a command on its way.

@@ -38,7 +38,7 @@ class LineSource(Protocol):
     def lines(self, now_ns: int) -> Iterable[str]:
         """Yield what has been typed by now and was not yet yielded: what `order_from` understands, or QUIT.
 
-        The next one is asked for when the one before has been obeyed. A source that keeps to wall time waits here.
+        The next one is asked for when the one before has been executed. A source that keeps to wall time waits here.
         """
 
     def asleep(self, now_ns: int, until_ns: int) -> int:
@@ -162,7 +162,7 @@ def _quantities(word: str, text: str, wanted: str, units: Mapping[str, float], c
 
 
 def impossible(request: CommandRequest, mission: Mission) -> str:
-    """Return why an order can never be obeyed, whatever the robot is doing, and what is allowed; empty if it can.
+    """Return why an order can never be executed, whatever the robot is doing, and what is allowed; empty if it can.
 
     What depends on the robot is the robot's to say. A line from a log is not judged by this: it was sent.
     """

@@ -38,7 +38,7 @@ from waypointctl.log.messages import (
 
 @dataclass(frozen=True, slots=True)
 class RetryPolicy:
-    """How hard the ground tries to be heard.
+    """When a command is sent again, and how often.
 
     Attributes:
         acknowledged: whether it waits for acknowledgements at all.
@@ -78,7 +78,7 @@ class Dispatcher:
 
     Attributes:
         uplink: takes a command on its way.
-        insistence: how hard to try.
+        retry_policy: when commands are sent again.
         sink: takes each stage of a command on the ground and on the link, and the events.
     """
 
@@ -256,7 +256,7 @@ class Dispatcher:
             heapq.heappush(self._deadlines, (by_ns, command_id))
 
     def _is_current(self, deadline: tuple[int, int]) -> bool:
-        """Tell whether a command is still waited for, and until then."""
+        """Return whether a command is still waited for, and until then."""
         by_ns, command_id = deadline
         return command_id in self._open and self._open[command_id].answer_by_ns == by_ns
 

@@ -42,7 +42,9 @@ FloatArray = NDArray[np.float64]
 
 
 class JointOperator(Operator):
-    """Walks the robot from the ground."""
+    """Computes every action on the ground."""
+
+    leads = True
 
     def __init__(self, mission: Mission, policy: Policy, noise: FloatArray, announce: Callable[[Event], None]) -> None:
         """Take charge of a mission. noise: (4,) for layouts that have some; `announce` takes what it decides."""
@@ -97,7 +99,7 @@ class JointOperator(Operator):
         return super().state() | own | ({"at_task": True} if self._at_task else {})
 
     def _stands(self, frame: BodyFrame) -> bool:
-        """Tell whether the robot is to be left alone: it holds, or does what is to be done at a waypoint."""
+        """Return whether the robot is to be left alone: it holds, or does what is to be done at a waypoint."""
         return self._at_task or frame.issued_ns < self._rests_until_ns
 
     def _judge(self, now_ns: int, frame: BodyFrame) -> list[CommandRequest]:

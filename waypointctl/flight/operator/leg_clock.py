@@ -58,7 +58,7 @@ class LegClock:
         return goal
 
     def on_issued(self, command_id: int, request: CommandRequest) -> None:
-        """Learn the id of an order that has been sent, of this leg or not."""
+        """Learn the id of a request that has been sent, of this leg or not."""
         places = [place for place, goal in enumerate(self._unsent) if goal is request]
         if places:
             del self._unsent[: places[0] + 1]  # what was to be sent before it has been dropped
@@ -79,12 +79,12 @@ class LegClock:
             self._start(at_ns)
 
     def is_over(self, timeout_ns: int) -> bool:
-        """Tell whether the robot is known to have walked for more than this on the leg [ns]."""
+        """Return whether the robot is known to have walked for more than this on the leg [ns]."""
         since_ns = self._walks_since_ns
         return self._walked_ns + (0 if since_ns is None else self._told_ns - since_ns) > timeout_ns
 
     def is_silent(self, now_ns: int, timeout_ns: int) -> bool:
-        """Tell whether more of the leg should have been heard of by now, after so long a time [ns], whatever it was."""
+        """Return whether a report of the leg is overdue, given its time-out [ns]."""
         since_ns = self.leaves_ns(self._sent_ns) if self.began_ns is None else self._changed_ns
         over_ns = (self._sent_ns if since_ns is None else since_ns) + timeout_ns
         left_ns = self.leaves_ns(over_ns)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import ClassVar, Final
 
 from waypointctl.flight.executive.rules import STUCK, TIMEOUT
 from waypointctl.flight.operator.event_queue import EventQueue
@@ -33,16 +33,19 @@ _NO_KINDS: Final[Mapping[int, CommandKind]] = {}
 
 
 class Operator(ABC):
-    """One who commands the robot. It hears only what the downlink brings, when it brings it.
+    """Commands the robot. It knows only what the downlink brings, when it brings it.
 
-    Each method is told the time and returns what to send at that time. What is sent gets its id from `issued`.
+    Each method is told the time and returns what to send at that time. What is sent gets its id from `on_issued`.
 
     Attributes:
-        belief: what it knows.
+        leads: whether it leads the robot step by step; else the robot follows a plan or a waypoint by itself.
+        reported: what the robot has reported.
         finished: whether it has ended the mission.
-        verdict: why, where that is a failure.
+        failure: why, where that is a failure.
         suspended: whether it leads the robot no further for now.
     """
+
+    leads: ClassVar[bool] = False
 
     def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
         """Take charge of a mission; `announce` takes what it decides."""
@@ -50,7 +53,7 @@ class Operator(ABC):
         self.reported = ReportedState()
         self.finished = False
         self.failure = ""
-        self.suspended = False  # somebody has told the robot to hold
+        self.suspended = False  # a hold or a way home was commanded by somebody else
         self._plan = planned_waypoints(mission)
         self._think_time_ns = ns(mission.operator.think_s)
         self._queue: EventQueue[CommandRequest] = EventQueue()
@@ -74,10 +77,11 @@ class Operator(ABC):
     def on_external_request(self, now_ns: int, request: CommandRequest) -> list[CommandRequest]:
         """Learn what the schedule, or a person at the console, has sent; return what to send because of it.
 
-        An operator who leads the robot step by step stops leading it for a hold, until it is to be resumed. Where the
-        plan is on board the robot itself does that.
+        An operator who leads the robot step by step stops leading it for a hold, until it is to be resumed, and for a
+        way home. Where the plan is on board the robot itself does that.
         """
-        if request.kind is CommandKind.HOLD:
+        goes_home = request.kind is CommandKind.RETURN_HOME and request.not_before_ns <= now_ns
+        if request.kind is CommandKind.HOLD or goes_home:
             self.suspended = True
         elif request.kind is CommandKind.RESUME:
             self.suspended = False
@@ -89,7 +93,7 @@ class Operator(ABC):
         return []
 
     def on_issued(self, command_id: int, request: CommandRequest) -> None:
-        """Learn the id of an order that has been sent."""
+        """Learn the id of a request that has been sent."""
         self._newest[request.kind] = command_id
 
     def note_kind(self, command_id: int, kind: CommandKind) -> None:
@@ -99,9 +103,18 @@ class Operator(ABC):
     def on_message(self, now_ns: int, message: Ack | Telemetry) -> list[CommandRequest]:
         """Take what has arrived; return what to send on hearing it."""
         self.reported.on_message(message)
-        if isinstance(message, Ack) and message.stage in FINAL_STAGES:
-            return self._on_final(now_ns, message)
-        return []
+        if not isinstance(message, Ack) or message.stage not in FINAL_STAGES:
+            return []
+        if self.leads and self.suspended and self._kinds.get(message.command_id) is CommandKind.RETURN_HOME:
+            return self._after_return(now_ns, message)
+        return self._on_final(now_ns, message)
+
+    def _after_return(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
+        """End the mission after a way home that somebody else has commanded; lead on where the robot did not go."""
+        if ack.stage in (Stage.COMPLETED, Stage.FAILED, Stage.SUPERSEDED):
+            return self._finish(ack.reason or f"command {ack.command_id} ({CommandKind.RETURN_HOME}) ended the mission")
+        self.suspended = False
+        return self._resume(now_ns)
 
     def wake(self, now_ns: int) -> list[CommandRequest]:
         """Return what to send now."""
@@ -118,10 +131,10 @@ class Operator(ABC):
         return False
 
     def state(self) -> dict[str, object]:
-        """Return what it will do next depends on, beside its belief, as plain data."""
+        """Return what it will do next depends on, beside what was reported, as plain data."""
         return {
             "finished": self.finished,
-            "agenda": [[at_ns, request.words] for at_ns, request in self._queue.entries()],
+            "queue": [[at_ns, request.words] for at_ns, request in self._queue.entries()],
         }
 
     @abstractmethod
@@ -148,7 +161,7 @@ class Operator(ABC):
 
 
 def leg_failed(ack: Ack) -> bool:
-    """Tell whether a waypoint was not reached, by a robot that can still walk to another."""
+    """Return whether a waypoint was not reached, by a robot that can still walk to another."""
     return ack.stage is Stage.FAILED and ack.reason in (TIMEOUT, STUCK)
 
 

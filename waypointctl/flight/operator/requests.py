@@ -62,10 +62,10 @@ class CommandRequest:
 
 def scheduled_requests(mission: Mission) -> EventQueue[CommandRequest]:
     """Return the mission's scheduled commands, each at its time."""
-    agenda: EventQueue[CommandRequest] = EventQueue()
+    queue: EventQueue[CommandRequest] = EventQueue()
     for scheduled in mission.schedule:
-        agenda.add(ns(scheduled.at_s), request_of(scheduled, mission))
-    return agenda
+        queue.add(ns(scheduled.at_s), request_of(scheduled, mission))
+    return queue
 
 
 def request_of(scheduled: ScheduledCommand, mission: Mission) -> CommandRequest:

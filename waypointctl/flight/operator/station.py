@@ -165,7 +165,7 @@ class Station:
             self._conclude(now_ns, end)
 
     def issue(self, now_ns: int, requests: Iterable[CommandRequest], *, own: bool = False) -> None:
-        """Send orders; the operator is told the ids of its own."""
+        """Send orders; the operator gets the ids of its own."""
         for request in requests:
             command_id = self.dispatcher.issue(now_ns, request)
             self.operator.note_kind(command_id, request.kind)

@@ -27,7 +27,9 @@ _NEAR_GOAL: Final = 0.25  # of its distance: within this the goal counts as reac
 
 
 class ShortRangeGoalOperator(Operator):
-    """Steers."""
+    """Leads the robot by short-range goals."""
+
+    leads = True
 
     def __init__(
         self,
@@ -59,8 +61,8 @@ class ShortRangeGoalOperator(Operator):
     @property
     def wake_ns(self) -> int | None:
         """When it wants to act next, if nothing arrives before [ns]."""
-        next_ns_ = None if self.suspended or self._at_task else self._next_goal_ns
-        times = [time for time in (self._queue.next_ns, next_ns_) if time is not None]
+        goal_ns = None if self.suspended or self._at_task else self._next_goal_ns
+        times = [time for time in (self._queue.next_ns, goal_ns) if time is not None]
         return None if self.finished else min(times, default=None)
 
     def begin(self) -> list[CommandRequest]:
@@ -69,7 +71,7 @@ class ShortRangeGoalOperator(Operator):
         return [self._lookahead_goal()]
 
     def on_issued(self, command_id: int, request: CommandRequest) -> None:
-        """Learn the id of an order that has been sent."""
+        """Learn the id of a request that has been sent."""
         super().on_issued(command_id, request)
         self._clock.on_issued(command_id, request)
 
@@ -109,7 +111,7 @@ class ShortRangeGoalOperator(Operator):
         )
 
     def _is_out_of_time(self, now_ns: int) -> bool:
-        """Tell whether the robot's time for the leg is over, or nobody has told by when one should have heard of it."""
+        """Return whether the robot's time for the leg is over, or a report of it is overdue."""
         timeout_ns = self._plan[self._leg].timeout_ns
         return self._clock.is_over(timeout_ns) or self._clock.is_silent(now_ns, timeout_ns)
 
