@@ -126,8 +126,9 @@ def test_a_rule_that_takes_the_motors_is_named_and_a_way_home_is_not_cut_off(
 
 @pytest.mark.parametrize("autonomy", ["joint", "short_range_goal"])
 def test_a_robot_that_is_led_goes_home_by_command_and_stays_there(policy: LoadedPolicy, autonomy: str) -> None:
-    content = {"schedule": [{"at_s": 0.6, "do": "return_home"}], "operator": {"steering": "continuous"}}
-    result, messages = flown(mission_of(*PLACES, autonomy=autonomy, **content), policy)
-    (home,) = [event.time_ns for event in only(Event, messages) if event.kind is EventKind.HOME_REACHED]
-    assert (result.outcome, result.sim_time_ns - home < 1_000_000_000) == ("failure", True)
-    assert not [action for action in only(Action, messages) if action.source == "ground" and action.time_ns > home]
+    home = [{"at_s": 0.6, "do": "return_home"}]
+    mission = mission_of(*PLACES, autonomy=autonomy, schedule=home, operator={"steering": "continuous"})
+    result, messages = flown(mission, policy)
+    (home_ns,) = [event.time_ns for event in only(Event, messages) if event.kind is EventKind.HOME_REACHED]
+    assert (result.outcome, result.sim_time_ns - home_ns < 1_000_000_000) == ("failure", True)
+    assert not [action for action in only(Action, messages) if action.source == "ground" and action.time_ns > home_ns]

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -91,3 +92,13 @@ def test_what_has_arrived_waits_and_expires_as_when_each_command_is_looked_at(
     due = sorted(still.values(), key=lambda command: (command.not_before_ns, command.id))
     assert tracker.pending == due
     assert [tracker.take_due(20) for _ in due] == due
+
+
+def test_a_stage_that_cannot_follow_is_a_bug() -> None:
+    tracker = CommandTracker(lambda _: None, lambda _: None)
+    tracker.receive(0, Command(1, CommandKind.HOLD, (), "", 0, 0))
+    with pytest.raises(RuntimeError):
+        tracker.advance(0, 1, Stage.COMPLETED)
+    tracker.advance(0, 1, Stage.REJECTED)
+    with pytest.raises(RuntimeError):
+        tracker.advance(0, 1, Stage.ACCEPTED)

@@ -7,7 +7,7 @@ import pytest
 
 from tests.flight.executive.rig import HOLD, SECOND, A, B, Rig
 from waypointctl.flight.executive.rules import FALL, TIMEOUT
-from waypointctl.log.messages import Clock, CommandStage, EventKind, Mode, Stage
+from waypointctl.log.messages import Clock, CommandKind, CommandStage, EventKind, Mode, Stage
 
 
 @pytest.fixture
@@ -246,3 +246,26 @@ def test_a_plan_ends_with_the_flight(rig: Rig) -> None:
     rig.command(1.0, A, B)
     rig.executive.close(5 * SECOND)
     assert rig.reports[-1] == (5 * SECOND, 1, Stage.CANCELLED, "flight ended")
+
+
+def test_whether_something_goes_on_by_itself() -> None:
+    rig = Rig(link_loss_ns=60 * SECOND, on_link_loss="hold")
+    assert not rig.executive.plans
+    rig.send(0.0, CommandKind.HOLD, id=1)
+    assert not rig.executive.plans
+    rig.send(1.0, CommandKind.GO_TO, A, id=2, not_before=90.0)
+    assert rig.executive.plans
+    rig.sense(70.0, "start")
+    assert not rig.executive.plans, "the link is lost, and what waits for its time waits for it"
+    assert rig.executive.waits_for_ground
+    rig.executive.on_contact(80 * SECOND)
+    assert rig.executive.plans
+    assert not rig.executive.waits_for_ground
+    assert rig.executive.next_ns(80 * SECOND) == 90 * SECOND
+    rig.sense(90.0, "start")
+    assert (rig.executive.plans, rig.executive.next_ns(90 * SECOND)) == (True, 90 * SECOND)
+    rig.sense(91.0, "a")
+    assert not rig.executive.plans
+    rig.send(92.0, CommandKind.APPEND_PLAN, B, id=3, released=0, expires=100.0)
+    assert rig.executive.plans, "its expiry is still to come"
+    assert rig.executive.next_ns(92 * SECOND) == 100 * SECOND

@@ -152,3 +152,13 @@ def test_the_way_between_two_places_is_held_against_the_fence(start: Point, end:
 def test_a_gap_thinner_than_any_sampling_is_found() -> None:
     ditch = Polygon("ditch", ((5.0, -9.0), (5.000001, -9.0), (5.000001, 9.0), (5.0, 9.0)))
     assert Fence((), (ditch,)).breach_between((0.0, 0.0), (10.0, 0.0)) == "is inside keep-out ditch"
+
+
+def test_a_way_meets_a_circle_where_geometry_says() -> None:
+    circle = Circle("pit", (3.0, 2.0), 5.0)
+    assert list(circle.crossings((-7.0, 2.0), (13.0, 2.0))) == [0.25, 0.75]
+    assert list(circle.crossings((-7.0, 5.0), (13.0, 5.0))) == [0.3, 0.7]
+    assert list(circle.crossings((-7.0, 7.0), (13.0, 7.0))) == [0.5, 0.5]
+    assert list(circle.crossings((-7.0, 7.1), (13.0, 7.1))) == []
+    assert list(circle.crossings((3.0, 2.0), (3.0, 2.0))) == []
+    assert [circle.holds((8.0, 2.0)), circle.holds((8.0, 2.1))] == [True, False]
