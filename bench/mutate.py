@@ -249,25 +249,32 @@ def stamp(mutant: Mutant, tests: Sequence[str]) -> str:
     return digest.hexdigest()[:12]
 
 
+def _results(part: str) -> dict[str, list[str]]:
+    """Return what became of a part's mutants so far: the stamp and the end of each, by name."""
+    path = RESULTS / f"{part}.json"
+    return json.loads(path.read_text()) if path.exists() else {}
+
+
 def run(chosen: Sequence[Mutant]) -> dict[str, str]:
     """Run mutants that were not run before; return what became of each, by name."""
     RESULTS.mkdir(parents=True, exist_ok=True)
-    known = RESULTS / "results.json"
-    before: dict[str, list[str]] = json.loads(known.read_text()) if known.exists() else {}
+    before: dict[str, dict[str, list[str]]] = {part: _results(part) for part in {mutant.part for mutant in chosen}}
     found, limits = {}, dict[str, float]()
     for count, mutant in enumerate(chosen, 1):
         tests = tests_of(PARTS[mutant.part])
         mark = stamp(mutant, tests)
-        if before.get(mutant.name, [""])[0] != mark:
+        known = before[mutant.part]
+        if known.get(mutant.name, [""])[0] != mark:
             if mutant.part not in limits:
                 begun_s = time.monotonic()
                 if wait(start(tests, None), 600) != "survived":
                     sys.exit(f"{mutant.part}: the tests fail without a mutant")
                 limits[mutant.part] = 5 * (time.monotonic() - begun_s) + 10
-            before[mutant.name] = [mark, wait(start(tests, mutant), limits[mutant.part])]
-            known.with_suffix(".new").write_text(json.dumps(before, indent=0))
-            known.with_suffix(".new").replace(known)
-        found[mutant.name] = before[mutant.name][1]
+            known[mutant.name] = [mark, wait(start(tests, mutant), limits[mutant.part])]
+            new = RESULTS / f"{mutant.part}.new"
+            new.write_text(json.dumps(known, indent=0))
+            new.replace(new.with_suffix(".json"))
+        found[mutant.name] = known[mutant.name][1]
         print(f"\r{count}/{len(chosen)}, {sum(it == 'survived' for it in found.values())} survived", end="", flush=True)
     print()
     return found
