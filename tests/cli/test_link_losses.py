@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from tests.cli.flying import EASY, Program
-from waypointctl.cli.tui.link_losses import link_lines
+from waypointctl.cli.tui.summary_lines import link_lines
 from waypointctl.log.messages import DeliveryOutcome, LinkRecord
 from waypointctl.log.reader import open_log
 from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary

@@ -89,7 +89,7 @@ def test_a_seed_and_a_policy_are_for_all(yard: Path, program: Program) -> None:
         (["easy.yaml", "--junit", "o.xml", "--rate", "2"], "--rate: cannot be used with --junit."),
         (["easy.yaml", "--junit", "no/o.xml"], "no/o.xml: the report cannot be written"),
         (["easy.yaml", "--junit", "far.yaml"], "far.yaml: is there already and is not an XML file"),
-        (["--resume", "a.mcap", "--junit", "o.xml"], "--junit cannot be given with --resume"),
+        (["--resume", "a.mcap", "--junit", "o.xml"], "--junit: cannot be used with --resume"),
     ],
 )
 def test_what_does_not_go_together_is_refused_before_anything_is_flown(

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from waypointctl.log.messages import Checkpoint, Command, CommandKind, PlannedWaypoint, Reward, State
-from waypointctl.replay.difference import Difference, bits_of, difference
+from waypointctl.replay.comparator import Difference, bits_of, difference
 
 STATE = State(20, 1, np.arange(3.0), np.array([0.0, np.nan]), np.zeros(2))
 WAYPOINT = PlannedWaypoint(0, "a", 0.0, 1.0, "box", 0.5, 10, 0)

@@ -1,7 +1,8 @@
-"""What `waypointctl run` answers to programs: the exit code and the JSON object."""
+"""What `waypointctl run` answers: the summary for people, the JSON object for programs, the exit code."""
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Final
 
 from waypointctl.replay.summary_json import Plain, json_text, summary_json
@@ -14,9 +15,27 @@ if TYPE_CHECKING:
 EXIT_CODES: Final = {"success": 0, "failure": 1, "interrupted": 130}
 
 
-def answer(mission: str, result: FlightResult, summary: FlightSummary) -> str:
-    """Return the JSON object that stands for the flight of a mission, by its name."""
-    return f"{json_text(facts(mission, result, summary))}\n"
+def report_flight(
+    mission: str, result: FlightResult, summary: FlightSummary, wall_s: float | None, *, json: bool
+) -> int:
+    """Print what a flight came to, with the JSON object if it is asked for; return the exit code.
+
+    Args:
+        mission: its name.
+        result: of the flight.
+        summary: of the flight.
+        wall_s: the wall time that it took; None for one that was flown before, of which only the object is printed.
+        json: print the object on stdout, and the rest on stderr.
+    """
+    from waypointctl.cli.pictures import say_missing
+    from waypointctl.cli.tui.summary import print_flight
+
+    if wall_s is not None:
+        say_missing(result)
+        print_flight(summary, result, wall_s, stderr=json)
+    if json:
+        sys.stdout.write(f"{json_text(facts(mission, result, summary))}\n")
+    return EXIT_CODES.get(summary.outcome, 1)
 
 
 def facts(mission: str, result: FlightResult, summary: FlightSummary) -> Plain:

@@ -54,7 +54,7 @@ def flight_view(
         from waypointctl.cli.console import is_live
         from waypointctl.cli.tui.console_screen import ConsoleScreen
         from waypointctl.cli.tui.prompt import Prompt
-        from waypointctl.cli.tui.typed_lines import TypedLines
+        from waypointctl.cli.tui.terminal_input import TypedLines
 
         shown_on = people(stderr=True)
         typed = TypedLines(echo=is_live(shown_on))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,101 +15,115 @@ if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
 
 
+Missions = Annotated[
+    list[Path] | None,
+    typer.Argument(metavar="MISSION.yaml...", help="The mission file, or several to fly in turn.", show_default=False),
+]
+Policy = Annotated[
+    Path | None,
+    typer.Option(
+        parser=policy_named,
+        metavar="POLICY",
+        help="Fly this policy, a folder or a name, not the mission's.",
+        show_default=False,
+    ),
+]
+Seed = Annotated[
+    int | None, typer.Option(min=0, max=2**63 - 1, help="Use this seed, not the mission's.", show_default=False)
+]
+Out = Annotated[Path | None, typer.Option(help="The log.", show_default="logs/<mission>.mcap, or -2, -3, ...")]
+Force = Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")]
+Rate = Annotated[
+    float | None,
+    typer.Option(
+        callback=positive, help="Simulated seconds in a second; as fast as it goes without it.", show_default=False
+    ),
+]
+Console = Annotated[
+    bool, typer.Option("--console", help="Type commands while it flies, in real time unless --rate is given.")
+]
+Resume = Annotated[
+    Path | None,
+    typer.Option(metavar="LOG", help="Continue the flight of this log, which was killed.", show_default=False),
+]
+Junit = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.xml", help="Write a JUnit report, a case a mission, in simulated seconds.", show_default=False
+    ),
+]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Fly without a log, and print how it ends.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")]
+
+
 def run(
-    missions: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="MISSION.yaml...", help="The mission file, or several to fly in turn.", show_default=False
-        ),
-    ] = None,
-    policy: Annotated[
-        Path | None,
-        typer.Option(
-            parser=policy_named,
-            metavar="POLICY",
-            help="Fly this policy, a folder or a name, not the mission's.",
-            show_default=False,
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(min=0, max=2**63 - 1, help="Use this seed, not the mission's.", show_default=False)
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="The log.", show_default="logs/<mission>.mcap, or -2, -3, ...")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")] = False,
-    rate: Annotated[
-        float | None,
-        typer.Option(
-            callback=positive, help="Simulated seconds in a second; as fast as it goes without it.", show_default=False
-        ),
-    ] = None,
-    console: Annotated[
-        bool, typer.Option("--console", help="Type commands while it flies, in real time unless --rate is given.")
-    ] = False,
-    resume: Annotated[
-        Path | None,
-        typer.Option(metavar="LOG", help="Go on with the flight of this log, which was killed.", show_default=False),
-    ] = None,
-    junit: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.xml", help="Write a JUnit report, a case a mission, in simulated seconds.", show_default=False
-        ),
-    ] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Fly without a log, and print how it ends.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
+    missions: Missions = None,
+    policy: Policy = None,
+    seed: Seed = None,
+    out: Out = None,
+    force: Force = False,
+    rate: Rate = None,
+    console: Console = False,
+    resume: Resume = None,
+    junit: Junit = None,
+    dry_run: DryRun = False,
+    json: Json = False,
 ) -> None:
     """Fly a mission, or several, and log it. Exit with 0 for success, 1 for failure, 130 if it was interrupted.
 
     Of several each that can be flown is; the exit code is 2 if one of the files is broken.
     """
-    from waypointctl.cli.flight_answer import EXIT_CODES, answer
-    from waypointctl.cli.flight_view import flight_view
-    from waypointctl.cli.interruption import interruption
-    from waypointctl.cli.log_place import claimed
-    from waypointctl.cli.pictures import say_missing
-    from waypointctl.cli.run_many import Many, run_many
-    from waypointctl.cli.tui.summary import print_flight
-    from waypointctl.flight.fly import fly
-    from waypointctl.policy.bundle import load_policy
-
+    flight: dict[str, object] = {"--out": out, "--force": force, "--junit": junit}
+    watched: dict[str, object] = {"--console": console, "--rate": rate}
     if resume is not None:
-        from waypointctl.cli.resume import Resumption, refuse_beside_resume, resume_flight
+        from waypointctl.cli.resume import resume_flight
 
-        anew = {
-            "MISSION.yaml": missions or None,
-            "--junit": junit,
-            "--policy": policy,
-            "--seed": seed,
-            "--out": out,
-            "--force": force or None,
-            "--dry-run": dry_run or None,
-        }
-        refuse_beside_resume(anew)
-        raise typer.Exit(resume_flight(Resumption(resume, rate, console, json)))
+        other = {"MISSION.yaml": missions, "--policy": policy, "--seed": seed, "--dry-run": dry_run}
+        _refuse_beside("--resume: mission, policy, seed and place are those of the log", other | flight)
+        raise typer.Exit(resume_flight(resume, rate, console=console, json=json))
     if not missions:
         raise typer.BadParameter("name a mission file, or a log with --resume.", param_hint="MISSION.yaml")
     if dry_run:
         from waypointctl.cli.rehearsing import dry_run as fly_dry
 
-        _refuse_beside(
-            "--dry-run", {"--out": out, "--force": force, "--console": console, "--rate": rate, "--junit": junit}
-        )
+        _refuse_beside("--dry-run", flight | watched)
         raise typer.Exit(fly_dry([_mission(path, seed, policy) for path in missions], policy, as_json=json))
     if len(missions) > 1 or junit is not None:
+        from waypointctl.cli.run_many import Many, run_many
+
         beside = "several missions" if len(missions) > 1 else "--junit"
-        _refuse_beside(beside, {"--out": out if len(missions) > 1 else None, "--console": console, "--rate": rate})
+        _refuse_beside(beside, watched | ({"--out": out} if len(missions) > 1 else {}))
         many = Many(tuple(missions), policy, out, force, junit, json)
         raise typer.Exit(run_many(many, lambda path: _mission(path, seed, policy)))
-    mission_file = _mission(missions[0], seed, policy)
-    loaded = load_policy(policy or mission_file.policy_path)
+    file = _mission(missions[0], seed, policy)
+    raise typer.Exit(_fly(file, policy, out, rate, force=force, console=console, json=json))
+
+
+def _fly(
+    file: MissionFile,
+    policy: Path | None,
+    out: Path | None,
+    rate: float | None,
+    *,
+    force: bool,
+    console: bool,
+    json: bool,
+) -> int:
+    """Fly one mission for a person who watches; return the exit code."""
+    from waypointctl.cli.flight_answer import report_flight
+    from waypointctl.cli.flight_view import flight_view
+    from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.log_place import claimed
+    from waypointctl.flight.fly import fly
+    from waypointctl.policy.bundle import load_policy
+
+    loaded = load_policy(policy or file.policy_path)
     # Only a flight can be asked to end: before it, where a file may keep one waiting, a signal ends the program.
-    with interruption() as interrupted, claimed(mission_file.mission.name, out, force=force) as path:
+    with interruption() as interrupted, claimed(file.mission.name, out, force=force) as path:
         began_s = time.monotonic()
-        with flight_view(mission_file.mission, rate, interrupted, console=console) as view:
+        with flight_view(file.mission, rate, interrupted, console=console) as view:
             result = fly(
-                mission_file,
+                file,
                 loaded,
                 view.sink,
                 log=path,
@@ -118,18 +132,13 @@ def run(
                 interrupted=interrupted,
             )
         wall_s = time.monotonic() - began_s
-    say_missing(result)
-    summary = view.watch.flight.summary()
-    print_flight(summary, result, wall_s, stderr=json)
-    if json:
-        sys.stdout.write(answer(mission_file.mission.name, result, summary))
-    raise typer.Exit(EXIT_CODES[result.outcome])
+    return report_flight(file.mission.name, result, view.watch.flight.summary(), wall_s, json=json)
 
 
-def _refuse_beside(what: str, options: dict[str, object]) -> None:
+def _refuse_beside(what: str, options: Mapping[str, object]) -> None:
     """Refuse the options that cannot be used with `what`."""
     for name, value in options.items():
-        if value:
+        if not (value is None or value is False or value == []):
             raise typer.BadParameter(f"cannot be used with {what}.", param_hint=name)
 
 

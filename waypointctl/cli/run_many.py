@@ -176,7 +176,7 @@ def _exit_code(outcomes: Sequence[Outcome]) -> int:
 
 def _print_table(outcomes: Sequence[Outcome], *, stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.tui.flights import flights_table
+    from waypointctl.cli.tui.tables import flights_table
 
     people = console(stderr=stderr)
     people.print()

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import struct
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from typing import Final
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from waypointctl.flight.header import PolicyNotInLog
-from waypointctl.log.messages import Action, Checkpoint, GroundControl, Message, Observation, State, Telemetry
+from waypointctl.log.messages import (
+    FloatArray,
+    GroundControl,
+    Message,
+    Observation,
+    PlannedWaypoint,
+    State,
+    Telemetry,
+)
 from waypointctl.log.reader import EncodedMessage
-from waypointctl.policy.protocol import Policy, PolicyState, state_from
-from waypointctl.replay.difference import difference, different_bits
+from waypointctl.log.records import shown
 from waypointctl.replay.verdict import Divergence
-
-FloatArray = NDArray[np.float64]
-
-# Another processor may sum a network's float32 products in another order. The shipped networks then differ by some
-# 1e-6, as they do from themselves in float64. Absolute, and relative for actions above 1.
-ACTION_TOLERANCE: Final = 1e-5
 
 
 class Diverged(Exception):
@@ -112,72 +113,92 @@ class LogComparator:
         return Diverged(where, rounding=rounding)
 
 
-class RecordedPolicy(Policy):
-    """Drives a replay with the logged actions, and compares each with that of the log's own policy, where it has one.
+EXCERPT: Final = 60  # characters shown on either side of where long texts part
+ROUNDING: Final = 1e-12  # absolute, and relative above 1; numpy's trigonometry differs by 1e-15 between processors
 
-    So the physics is driven by what was done, and what the network computes is checked beside it: bit for bit on the
-    processor that flew, and within ACTION_TOLERANCE on another, whose float kernels may differ.
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Where two records part.
 
     Attributes:
-        rounded: how many actions were the same only within ACTION_TOLERANCE.
+        component: the field, with an index where it has many.
+        logged: the value in the log, as text; a float with its bits.
+        replayed: the value in the replay.
+        rounding: whether the values are as near as two ways of rounding may leave them.
     """
 
-    def __init__(self, policy: Policy, comparator: LogComparator, *, bitwise: bool) -> None:
-        """Compare the actions of `policy` with those in `comparator`."""
-        self._policy = policy
-        self._comparator = comparator
-        self._bitwise = bitwise
-        self.rounded = 0
+    component: str
+    logged: str
+    replayed: str
+    rounding: bool
 
-    @property
-    def name(self) -> str:
-        """What the policy is called."""
-        return self._policy.name
 
-    @property
-    def robot(self) -> str:
-        """The robot that the policy was made for."""
-        return self._policy.robot
+def difference(logged: Message, replayed: Message, *, rounded: bool = False) -> Difference | None:
+    """Return the first component in which two records differ, or None.
 
-    @property
-    def observation_layout(self) -> str:
-        """The policy's observation layout."""
-        return self._policy.observation_layout
+    Floats are compared as bits: -0.0 is not 0.0, and a NaN is the same NaN. With `rounded` those that are as near
+    as two ways of rounding may leave them are taken as the same.
+    """
+    if type(logged) is not type(replayed):
+        return Difference("type", type(logged).__name__, type(replayed).__name__, rounding=False)
+    for field in fields(logged):
+        for component, a, b in _pairs(field.name, getattr(logged, field.name), getattr(replayed, field.name)):
+            near = _near(a, b)
+            if not (rounded and near):
+                return Difference(component, *_texts(a, b), near)
+    return None
 
-    @property
-    def reward_weights(self) -> Mapping[str, float]:
-        """The policy's reward weights."""
-        return self._policy.reward_weights
 
-    def reset(self, mask: NDArray[np.bool_]) -> None:
-        """Begin a new episode."""
-        self._policy.reset(mask)
+def _near(a: Any, b: Any) -> bool:
+    return isinstance(a, float) and isinstance(b, float) and abs(a - b) <= ROUNDING * max(1.0, abs(a))
 
-    def state(self) -> PolicyState:
-        """Return the policy's state; that of the log's checkpoint, which comes next, where there is no policy."""
-        logged = self._comparator.upcoming
-        if isinstance(self._policy, PolicyNotInLog) and isinstance(logged, Checkpoint):
-            return state_from(logged.policy_state)
-        return self._policy.state()
 
-    def act(self, observation: FloatArray) -> FloatArray:
-        """Return the logged action (1, nu) for the observation (1, k) of the step under way."""
-        computed = self._policy.act(observation)
-        logged = self._comparator.upcoming if self._comparator.upcoming_kind in (Action, GroundControl) else None
-        if not isinstance(logged, Action | GroundControl) or logged.commanded.shape != computed[0].shape:
-            return computed  # the comparison that follows says what is wrong
-        if isinstance(self._policy, PolicyNotInLog):
-            return logged.commanded[np.newaxis].copy()
-        for i in self._unlike(logged.commanded, computed[0]):
-            texts = (repr(float(logged.commanded[i])), repr(float(computed[0, i])))
-            raise self._comparator.diverged("/action", f"commanded[{i}]", *texts)
-        return logged.commanded[np.newaxis].copy()
+def different_bits(a: FloatArray, b: FloatArray) -> list[int]:
+    """Return where two arrays (n,) differ in their bits."""
+    return [int(at) for at in np.flatnonzero(a.view(np.uint64) != b.view(np.uint64))]
 
-    def _unlike(self, logged: FloatArray, computed: FloatArray) -> list[int]:
-        """Return where two actions (nu,) differ by more than they may."""
-        unlike = different_bits(logged, computed)
-        if self._bitwise or not unlike:
-            return unlike
-        self.rounded += 1
-        near = np.abs(computed - logged) <= ACTION_TOLERANCE * np.maximum(1.0, np.abs(logged))
-        return [int(at) for at in np.flatnonzero(~near)]
+
+def bits_of(value: float) -> int:
+    """Return the 64 bits of a float."""
+    return int(struct.unpack("<Q", struct.pack("<d", value))[0])
+
+
+def _pairs(name: str, logged: Any, replayed: Any) -> Iterator[tuple[str, Any, Any]]:
+    """Yield the components called `name` in which the two values differ, the first one first."""
+    if isinstance(logged, np.ndarray):
+        yield from _array_pairs(name, logged, replayed)
+    elif isinstance(logged, float):
+        if bits_of(logged) != bits_of(replayed):
+            yield name, logged, replayed
+    elif isinstance(logged, tuple) and isinstance(replayed, tuple) and len(logged) == len(replayed):
+        for index, (a, b) in enumerate(zip(logged, replayed, strict=True)):
+            yield from _pairs(f"{name}[{index}]", a, b)
+    elif isinstance(logged, PlannedWaypoint) and isinstance(replayed, PlannedWaypoint):
+        for field in fields(logged):
+            yield from _pairs(f"{name}.{field.name}", getattr(logged, field.name), getattr(replayed, field.name))
+    elif logged != replayed:
+        yield name, logged, replayed
+
+
+def _array_pairs(name: str, logged: FloatArray, replayed: FloatArray) -> Iterator[tuple[str, Any, Any]]:
+    if logged.shape != replayed.shape:
+        yield f"{name}.shape", logged.shape, replayed.shape
+        return
+    for at in different_bits(logged, replayed):
+        yield f"{name}[{at}]", float(logged[at]), float(replayed[at])
+
+
+def _texts(logged: Any, replayed: Any) -> tuple[str, str]:
+    a, b = _text(logged), _text(replayed)
+    if max(len(a), len(b)) <= 2 * EXCERPT:
+        return a, b
+    same = next((at for at, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))
+    begin = max(0, same - EXCERPT)
+    return f"...{a[begin : same + EXCERPT]}...", f"...{b[begin : same + EXCERPT]}..."
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bytes):
+        return shown(value)
+    return f"{value!r} (0x{bits_of(value):016x})" if isinstance(value, float) else str(value)

@@ -26,11 +26,10 @@ from waypointctl.log.opening import PART, open_file
 from waypointctl.log.reader import LogReader, open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.paths import lock
-from waypointctl.replay.comparator import Diverged, LogComparator, RecordedPolicy
+from waypointctl.replay.comparator import Diverged, LogComparator
 from waypointctl.replay.contents import LogContents, altered, contents_of, platform_differences, unverifiable
 from waypointctl.replay.flight_log import summary_of_events
-from waypointctl.replay.recorded_camera import RecordedCamera
-from waypointctl.replay.recorded_console import RecordedConsole
+from waypointctl.replay.recorded import RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.verdict import Divergence
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from waypointctl.flight.command_life import StageReport
-from waypointctl.log.messages import FINAL_STAGES, Ack, CommandKind, Event, EventKind, PlannedWaypoint, Stage
+from waypointctl.log.messages import Event, EventKind, PlannedWaypoint
 from waypointctl.log.setting import MissionSetting, Span
+from waypointctl.replay.command_summary import CommandSummary
 from waypointctl.replay.effort import Effort
 from waypointctl.replay.link_summary import LinkSummary
 from waypointctl.replay.return_home import ReturnHome
@@ -29,79 +29,6 @@ class WaypointStatus(StrEnum):
     TIMED_OUT = "timed out"
     SKIPPED = "skipped"
     OPEN = "not reached"
-
-
-@dataclass(frozen=True, slots=True)
-class CommandSummary:
-    """A command, from its first sending to the last report of it that the operator received.
-
-    Attributes:
-        id: as it was sent.
-        kind: known from its arrival on board; None before.
-        description: its kind and its waypoints, for people.
-        issued_ns: on the operator's clock, the first time.
-        received_ns: on the robot's clock, the first time; None before it has arrived.
-        uplink_ns: delay of the sending that arrived first.
-        onboard: the last stage it came to on board, None before it arrived.
-        ended_ns: when it ended on board, on the robot's clock.
-        attempts: how often it was sent.
-        losses: how often the link lost it, which the operator does not know.
-        acks: those that have arrived at the operator, in order.
-        telemetry_end: its final stage as telemetry first reported it, and when that arrived [ns].
-        arrivals: of each sending that arrived: when it was sent, and when it arrived [ns].
-        report: the newest stage that the operator knows, from whatever source; None before the first.
-    """
-
-    id: int
-    kind: CommandKind | None = None
-    description: str = ""
-    issued_ns: int = 0
-    received_ns: int | None = None
-    uplink_ns: int | None = None
-    onboard: Stage | None = None
-    ended_ns: int | None = None
-    attempts: int = 0
-    losses: int = 0
-    acks: tuple[Ack, ...] = ()
-    telemetry_end: tuple[Stage, int] | None = None
-    arrivals: tuple[tuple[int, int], ...] = ()
-    report: StageReport | None = None
-
-    @property
-    def downlink_ns(self) -> int | None:
-        """How old the first acknowledgement was when the operator received it."""
-        return self.acks[0].received_ns - self.acks[0].issued_ns if self.acks else None
-
-    @property
-    def acknowledged_ns(self) -> int | None:
-        """When the first acknowledgement arrived, on the operator's clock."""
-        return self.acks[0].received_ns if self.acks else None
-
-    @property
-    def round_trip_ns(self) -> int | None:
-        """From the sending that its first acknowledgement answers to that acknowledgement, on the operator's clock.
-
-        That is the newest sending that had arrived when the robot acknowledged; the first one where none is known to.
-        """
-        if not self.acks:
-            return None
-        ack = self.acks[0]
-        sent_ns = (sent_ns for sent_ns, arrived_ns in self.arrivals if arrived_ns <= ack.issued_ns)
-        return ack.received_ns - max(sent_ns, default=self.issued_ns)
-
-    @property
-    def known_stage(self) -> Stage:
-        """The last stage that was acknowledged, or the end that telemetry reported; SENT before either."""
-        acknowledged = self.acks[-1].stage if self.acks else Stage.SENT
-        if acknowledged in FINAL_STAGES or self.telemetry_end is None:
-            return acknowledged
-        return self.telemetry_end[0]
-
-    @property
-    def end_known_ns(self) -> int | None:
-        """When the operator learned that it had ended, on the operator's clock."""
-        acked_ns = next((ack.received_ns for ack in self.acks if ack.stage in FINAL_STAGES), None)
-        return self.telemetry_end[1] if acked_ns is None and self.telemetry_end is not None else acked_ns
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,41 +5,28 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from itertools import islice
-from typing import Any, Final
+from typing import Final
 
-from waypointctl.flight.command_life import StageReport
-from waypointctl.flight.executive.plan import names
 from waypointctl.log.messages import (
-    FINAL_STAGES,
     Ack,
     Action,
-    Clock,
     Command,
     CommandStage,
-    CommandStatus,
     Event,
     EventKind,
     LinkRecord,
     Message,
     PlannedWaypoint,
     Reward,
-    Severity,
-    Stage,
     State,
     Telemetry,
 )
 from waypointctl.log.setting import MissionSetting
+from waypointctl.replay.command_summary import CommandsBuilder, CommandSummary
 from waypointctl.replay.effort import EffortBuilder
 from waypointctl.replay.link_summary import LinkSummaryBuilder
 from waypointctl.replay.return_home import ReturnHome, ReturnsBuilder
-from waypointctl.replay.summary import (
-    UNFINISHED,
-    CommandSummary,
-    FlightSummary,
-    WaypointStatus,
-    WaypointSummary,
-)
+from waypointctl.replay.summary import UNFINISHED, FlightSummary, WaypointStatus, WaypointSummary
 from waypointctl.replay.track import Track, TrackBuilder, is_on_map
 
 _STATUSES: Final = {
@@ -98,12 +85,11 @@ class FlightSummaryBuilder:
         self.events: list[Event] = []
         self._waypoints = {waypoint.index: WaypointSummary(waypoint) for waypoint in waypoints}
         self._leg: int | None = None  # the waypoint of the leg that began last
-        self._commands: dict[int, CommandSummary] = {}
+        self._commands = CommandsBuilder()
         self._places: dict[tuple[float, float], PlannedWaypoint] = {}  # commanded, and none of the waypoints
         self._truth, self._belief = TrackBuilder(), TrackBuilder()
         self._effort, self._returns = EffortBuilder(), ReturnsBuilder()
         self._known = 0  # how many of the waypoints in telemetry's `reached`, which only grows, have been taken
-        self._acknowledged = -1  # the newest command that was acknowledged
         self._states_off_map = self._frames_off_map = 0
         self._reward: dict[str, float] = {}
         self._reward_total = 0.0
@@ -135,17 +121,16 @@ class FlightSummaryBuilder:
     @property
     def commands(self) -> tuple[CommandSummary, ...]:
         """The commands so far, by id."""
-        return tuple(command for _, command in sorted(self._commands.items()))
+        return self._commands.commands
 
     def newest_commands(self, most: int) -> tuple[CommandSummary, ...]:
         """Return the last `most` commands that were issued, by id."""
-        return tuple(self._commands[command_id] for command_id in sorted(islice(reversed(self._commands), most)))
+        return self._commands.newest(most)
 
     @property
     def round_trip_ns(self) -> int | None:
         """The round trip of the newest command that was acknowledged [ns]; None without one."""
-        command = self._commands.get(self._acknowledged)
-        return None if command is None else command.round_trip_ns
+        return self._commands.round_trip_ns
 
     @property
     def waypoints(self) -> tuple[WaypointSummary, ...]:
@@ -225,43 +210,20 @@ class FlightSummaryBuilder:
         else:
             self._frames_off_map += 1
         for status in frame.commands:
-            self._on_status(status, frame)
+            self._commands.on_status(status, frame)
         for index in frame.reached[self._known :]:
             waypoint = self._waypoints.get(index)
             if waypoint is not None and waypoint.known_ns is None:
                 self._waypoints[index] = replace(waypoint, known_ns=frame.received_ns)
         self._known = max(self._known, len(frame.reached))
 
-    def _on_status(self, it: CommandStatus, frame: Telemetry) -> None:
-        command = self._command(it.command_id)
-        if it.stage in FINAL_STAGES and command.telemetry_end is None:
-            command = self._update(command, telemetry_end=(it.stage, frame.received_ns))
-        known = command.report
-        report = StageReport(it.stage, it.reason, frame.issued_ns)
-        if report.counts_after(known) and (known is None or known.stage != report.stage):
-            self._update(command, report=report)
-
     def _on_ack(self, ack: Ack) -> None:
         self.now_ns = max(self.now_ns, ack.received_ns)
-        command = self._command(ack.command_id)
-        report = StageReport(ack.stage, ack.reason, ack.issued_ns)
-        known = report if report.counts_after(command.report) else command.report
-        self._update(command, acks=(*command.acks, ack), report=known)
-        self._acknowledged = max(self._acknowledged, ack.command_id)
+        self._commands.on_ack(ack)
         self._returns.on_report(ack)
 
     def _on_command(self, command: Command) -> None:
-        entry = self._command(command.id)
-        entry = self._update(entry, arrivals=(*entry.arrivals, (command.issued_ns, command.received_ns)))
-        if entry.received_ns is None:  # what arrives once more is only acknowledged once more
-            self._update(
-                entry,
-                kind=command.kind,
-                description=f"{command.kind} {names(command.waypoints)}".rstrip(),
-                issued_ns=entry.issued_ns if entry.attempts else command.issued_ns,
-                received_ns=command.received_ns,
-                uplink_ns=command.received_ns - command.issued_ns,
-            )
+        self._commands.on_command(command)
         for waypoint in command.waypoints:
             if waypoint.index < 0:
                 self._places.setdefault((waypoint.x_m, waypoint.y_m), waypoint)
@@ -270,26 +232,13 @@ class FlightSummaryBuilder:
 
     def _on_stage(self, it: CommandStage) -> None:
         self.now_ns = max(self.now_ns, it.time_ns)
-        entry = self._command(it.command_id)
-        entry = self._update(
-            entry,
-            attempts=max(entry.attempts, it.attempt),
-            issued_ns=it.time_ns if it.stage is Stage.QUEUED and it.attempt == 1 else entry.issued_ns,
-            losses=entry.losses + (it.stage is Stage.LOST),
-        )
-        self._returns.on_stage(it, entry.kind)
-        if it.clock is Clock.OPERATOR:
-            self._update(entry, report=StageReport(it.stage, it.reason, it.time_ns))
-        elif it.clock is Clock.ROBOT and entry.onboard not in FINAL_STAGES:
-            self._update(entry, onboard=it.stage, ended_ns=it.time_ns if it.stage in FINAL_STAGES else None)
+        self._returns.on_stage(it, self._commands.on_stage(it).kind)
 
     def _on_event(self, event: Event) -> None:
         self.now_ns = max(self.now_ns, event.time_ns)
         self.events.append(event)
-        for part in (self._returns, self.link, self._effort):
+        for part in (self._commands, self._returns, self.link, self._effort):
             part.on_event(event)
-        if event.kind is EventKind.COMMAND_SENT and event.severity is Severity.INFO:
-            self._update(self._command(event.command_id), description=event.text.partition(": ")[2])
         if event.kind in _ENDS_A_LEG and self._leg is not None:
             leg = self._waypoints[self._leg]
             if leg.ended_ns is None:
@@ -309,10 +258,3 @@ class FlightSummaryBuilder:
                 return replace(waypoint, status=status, ended_ns=time_ns)
             case _:
                 return waypoint if status is waypoint.status else replace(waypoint, status=status)
-
-    def _command(self, command_id: int) -> CommandSummary:
-        return self._commands.setdefault(command_id, CommandSummary(command_id))
-
-    def _update(self, command: CommandSummary, **changes: Any) -> CommandSummary:
-        command = self._commands[command.id] = replace(command, **changes)
-        return command

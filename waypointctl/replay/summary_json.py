@@ -11,9 +11,10 @@ from waypointctl.replay.return_home import ReturnEnding
 from waypointctl.units import seconds
 
 if TYPE_CHECKING:
+    from waypointctl.replay.command_summary import CommandSummary
     from waypointctl.replay.link_summary import LinkDirectionSummary
     from waypointctl.replay.return_home import ReturnHome
-    from waypointctl.replay.summary import CommandSummary, FlightSummary, WaypointSummary
+    from waypointctl.replay.summary import FlightSummary, WaypointSummary
     from waypointctl.replay.track import Track
     from waypointctl.replay.verdict import Verification
 

@@ -10,8 +10,8 @@ from waypointctl.units import seconds
 
 if TYPE_CHECKING:
     from waypointctl.log.messages import Telemetry
+    from waypointctl.replay.command_summary import CommandSummary
     from waypointctl.replay.operator_view import OperatorView
-    from waypointctl.replay.summary import CommandSummary
 
 
 def status_lines(view: OperatorView, now_ns: int) -> list[str]:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from waypointctl.cli.standard_streams import has_failed
-from waypointctl.cli.tui.keyboard import Keyboard
 from waypointctl.cli.tui.pace import Pace
+from waypointctl.cli.tui.terminal_input import Keyboard
 from waypointctl.cli.tui.watch import Watch, watch
 from waypointctl.errors import InputError
 from waypointctl.log.messages import State

@@ -15,7 +15,7 @@ from waypointctl.cli.tui.console_screen import SIGN, ConsoleScreen
 from waypointctl.cli.tui.formatting import happening
 from waypointctl.cli.tui.operator_status import status_lines
 from waypointctl.cli.tui.pace import Pace
-from waypointctl.cli.tui.typed_lines import TypedLines
+from waypointctl.cli.tui.terminal_input import TypedLines
 from waypointctl.display_text import printable_lines
 from waypointctl.flight.operator.console import QUIT, USAGE, impossible, request_from
 from waypointctl.flight.setting import setting_of

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 from waypointctl.cli.console import console
 from waypointctl.cli.tui.formatting import size
-from waypointctl.cli.tui.link_losses import link_lines
-from waypointctl.cli.tui.tables import command_table, effort_lines, reward_table, waypoint_table
-from waypointctl.cli.tui.whereabouts import whereabouts_lines
+from waypointctl.cli.tui.summary_lines import effort_lines, link_lines, whereabouts_lines
+from waypointctl.cli.tui.tables import command_table, reward_table, waypoint_table
 from waypointctl.display_text import printable, shell_word
 from waypointctl.units import seconds
 

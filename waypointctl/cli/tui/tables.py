@@ -1,20 +1,23 @@
-"""The summary's tables: waypoints, commands, reward, effort."""
+"""The tables of flights: waypoints, commands and reward of one; outcomes of many."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
-from waypointctl.cli.tui.formatting import at, number
+from waypointctl.cli.tui.formatting import number
 from waypointctl.cli.tui.grid_view import GridView
 from waypointctl.display_text import printable
 from waypointctl.evaluation.grid import Column, Grid
-from waypointctl.log.messages import EventKind
 from waypointctl.replay.summary import WaypointStatus
-from waypointctl.replay.track import FARTHEST_M
+from waypointctl.units import seconds
 
 if TYPE_CHECKING:
-    from waypointctl.replay.summary import CommandSummary, FlightSummary, WaypointSummary
+    from rich.table import Table
 
+    from waypointctl.cli.run_many import Outcome
+    from waypointctl.replay.command_summary import CommandSummary
+    from waypointctl.replay.summary import FlightSummary, WaypointSummary
 
 _MOST_REWARD: Final = 1e9  # written out; an altered log's can have 300 digits
 _WAYPOINTS: Final = (
@@ -76,31 +79,6 @@ def _reward_row(total: float, steps: int) -> tuple[str, str]:
     return f"{total:,.2f}", f"{total / steps:+.4f}" if steps else "-"
 
 
-def effort_lines(summary: FlightSummary) -> list[str]:
-    """Return how far, how fast, and how the time was spent."""
-    effort = summary.effort
-    speed = "" if effort.mean_speed_mps is None else f", {effort.mean_speed_mps:.2f} m/s while walking"
-    spent = f"{effort.walking_ns / 1e9:.2f} s walking, {effort.standing_ns / 1e9:.2f} s standing"
-    if effort.standing_share is not None:
-        spent += f" ({effort.standing_share:.0%})"
-    if effort.fallen_ns:
-        spent += f", {effort.fallen_ns / 1e9:.2f} s fallen"
-    lines = [f"distance   {effort.distance_m:.2f} m{speed}", f"time       {spent}"]
-    if summary.falls:
-        falls = (at(event.time_ns) for event in summary.events if event.kind is EventKind.FALL)
-        lines.append(f"fell       at {', '.join(falls)}")
-    if off_map := _off_map(summary):
-        lines.append(f"left out   {off_map}: not finite, or beyond {FARTHEST_M:,.0f} m")
-    return lines
-
-
-def _off_map(summary: FlightSummary) -> str:
-    """Return how much of the log no map or sum can take in, in words; nothing of a log that was not altered."""
-    waypoints = sum(not waypoint.is_on_map for waypoint in summary.waypoints)
-    counts = ((summary.states_off_map, "state"), (summary.frames_off_map, "telemetry frame"), (waypoints, "waypoint"))
-    return ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for count, what in counts if count)
-
-
 def _waypoint_row(waypoint: WaypointSummary) -> tuple[str, ...]:
     plan = waypoint.planned
     learned, reached = waypoint.known_ns, waypoint.reached_ns
@@ -120,3 +98,34 @@ def _command_row(command: CommandSummary) -> tuple[str, ...]:
     times = (command.issued_ns, command.received_ns, command.acknowledged_ns, command.ended_ns, command.end_known_ns)
     ways = (command.uplink_ns, command.downlink_ns, command.round_trip_ns)
     return (str(command.id), printable(command.description), *map(number, (*times, *ways)), str(command.known_stage))
+
+
+def flights_table(outcomes: Iterable[Outcome]) -> Table:
+    """Return what came of each mission file: its flight's outcome, waypoints, time and log."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold", show_edge=False)
+    table.add_column("mission", overflow="fold")
+    table.add_column("outcome", no_wrap=True)
+    table.add_column("reached", justify="right", no_wrap=True)
+    table.add_column("time [s]", justify="right", no_wrap=True)
+    table.add_column("log", overflow="fold")
+    for outcome in outcomes:
+        table.add_row(*_row(outcome), style=_style(outcome))
+    return table
+
+
+def _row(outcome: Outcome) -> tuple[str, ...]:
+    if outcome.result is None:
+        return printable(outcome.path), "broken" if outcome.problem else "not flown", "-", "-", "-"
+    result = outcome.result
+    reached = f"{result.waypoints_reached}/{result.waypoints_total}"
+    flown = f"{seconds(result.sim_time_ns):.2f}"
+    return printable(outcome.mission), result.outcome, reached, flown, printable(result.log or "-")
+
+
+def _style(outcome: Outcome) -> str | None:
+    if outcome.result is None:
+        return "red"
+    return None if outcome.result.outcome == "success" else "yellow"

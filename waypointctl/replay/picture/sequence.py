@@ -16,9 +16,10 @@ from matplotlib.patches import Patch
 
 from waypointctl.log.messages import Ack, Stage
 from waypointctl.log.setting import Span
+from waypointctl.replay.command_summary import CommandSummary
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import Labels, Place, short
-from waypointctl.replay.summary import CommandSummary, FlightSummary
+from waypointctl.replay.summary import FlightSummary
 from waypointctl.units import NS_PER_S, seconds
 
 _OPERATOR_Y: Final = 1.0

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from tests.replay.hand_made import FAR, NEAR, event, flight, frame
 from waypointctl.cli.tui.live import LiveView
-from waypointctl.cli.tui.whereabouts import whereabouts_lines
+from waypointctl.cli.tui.summary_lines import whereabouts_lines
 from waypointctl.log.messages import DeliveryOutcome, EventKind, LinkRecord, Message, Mode
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.replay.summary_builder import summarize
@@ -28,10 +28,10 @@ STANDING = replace(frame(3, 4.9, 6.2, (0,)), mode=Mode.SAFE)
 @pytest.mark.parametrize(
     ("messages", "said"),
     [
-        ([BEGUN], "began at 4.00 s (timeout), under way when the flight ended; the operator has not heard of it"),
+        ([BEGUN], "began at 4.00 s (timeout), under way when the flight ended; the operator does not know of it"),
         (
             [BEGUN, RETURNING, REACHED],
-            "began at 4.00 s (timeout), home reached at 4.80 s; the operator has heard of its beginning, at 5.20 s",
+            "began at 4.00 s (timeout), home reached at 4.80 s; the operator knows that it began, at 5.20 s",
         ),
         (
             [BEGUN, RETURNING, REACHED, STANDING],
@@ -41,7 +41,7 @@ STANDING = replace(frame(3, 4.9, 6.2, (0,)), mode=Mode.SAFE)
 )
 def test_a_way_home_is_told_as_it_was_and_as_it_was_known(messages: list[Message], said: str) -> None:
     way, _ = whereabouts_lines(summarize([*flight(), *messages], (NEAR, FAR), SETTING))
-    assert way == f"way home   {said}"
+    assert way == f"return     {said}"
 
 
 def test_where_the_robot_ended_and_where_the_operator_last_heard_of_it() -> None:

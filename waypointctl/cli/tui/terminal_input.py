@@ -1,15 +1,67 @@
-"""Lines typed at stdin while something else goes on: read without waiting, edited in place on a terminal."""
+"""What is typed at stdin while something else goes on: single keys, or lines that are edited in place on a terminal."""
 
 from __future__ import annotations
 
 import os
 import select
 import sys
+import termios
 import time
-from typing import Final
+import tty
+from contextlib import suppress
+from types import TracebackType
+from typing import Any, Final, Self
 
-from waypointctl.cli.tui.key_by_key import KeyByKey
 from waypointctl.errors import InputError
+
+
+class KeyByKey:
+    """The mode of the terminal at stdin; where there is none nothing is changed.
+
+    Attributes:
+        is_terminal: whether there is one whose keys are wanted.
+    """
+
+    def __init__(self, *, is_terminal: bool) -> None:
+        """Leave the terminal as it is until the block is entered."""
+        self.is_terminal = is_terminal
+        self._before: list[Any] | None = None
+
+    def __enter__(self) -> Self:
+        """Have keys delivered one by one, and not echoed."""
+        if self.is_terminal:
+            self._before = termios.tcgetattr(sys.stdin)
+            tty.setcbreak(sys.stdin)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Leave the terminal as it was."""
+        if self._before is not None:
+            with suppress(termios.error):  # the terminal is gone
+                termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
+
+
+class Keyboard(KeyByKey):
+    """Reads keys in a `with` block; where stdin is no terminal there never is one."""
+
+    def __init__(self) -> None:
+        """Look whether there is a terminal; it is left as it is until the block is entered."""
+        super().__init__(is_terminal=sys.stdin is not None and sys.stdin.isatty())
+
+    def read(self, timeout_s: float) -> str:
+        """Return the next key, or "" if none is pressed within `timeout_s`."""
+        if not self.is_terminal:
+            time.sleep(timeout_s)
+            return ""
+        ready, _, _ = select.select([sys.stdin], [], [], timeout_s)
+        if not ready:
+            return ""
+        key = os.read(sys.stdin.fileno(), 1).decode(errors="replace")
+        self.is_terminal = bool(key)  # the end of file: the terminal is gone
+        return key
+
 
 MOST_COLUMNS: Final = 200  # of a line: no command is as long
 _AT_ONCE: Final = 4096  # bytes read in one go
