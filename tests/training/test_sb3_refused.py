@@ -19,11 +19,11 @@ from stable_baselines3.common.torch_layers import FlattenExtractor
 
 from tests.training.sb3_models import normalised_env, rewritten, with_parts
 from waypointctl.errors import PolicyError
+from waypointctl.importers.stable_baselines3.archive import read_archive
+from waypointctl.importers.stable_baselines3.network import read_network
+from waypointctl.importers.stable_baselines3.normaliser import read_normaliser
 from waypointctl.task.env import WaypointEnv
-from waypointctl.training.sb3_archive import read_archive
-from waypointctl.training.sb3_import import import_sb3
-from waypointctl.training.sb3_network import build_network
-from waypointctl.training.sb3_normaliser import read_normaliser
+from waypointctl.training.sb3_import import build_policy, import_sb3
 
 
 class Malicious:
@@ -63,9 +63,14 @@ def save_ppo(path: Path, policy: Any = "MlpPolicy", env: Any = None, **policy_kw
     return path
 
 
+def build(path: Path) -> None:
+    archive = read_archive(path)
+    build_policy(archive, read_network(archive, 31, 8))
+
+
 def refused(path: Path, message: str) -> None:
     with pytest.raises(PolicyError, match=message) as caught:
-        build_network(read_archive(path), 31, 8)
+        build(path)
     assert str(path) in str(caught.value)
 
 
@@ -74,7 +79,7 @@ def test_pickles_in_a_model_are_not_loaded(model: Path, tmp_path: Path) -> None:
     pickled = pickle.dumps(Malicious(victim))
     serialised = base64.b64encode(pickled).decode()
     bad = rewritten(model, tmp_path / "bad.zip", lr_schedule={":type:": "x", ":serialized:": serialised})
-    build_network(read_archive(bad), 31, 8)
+    build(bad)
     assert not victim.exists()
     pickle.loads(pickled)
     assert victim.exists(), "the pickle is a working one"
@@ -109,18 +114,18 @@ def test_other_actions_and_other_sizes_are_refused(model: Path, tmp_path: Path) 
     refused(rewritten(model, path, action_space=None), "the low of its actions is not said")
     refused(save_ppo(path, env=gymnasium.make("Pendulum-v1")), "the low of its actions")
     with pytest.raises(PolicyError, match="maps 31 observations to 8 actions, not 31 to 12"):
-        build_network(read_archive(model), 31, 12)
+        read_network(read_archive(model), 31, 12)
 
 
 def test_tensors_that_have_no_place_or_are_not_finite_are_refused(model: Path, tmp_path: Path) -> None:
     tensors = {name: torch.from_numpy(array) for name, array in read_archive(model).tensors.items()}
     for name, value, message in (
-        ("mlp_extractor.shared_net.0.weight", torch.zeros(3, 3), "no plain multilayer perceptron: Unexpected key"),
+        ("mlp_extractor.shared_net.0.weight", torch.zeros(3, 3), "not a plain multilayer perceptron: Unexpected key"),
         ("action_net.weight", torch.full((8, 8), torch.nan), "action_net.weight is not an array of finite numbers"),
         ("action_net.weight", torch.zeros(8, 8, dtype=torch.int64), "is not an array of finite numbers"),
-        ("action_net.weight", torch.zeros(8, 9), "no plain multilayer perceptron: size mismatch"),
-        ("mlp_extractor.value_net.2.weight", torch.zeros(2**22, 1), "no plain multilayer perceptron: size mismatch"),
-        ("action_net.weight", torch.zeros(8), "no plain multilayer perceptron|maps 31 observations"),
+        ("action_net.weight", torch.zeros(8, 9), "not a plain multilayer perceptron: size mismatch"),
+        ("mlp_extractor.value_net.2.weight", torch.zeros(2**22, 1), "not a plain multilayer perceptron: size mismatch"),
+        ("action_net.weight", torch.zeros(8), "not a plain multilayer perceptron|maps 31 observations"),
     ):
         buffer = io.BytesIO()
         torch.save(tensors | {name: value}, buffer)
@@ -129,7 +134,7 @@ def test_tensors_that_have_no_place_or_are_not_finite_are_refused(model: Path, t
 
 def test_settings_that_do_not_fit_together_are_refused(model: Path, tmp_path: Path) -> None:
     bad = rewritten(model, tmp_path / "bad.zip", policy_kwargs={"squash_output": True})
-    refused(bad, "no plain multilayer perceptron: squash_output=True is only available")
+    refused(bad, "not a plain multilayer perceptron: squash_output=True is only available")
     tensors = {name: torch.from_numpy(array) for name, array in read_archive(model).tensors.items()}
     buffer = io.BytesIO()
     torch.save(tensors | {"log_std": torch.full((8,), -1e4)}, buffer)

@@ -8,11 +8,25 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import torch
+from gymnasium import spaces
 from numpy.typing import NDArray
 from safetensors.numpy import save
+from stable_baselines3.common.policies import ActorCriticPolicy, BasePolicy
+from stable_baselines3.sac.policies import SACPolicy
+from stable_baselines3.td3.policies import TD3Policy
 
 from waypointctl.errors import OutputError, PolicyError
 from waypointctl.evaluation.saved import remove_outdated
+from waypointctl.importers.stable_baselines3.archive import Archive, read_archive
+from waypointctl.importers.stable_baselines3.network import (
+    ACTOR_CRITIC,
+    SAC,
+    SavedNetwork,
+    not_a_perceptron,
+    read_network,
+)
+from waypointctl.importers.stable_baselines3.normaliser import Normaliser, read_normaliser
 from waypointctl.paths import refuse_unwritable_folder
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import (
@@ -29,10 +43,8 @@ from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
 from waypointctl.task.observation import Layout, layout
 from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
+from waypointctl.training.algorithms.ppo_learner import ACTIVATIONS
 from waypointctl.training.export import ACTION_MEANING
-from waypointctl.training.sb3_archive import Sb3Archive, read_archive
-from waypointctl.training.sb3_network import Sb3Network, build_network
-from waypointctl.training.sb3_normaliser import Normaliser, read_normaliser
 
 CHECKED: Final = 256  # random observations that the bundle and stable-baselines3 act on
 TOLERANCE: Final = 1e-4  # between their actions: a wrong network is far off, float32 is within a tenth of this
@@ -51,8 +63,8 @@ class Imported:
     """
 
     policy: LoadedPolicy
-    archive: Sb3Archive
-    network: Sb3Network
+    archive: Archive
+    network: SavedNetwork
     normaliser: Normaliser
     difference: float
 
@@ -79,7 +91,8 @@ def import_sb3(
     _refuse_replacing(out, force)
     seen, body = layout(observation), load_robot(robot)
     archive = read_archive(model)
-    network = build_network(archive, seen.size, body.num_actions)
+    network = read_network(archive, seen.size, body.num_actions)
+    original = build_policy(archive, network)
     normaliser = read_normaliser(vecnormalize, seen.size) if vecnormalize else Normaliser.identity(seen.size)
     onnx = mlp_to_onnx(
         network.layers,
@@ -93,7 +106,7 @@ def import_sb3(
     description = _description(archive, network, normaliser, seen, body, out)
     files = bundle_files(description, onnx, save(_weights(archive, normaliser)))
     policy = load_policy_bytes(files, str(out))
-    difference = _difference(policy, network, normaliser, str(model))
+    difference = _difference(policy, original, normaliser, str(model))
     if not difference <= TOLERANCE:
         problem = f"the exported network's actions differ from stable-baselines3's by {difference:.2g}"
         raise PolicyError(problem, where=str(model), hint="Nothing was written; please report it with the model.")
@@ -101,7 +114,50 @@ def import_sb3(
     return Imported(policy, archive, network, normaliser, difference)
 
 
-def _difference(policy: LoadedPolicy, network: Sb3Network, normaliser: Normaliser, where: str) -> float:
+def build_policy(archive: Archive, network: SavedNetwork) -> BasePolicy:
+    """Return stable-baselines3's own policy with the tensors of a saved model, each of which has its place there.
+
+    Raises:
+        PolicyError: the tensors or settings do not fit the policy's class.
+    """
+    try:
+        policy = _empty_policy(archive, network)
+        policy.load_state_dict({name: torch.from_numpy(array) for name, array in archive.tensors.items()})
+    except Exception as error:  # stable-baselines3 and torch raise many kinds for settings that do not fit together
+        lines = [line.strip() for line in str(error).splitlines()] or [type(error).__name__]
+        fault = next((line.rstrip(". ") for line in lines[1:] if line), lines[0])
+        raise not_a_perceptron(fault, str(archive.path)) from error
+    policy.set_training_mode(False)
+    return policy
+
+
+def _empty_policy(archive: Archive, network: SavedNetwork) -> BasePolicy:
+    (_, inputs), (outputs, _) = network.layers[0][0].shape, network.layers[-1][0].shape
+    observations = spaces.Box(-np.inf, np.inf, (inputs,), np.float32)
+    actions = spaces.Box(-1.0, 1.0, (outputs,), np.float32)
+    hidden, value, given = list(network.hidden_sizes), list(network.value_sizes), archive.policy_kwargs
+    function = ACTIVATIONS[network.activation]
+    if network.policy_class == ACTOR_CRITIC:
+        return ActorCriticPolicy(
+            observations,
+            actions,
+            lambda _: 0.0,
+            net_arch={"pi": hidden, "vf": value},
+            activation_fn=function,
+            use_sde=archive.settings.get("use_sde") is True,
+            **{name: given[name] for name in ("full_std", "use_expln", "squash_output") if name in given},
+        )
+    return (SACPolicy if network.policy_class == SAC else TD3Policy)(
+        observations,
+        actions,
+        lambda _: 0.0,
+        net_arch={"pi": hidden, "qf": value},
+        activation_fn=function,
+        n_critics=network.critics,
+    )
+
+
+def _difference(policy: LoadedPolicy, original: BasePolicy, normaliser: Normaliser, where: str) -> float:
     """Return the largest difference between the bundle's clipped actions and stable-baselines3's predict()."""
     rng = stream(0, "sb3-import")
     spread = 3.0 * np.sqrt(normaliser.variance + normaliser.epsilon)
@@ -109,14 +165,14 @@ def _difference(policy: LoadedPolicy, network: Sb3Network, normaliser: Normalise
     observation = drawn.astype(np.float32).astype(np.float64)
     found = np.clip(policy.act(observation), -1.0, 1.0)
     try:
-        expected, _ = network.policy.predict(normaliser.apply(observation).astype(np.float32), deterministic=True)
+        expected, _ = original.predict(normaliser.apply(observation).astype(np.float32), deterministic=True)
     except ValueError as error:  # a spread of actions, log_std, that none can be drawn with
         reason = next(iter(str(error).splitlines()), "")
         raise PolicyError(f"stable-baselines3 itself cannot act with it: {reason}", where=where) from error
     return float(np.abs(found - expected).max())
 
 
-def _weights(archive: Sb3Archive, normaliser: Normaliser) -> dict[str, NDArray[np.generic]]:
+def _weights(archive: Archive, normaliser: Normaliser) -> dict[str, NDArray[np.generic]]:
     """Return the arrays of weights.safetensors, named as those of a policy trained here."""
     tensors = dict(archive.tensors)
     return tensors | {
@@ -127,7 +183,7 @@ def _weights(archive: Sb3Archive, normaliser: Normaliser) -> dict[str, NDArray[n
 
 
 def _description(
-    archive: Sb3Archive, network: Sb3Network, normaliser: Normaliser, seen: Layout, body: Robot, out: Path
+    archive: Archive, network: SavedNetwork, normaliser: Normaliser, seen: Layout, body: Robot, out: Path
 ) -> PolicyDescription:
     names, units, scales = zip(*seen.components, strict=True)
     normalised = f", with a VecNormalize file of SHA-256 {normaliser.sha256}" if normaliser.sha256 else ""

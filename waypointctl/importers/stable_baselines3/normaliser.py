@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import PolicyError
-from waypointctl.training.inert_pickle import Inert, array_of, read_inert
-from waypointctl.training.sb3_archive import read_limited
+from waypointctl.importers.stable_baselines3.archive import read_limited
+from waypointctl.importers.stable_baselines3.inert_pickle import Inert, array_of, read_inert
 
 FloatArray = NDArray[np.float64]
 
 _STATISTICS: Final = "RunningMeanStd"
 _LARGEST: Final = 1e38  # what the exported network computes in goes little beyond
-_MEND: Final = "Give the file that VecNormalize.save() wrote beside the model."
+_HINT: Final = "Give the file that VecNormalize.save() wrote beside the model."
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +62,10 @@ def read_normaliser(path: Path, size: int) -> Normaliser:
     try:
         normaliser = _normaliser(read_inert(content), hashlib.sha256(content).hexdigest(), size)
     except (ValueError, TypeError, OverflowError) as error:  # the latter: an array or an endless number for a number
-        raise PolicyError(f"not a file of VecNormalize: {error}", where=str(path), hint=_MEND) from error
+        raise PolicyError(f"not a file of VecNormalize: {error}", where=str(path), hint=_HINT) from error
     if normaliser.mean.shape != (size,):
         problem = f"it normalises observations of shape {normaliser.mean.shape}; the model takes {size} numbers"
-        raise PolicyError(problem, where=str(path), hint=_MEND)
+        raise PolicyError(problem, where=str(path), hint=_HINT)
     return normaliser
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waypointctl.training.inert_pickle import Inert, array_of, read_inert
+from waypointctl.importers.stable_baselines3.inert_pickle import Inert, array_of, read_inert
 
 
 class Malicious:

@@ -14,8 +14,8 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.training.bounded_zip import opened_zip, read_part
-from waypointctl.training.inert_pickle import Inert, origin_of, read_inert
+from waypointctl.importers.stable_baselines3.bounded_zip import opened_zip, read_part
+from waypointctl.importers.stable_baselines3.inert_pickle import Inert, origin_of, read_inert
 
 Array: TypeAlias = NDArray[np.floating]
 

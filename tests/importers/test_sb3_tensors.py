@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import torch
 
-from waypointctl.training.sb3_tensors import MOST_TENSORS, read_tensors
+from waypointctl.importers.stable_baselines3.tensors import MOST_TENSORS, read_tensors
 
 MIB = 2**20
 

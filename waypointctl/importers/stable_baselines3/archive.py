@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from waypointctl.errors import PolicyError
+from waypointctl.importers.stable_baselines3.bounded_zip import opened_zip, read_part
+from waypointctl.importers.stable_baselines3.tensors import Array, read_tensors
 from waypointctl.input_file import read_input
 from waypointctl.limits import limit
-from waypointctl.training.bounded_zip import opened_zip, read_part
-from waypointctl.training.sb3_tensors import Array, read_tensors
 
 LIMIT: Final = "sb3-archive"  # its name: of a file, and of what it unpacks to
 
@@ -28,11 +28,11 @@ _MOST_SETTINGS: Final = 2**24  # [bytes] of the JSON
 _DATA: Final = "data"
 _TENSORS: Final = "policy.pth"
 _VERSION: Final = "_stable_baselines3_version"
-_MEND: Final = "Give the .zip that stable-baselines3's model.save() wrote."
+_HINT: Final = "Give the .zip that stable-baselines3's model.save() wrote."
 
 
 @dataclass(frozen=True, slots=True)
-class Sb3Archive:
+class Archive:
     """A saved model.
 
     Attributes:
@@ -82,7 +82,7 @@ def read_limited(path: Path) -> bytes:
     return read_input(path, LIMIT, PolicyError)
 
 
-def read_archive(path: Path) -> Sb3Archive:
+def read_archive(path: Path) -> Archive:
     """Read a saved model; nothing in it is executed.
 
     Raises:
@@ -95,9 +95,9 @@ def read_archive(path: Path) -> Sb3Archive:
             tensors = read_part(archive, _TENSORS, limit(LIMIT))
             version = read_part(archive, _VERSION, 1000) if _VERSION in archive.namelist() else b"unknown"
     except ValueError as error:
-        hint = f"{_MEND} Its parts {_DATA} and {_TENSORS} are read, up to a limit (docs/limits.md)."
+        hint = f"{_HINT} Its parts {_DATA} and {_TENSORS} are read, up to a limit (docs/limits.md)."
         raise PolicyError(str(error), where=str(path), hint=hint) from error
-    return Sb3Archive(
+    return Archive(
         path,
         hashlib.sha256(content).hexdigest(),
         version.decode(errors="replace").strip()[:40] or "unknown",
@@ -110,9 +110,9 @@ def _settings(content: bytes, where: str) -> dict[str, Any]:
     try:
         settings = json.loads(content)
     except (ValueError, RecursionError) as error:
-        raise PolicyError(f"not JSON: {error}", where=where, hint=_MEND) from error
+        raise PolicyError(f"not JSON: {error}", where=where, hint=_HINT) from error
     if not isinstance(settings, dict):
-        raise PolicyError("not a JSON object", where=where, hint=_MEND)
+        raise PolicyError("not a JSON object", where=where, hint=_HINT)
     return settings
 
 
@@ -120,4 +120,4 @@ def _tensors(content: bytes, where: str) -> dict[str, Array]:
     try:
         return read_tensors(content, limit(LIMIT))
     except ValueError as error:
-        raise PolicyError(f"{error}; nothing of it was executed", where=where, hint=_MEND) from error
+        raise PolicyError(f"{error}; nothing of it was executed", where=where, hint=_HINT) from error
