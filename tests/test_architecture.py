@@ -96,4 +96,4 @@ def test_replay_proves_without_torch_and_without_pictures(flown: Flown, argument
 def test_validate_reads_a_mission_without_a_simulator(flown: Flown) -> None:
     code, loaded, _ = loaded_by(flown.path.parent, "validate", "mission.yaml")
     assert code == 0
-    assert not loaded & (TRAINING | {"mcap", "matplotlib"})
+    assert not loaded & (TRAINING | {"mcap", "matplotlib", "mujoco", "onnxruntime", "rich"})

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 from pathlib import Path
-from time import sleep
 
 import pytest
 
@@ -38,13 +36,14 @@ def test_it_flies_tells_and_leaves_its_files(field: Path, program: Program) -> N
     assert (field / "runs/study-delay/delay.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("width", ["80", "120"])
-def test_tables_keep_to_the_terminal(
-    field: Path, program: Program, monkeypatch: pytest.MonkeyPatch, width: str
+def test_the_same_command_again_flies_nothing_and_tables_keep_to_the_terminal(
+    field: Path, program: Program, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("COLUMNS", width)
-    _, out, _ = program(*FEW)
-    assert max(len(line) for line in out.splitlines()[:-1]) <= int(width)
+    for width, flown in ((80, "0 of 8 flights"), (120, "8 of 8 flights")):
+        monkeypatch.setenv("COLUMNS", str(width))
+        code, out, err = program(*FEW)
+        assert (code, err.splitlines()[0]) == (0, flown)
+        assert max(len(line) for line in out.splitlines()[:-1]) <= width
 
 
 def test_json_is_all_that_is_on_stdout(field: Path, program: Program) -> None:
@@ -61,51 +60,20 @@ def test_json_is_all_that_is_on_stdout(field: Path, program: Program) -> None:
     assert "Claims tested" in err
 
 
-def test_the_same_command_again_flies_nothing(field: Path, program: Program) -> None:
-    first = program(*FEW)
-    code, out, err = program(*FEW)
-    assert (code, out) == (0, first[1])
-    assert err.splitlines() == ["8 of 8 flights"]
-
-
 def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
-    many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "10", "--seeds", "100")
-    running = start(field, *many, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    running = start(field, *SMALL, "--autonomy", "mission", "--rtt", "10", "--seeds", "20", stderr=subprocess.PIPE)
     assert running.stderr is not None
-    while b"10 of 100 flights" not in running.stderr.readline():
+    while b"2 of 20 flights" not in running.stderr.readline():
         assert running.poll() is None
     running.send_signal(signal.SIGINT)
-    out, err = running.communicate(timeout=60)
-    assert (running.returncode, out) == (130, b"")
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 130
     assert b"interrupted; runs/study-delay has what was flown, and the same command goes on" in err
     assert b"Traceback" not in err
-    kept = (field / "runs/study-delay/flights.jsonl").read_bytes().splitlines()
-    assert 10 < len(kept) < 101
-    few = program(*SMALL, "--autonomy", "mission", "--rtt", "10", "--seeds", "5")
-    assert few[0] == 0
-    assert few[2].splitlines() == ["5 of 5 flights"], "those were flown before the interruption"
-
-
-def starting(running: subprocess.Popen[bytes]) -> list[int]:
-    """Wait until a process that is to fly is importing; return all that have been started."""
-    while running.poll() is None:
-        children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
-        flying = [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
-        if any(b"numpy" in Path(f"/proc/{pid}/maps").read_bytes() for pid in flying):
-            return [int(pid) for pid in flying]
-        sleep(0.001)
-    raise AssertionError("it has ended before")
-
-
-def test_ctrl_c_while_its_processes_start_is_no_traceback_and_no_hang(field: Path) -> None:
-    many = (*SMALL[:-1], "2", "--autonomy", "mission", "--rtt", "10", "--seeds", "100")
-    running = start(field, *many, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    for pid in (*starting(running), running.pid):  # a terminal sends it to all of them
-        os.kill(pid, signal.SIGINT)
-    out, err = running.communicate(timeout=60)
-    assert (running.returncode, out) == (130, b"")
-    said = b"interrupted; runs/study-delay has what was flown, and the same command goes on"
-    assert err.splitlines() == [b"0 of 100 flights", said]
+    kept = len((field / "runs/study-delay/flights.jsonl").read_bytes().splitlines()) - 1
+    assert 2 <= kept < 20
+    code, _, err_again = program(*SMALL, "--autonomy", "mission", "--rtt", "10", "--seeds", "2")
+    assert (code, err_again.splitlines()) == (0, ["2 of 2 flights"]), "those were flown before the interruption"
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import json
 import re
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -213,31 +212,18 @@ def test_json_of_a_good_mission_has_what_the_ok_line_has(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"a: [", b"- 1", b"[" * 5000, b"a: &x [*x]"])
-def test_no_content_leads_to_a_traceback(tmp_path: Path, content: bytes) -> None:
+def test_no_content_leads_to_a_traceback(tmp_path: Path, program: Program, content: bytes) -> None:
     path = tmp_path / "m.yaml"
     path.write_bytes(content)
-    command = [sys.executable, "-c", "from waypointctl.cli.main import main; main()", "validate", str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert done.stdout.startswith(f"{path}:1:")
-    assert done.stderr == ""
+    code, out, err = program("validate", str(path))
+    assert (code, err) == (2, "")
+    assert out.startswith(f"{path}:1:")
 
 
-def test_validating_loads_no_simulator(tmp_path: Path) -> None:
-    code = (
-        "import sys; from waypointctl.cli.app import app\n"
-        f"app(['validate', {SHIPPED[0]!r}], standalone_mode=False)\n"
-        "print([name for name in ('mujoco', 'onnxruntime', 'torch', 'rich') if name in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.endswith("\n[]\n")
-
-
-def test_one_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    argv = ["validate", SHIPPED[0], "--policy", str(tmp_path / "gone")]
-    run = subprocess.run([sys.executable, "-m", "waypointctl", *argv], capture_output=True, text=True, check=False)
-    assert run.returncode == 2
-    assert "gone: no such folder\n  A policy is a folder with manifest.json, or a name. There is " in run.stderr
+def test_another_policy_that_is_not_there_is_refused(tmp_path: Path, program: Program) -> None:
+    code, _, err = program("validate", SHIPPED[0], "--policy", str(tmp_path / "gone"))
+    assert code == 2
+    assert "gone: no such folder\n" in err
 
 
 def test_one_wrong_reference_is_one_problem(tmp_path: Path) -> None:

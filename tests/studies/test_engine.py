@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +15,7 @@ import pytest
 from waypointctl.errors import WaypointctlError
 from waypointctl.studies.engine import Engine, ProcessPoolEngine, SerialEngine, engine_for
 
+ROOT = Path(__file__).parents[2]
 ENGINES = [SerialEngine(), ProcessPoolEngine(2)]
 
 
@@ -78,6 +81,34 @@ def test_an_error_of_the_function_is_raised(engine: Engine) -> None:
 def test_a_worker_that_is_killed_is_an_error_and_no_hang(function: Callable[..., int]) -> None:
     with pytest.raises(WaypointctlError, match="killed"):
         ProcessPoolEngine(2).map(function, list(range(9)), lambda case, result: None, lambda: False)
+
+
+SLOW_START = """
+import numpy
+from pathlib import Path
+from tests.studies.test_engine import wait_for_interruption
+from waypointctl.cli.interruption import interruption
+from waypointctl.studies.engine import ProcessPoolEngine
+
+if __name__ == "__main__":
+    with interruption() as interrupted:
+        print(ProcessPoolEngine(2).map(wait_for_interruption, range(2, 99), lambda case, result: None, interrupted))
+"""
+
+
+def test_ctrl_c_while_workers_start_is_no_traceback_and_no_hang(tmp_path: Path) -> None:
+    (tmp_path / "slow_start.py").write_text(SLOW_START)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, str(tmp_path / "slow_start.py")]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        workers: list[int] = []
+        while not workers and running.poll() is None:
+            children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+            workers = [int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+        for pid in (*workers, running.pid):  # a terminal sends it to all of them
+            os.kill(pid, signal.SIGINT)
+        out, err = running.communicate(timeout=60)
+    assert (running.returncode, out, err) == (0, b"None\n", b"")
 
 
 def test_no_worker_outlives_the_map() -> None:

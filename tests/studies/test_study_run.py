@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 
@@ -72,6 +73,13 @@ def test_what_comes_of_it_is_in_the_folder(found: tuple[Path, DelayStudy]) -> No
     assert len((folder / RESULTS).read_bytes().splitlines()) == len(CASES) + 1
 
 
+def test_a_pickled_function_flies_the_same(still: LoadedPolicy) -> None:
+    fly_case = FlyCase({"here": here()}, still, 0.0)
+    again = pickle.loads(pickle.dumps(fly_case))
+    assert again(CASES[0], lambda: False) == fly_case(CASES[0], lambda: False)
+
+
+@pytest.mark.slow
 def test_flights_side_by_side_give_the_same_bytes(
     found: tuple[Path, DelayStudy], tmp_path: Path, still: LoadedPolicy
 ) -> None:
