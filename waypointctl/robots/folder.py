@@ -9,8 +9,9 @@ from typing import Final
 
 from waypointctl.errors import RobotError
 from waypointctl.mission.policy_name import is_bare
+from waypointctl.mission.yaml_source import read_model, read_source
 from waypointctl.paths import folder_fault
-from waypointctl.robots.description import ROBOT_FILE
+from waypointctl.robots.description import ROBOT_FILE, RobotDescription
 
 SHIPPED: Final = Path(__file__).resolve().parent
 
@@ -18,6 +19,17 @@ SHIPPED: Final = Path(__file__).resolve().parent
 def robot_names() -> tuple[str, ...]:
     """Return the names of the robots that come with waypointctl."""
     return tuple(sorted(path.parent.name for path in SHIPPED.glob(f"*/{ROBOT_FILE}")))
+
+
+def read_description(named: str | Path) -> RobotDescription:
+    """Return the robot.yaml of a robot.
+
+    Raises:
+        RobotError: as for `robot_folder`, or it is wrong; everything wrong has its line and column.
+    """
+    folder = robot_folder(named)
+    source = read_source(folder / ROBOT_FILE, RobotError, within=folder)
+    return read_model(source, f"{folder}/{ROBOT_FILE}", RobotDescription, RobotError)
 
 
 def robot_folder(named: str | Path) -> Path:

@@ -52,6 +52,12 @@ class Robot(RobotModel):
         return self.description.termination.min_up
 
     @property
+    def action_meaning(self) -> str:
+        """What the numbers of an action are, in words, for the manifest of a policy."""
+        groups = (f"{group.kind} of {', '.join(group.joints)}" for group in self.description.actions)
+        return f"{'; '.join(groups)}, in the order of the actuators"
+
+    @property
     def feet(self) -> tuple[str, ...]:
         """The geoms that are meant to touch the ground."""
         return self.description.feet

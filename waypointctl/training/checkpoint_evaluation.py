@@ -33,11 +33,13 @@ class Evaluator:
     """Evaluates policies of a training. It draws from streams of its own: training is the same without it.
 
     Attributes:
+        robot: of the recipe, which the policies of a suite without a robot are for.
         threads: of the physics; 0 is one a core, 8 at most.
         on_event: called with the progress.
         interrupted: asked meanwhile; True ends the evaluation.
     """
 
+    robot: str
     threads: int
     on_event: OnEvent
     interrupted: Callable[[], bool]
@@ -54,7 +56,7 @@ class Evaluator:
             self.on_event(EvaluationProgress(suite.name, final, case, ended, plan.trials))
 
         try:
-            return evaluate(policy, suite, plan.trials, plan.seed, self.threads, progress)
+            return evaluate(policy, suite.with_robot(self.robot), plan.trials, plan.seed, self.threads, progress)
         except _Interrupted:
             return None
 

@@ -16,7 +16,6 @@ from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.state import TrainingState
 
 PACKAGES: Final = ("waypointctl", "mujoco", "mjbatch", "numpy", "torch", "stable-baselines3")
-ACTION_MEANING: Final = "motor torque of each joint as a fraction of its maximum, in the model's actuator order"
 
 
 def export_policy(state: TrainingState, recipe_file: RecipeFile, folder: Path, wall_time_s: float) -> LoadedPolicy:
@@ -34,12 +33,12 @@ def _description(state: TrainingState, recipe_file: RecipeFile, wall_time_s: flo
     names, units, scales = zip(*env.layout.components, strict=True)
     return PolicyDescription(
         name=recipe.name,
-        robot=recipe.robot,
+        robot=env.robot.name,
         control_period_ns=env.robot.control_period_ns,
         observation=ObservationSpec(
             layout=env.layout.name, size=env.layout.size, names=names, units=units, scales=scales
         ),
-        action=ActionSpec(size=env.robot.num_actions, meaning=ACTION_MEANING, limits=(-1.0, 1.0)),
+        action=ActionSpec(size=env.robot.num_actions, meaning=env.robot.action_meaning, limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=recipe.network.hidden, activation=recipe.network.activation),
         reward=recipe.phases[-1].reward.model_dump(),
         training=TrainingRecord(

@@ -17,7 +17,7 @@ from waypointctl.training.checkpoint import begun_as, load_checkpoint, save_chec
 from waypointctl.training.checkpoint_evaluation import SUITE
 from waypointctl.training.progress_file import PROGRESS
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.recipe_file import RECIPE, RecipeFile, load_recipe
+from waypointctl.training.recipe_file import RECIPE, RecipeFile, load_recipe, place_recipe
 from waypointctl.training.run_folder import checkpoints
 from waypointctl.training.selection import SELECTION
 from waypointctl.training.state import TrainingState
@@ -51,7 +51,7 @@ def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -
             if (source / name).exists():
                 found = read_input(source / name, _LARGEST, RecipeError, within=source)
                 write_whole(run / name, found, "what the run has found")
-        write_whole(run / RECIPE, recipe_file.source, "the recipe")
+        place_recipe(recipe_file, run)
     except OSError as error:
         raise OutputError(f"cannot be written: {error.strerror}", where=str(run)) from error
     return max(_take(folder, began, recipe_file, run, threads) for folder in taken)

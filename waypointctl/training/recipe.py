@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated, Final, Literal
 
-from pydantic import Field, Strict, ValidationError, ValidationInfo, field_validator
+from pydantic import Field, PrivateAttr, Strict, ValidationError, ValidationInfo, field_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from waypointctl.errors import InputError
-from waypointctl.mission.fields import Acceptance, Start
+from waypointctl.errors import InputError, RobotError
+from waypointctl.mission.fields import Acceptance, RobotName, Start
 from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.policy_name import from_folder, is_bare
+from waypointctl.robots.description import ROBOT_FILE
+from waypointctl.robots.folder import robot_folder
 from waypointctl.robots.load import load_robot
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
@@ -23,6 +28,8 @@ from waypointctl.training.recipe_evaluation import EvaluationRecipe, SelectionRe
 from waypointctl.training.recipe_fields import Count
 from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe
 
+ROBOT_COPY: Final = "robot"  # folder of a robot, in the folder of a run and of its policy
+
 
 class Recipe(FileModel):
     """A training recipe."""
@@ -30,7 +37,9 @@ class Recipe(FileModel):
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
     description: Annotated[str, Field(max_length=4000)] = ""
     seed: Annotated[int, Strict(), Field(ge=0, lt=2**32)] = 0
-    robot: Literal["ant"] = "ant"
+    robot: RobotName = Field(
+        "ant", description="a robot that comes with waypointctl, or a folder (./NAME), relative to this file"
+    )
     observation: Literal["state", "state_noise", "state_goal", "egocentric"] = "egocentric"
     course: Course = Field(Course(), description="where the waypoints of an episode come from")
     failure_replay: FailureReplay = Field(FailureReplay(), description="repeat courses that failed lately")
@@ -52,10 +61,36 @@ class Recipe(FileModel):
         None, description="select the policy among the checkpoints; without it, it is the last"
     )
 
+    _robot_folder: str | None = PrivateAttr(None)
+
+    @property
+    def robot_path(self) -> str:
+        """The robot's name, or the path of its folder, relative to the working directory."""
+        return self._robot_folder or self.robot
+
+    def read_from(self, folder: Path) -> Recipe:
+        """Return the recipe as it is in a file of this folder, where a run's own copy of the robot comes first."""
+        if is_bare(self.robot):
+            return self
+        recipe, copy = self.model_copy(), os.path.join(folder, ROBOT_COPY)
+        own = os.path.isfile(os.path.join(copy, ROBOT_FILE))
+        recipe._robot_folder = copy if own else from_folder(self.robot, folder)
+        return recipe
+
+    @field_validator("robot")
+    @classmethod
+    def _exists(cls, robot: str) -> str:
+        if is_bare(robot):
+            try:
+                robot_folder(robot)
+            except RobotError as error:
+                raise ValueError(f"{error.problem}; {error.hint}") from error
+        return robot
+
     @field_validator("domain_randomization")
     @classmethod
     def _fits_the_robot(cls, randomization: DomainRandomization, info: ValidationInfo) -> DomainRandomization:
-        if "robot" in info.data:
+        if is_bare(info.data.get("robot", "")):  # a folder is read when the training begins
             try:
                 randomization.latency_steps(load_robot(info.data["robot"]))
             except InputError as error:
@@ -108,7 +143,7 @@ class Recipe(FileModel):
     def task(self, phase: int) -> TaskConfig:
         """Return the task as it is in a phase."""
         return TaskConfig(
-            robot=self.robot,
+            robot=self.robot_path,
             observation=self.observation,
             reward=self.phases[phase].reward,
             course=self.course,

@@ -9,12 +9,15 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
-from waypointctl.errors import InputError, RecipeError
+from waypointctl.errors import InputError, OutputError, RecipeError
 from waypointctl.evaluation.suite import Training
+from waypointctl.mission.policy_name import is_bare
 from waypointctl.mission.yaml_source import read_model, read_source
 from waypointctl.mission.yaml_tree import read_tree
+from waypointctl.paths import write_whole
 from waypointctl.policy.manifest import Manifest
-from waypointctl.training.recipe import Recipe
+from waypointctl.robots.load import load_robot
+from waypointctl.training.recipe import ROBOT_COPY, Recipe
 
 RECIPE: Final = "train.yaml"  # in a run's folder and in a policy's
 MODULES: Final = ("torch", "stable_baselines3", "gymnasium", "onnx", "safetensors", "tensorboard")
@@ -52,7 +55,28 @@ def load_recipe(path: Path) -> RecipeFile:
         RecipeError: there is no such file, or it is not a recipe; everything wrong is listed with line and column.
     """
     source = read_source(path, RecipeError)
-    return RecipeFile(read_model(source, str(path), Recipe, RecipeError), source, path)
+    recipe = read_model(source, str(path), Recipe, RecipeError)
+    return RecipeFile(recipe.read_from(path.parent), source, path)
+
+
+def place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
+    """Write a recipe into the folder of a run or a policy, with its robot where that does not come with waypointctl.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    path, recipe = folder / RECIPE, recipe_file.recipe
+    if path.exists() and path.samefile(recipe_file.path):
+        return
+    write_whole(path, recipe_file.source, "the recipe")
+    if not is_bare(recipe.robot):
+        for name, content in load_robot(recipe.robot_path).files.items():
+            copy = folder / ROBOT_COPY / name
+            try:
+                copy.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(copy.parent)) from error
+            write_whole(copy, content, "the robot")
 
 
 def trained_on(folder: Path, manifest: Manifest) -> Training | None:

@@ -10,10 +10,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from waypointctl.errors import PolicyError, RecipeError, SuiteError
+from waypointctl.errors import InputError, PolicyError, RecipeError, SuiteError
+from waypointctl.mission.policy_name import is_bare
 from waypointctl.mission.problems import Problem
 from waypointctl.mission.yaml_source import as_error, examine, read_source
 from waypointctl.mission.yaml_tree import DataPath, Tree, YamlFault, read_tree
+from waypointctl.robots.load import load_robot
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.recipe_file import RecipeFile
 
@@ -32,7 +34,7 @@ def load_recipe_to_train(path: Path) -> RecipeFile:
         own = str(path)
         problems.sort(key=lambda one: (one.where != own, one.line, one.column))  # what is wrong with a suite comes last
         raise as_error(tuple(problems), RecipeError)
-    return RecipeFile(reading.model, source, path)
+    return RecipeFile(reading.model.read_from(path.parent), source, path)
 
 
 def own_suite(suite: str, recipe: Path) -> Path | None:
@@ -52,11 +54,26 @@ def _reference_problems(source: bytes, path: Path, recipe: Recipe | None) -> Ite
         tree = read_tree(source)
     except YamlFault:
         return
+    if recipe is not None and not is_bare(recipe.robot):
+        yield from _robot_problems(recipe.read_from(path.parent), path, tree)
     if suite := _text_at(tree, ("selection", "suite")):
         yield from _suite_problems(suite, path, tree)
     if warm_start := _text_at(tree, ("warm_start",)):
         for text in _warm_start_faults(warm_start, path.parent, recipe):
             yield _problem(path, tree, ("warm_start",), text)
+
+
+def _robot_problems(recipe: Recipe, path: Path, tree: Tree) -> Iterator[Problem]:
+    try:
+        robot = load_robot(recipe.robot_path)
+    except InputError as error:
+        place = f"{error.where}: " if error.where else ""
+        yield _problem(path, tree, ("robot",), f"{place}{error.problem}{_inline(error.hint)}")
+        return
+    try:
+        recipe.domain_randomization.latency_steps(robot)
+    except InputError as error:
+        yield _problem(path, tree, ("domain_randomization",), error.problem)
 
 
 def _text_at(tree: Tree, path: DataPath) -> str | None:

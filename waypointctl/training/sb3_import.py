@@ -44,7 +44,6 @@ from waypointctl.seeding import stream
 from waypointctl.task.observation import Layout, layout
 from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
 from waypointctl.training.algorithms.ppo_learner import ACTIVATIONS
-from waypointctl.training.export import ACTION_MEANING
 
 CHECKED: Final = 256  # random observations that the bundle and stable-baselines3 act on
 TOLERANCE: Final = 1e-4  # between their actions: a wrong network is far off, float32 is within a tenth of this
@@ -192,7 +191,7 @@ def _description(
         robot=body.name,
         control_period_ns=body.control_period_ns,
         observation=ObservationSpec(layout=seen.name, size=seen.size, names=names, units=units, scales=scales),
-        action=ActionSpec(size=body.num_actions, meaning=ACTION_MEANING, limits=(-1.0, 1.0)),
+        action=ActionSpec(size=body.num_actions, meaning=body.action_meaning, limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=network.hidden_sizes, activation=network.activation),
         reward={},  # a .zip does not say what was paid; a flight pays the defaults
         training=TrainingRecord(

@@ -23,7 +23,7 @@ from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.paths import refuse_unwritable_folder, write_whole
 from waypointctl.policy.manifest import MANIFEST
 from waypointctl.training.recipe_evaluation import SelectionRecipe
-from waypointctl.training.recipe_file import RECIPE, RecipeFile
+from waypointctl.training.recipe_file import RECIPE, RecipeFile, place_recipe
 from waypointctl.training.run_folder import new_run, newest_checkpoint
 
 GROUP: Final = "group.json"
@@ -114,7 +114,7 @@ def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int], thre
     except OSError as error:
         raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(group)) from error
     write_whole(group / GROUP, f"{plan.model_dump_json(indent=2)}\n".encode(), "the plan")
-    write_whole(group / RECIPE, recipe_file.source, "the recipe")
+    place_recipe(recipe_file, group)
 
 
 def group_begun_as(recipe_file: RecipeFile, group: Path) -> tuple[RecipeFile, int]:

@@ -19,7 +19,7 @@ from waypointctl.policy.write import copy_bundle
 from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
 from waypointctl.training.checkpoint_evaluation import CheckpointSelector, Evaluator, selection_suite
 from waypointctl.training.events import CheckpointSaved, OnEvent, Resumed, Threads, TrainingEvent
-from waypointctl.training.recipe_file import RECIPE, RecipeFile
+from waypointctl.training.recipe_file import RecipeFile, place_recipe
 from waypointctl.training.recipe_references import load_recipe_to_train
 from waypointctl.training.run_folder import checkpoint_at, held, newest_checkpoint, require_checkpoint
 from waypointctl.training.selection import Selection, with_record
@@ -98,7 +98,7 @@ def train(
         state = TrainingState(recipe_file.recipe, threads)
         begun_s = time.monotonic() - _begin(state, recipe_file, run, resume, on_event)
         on_event(state.threads)
-        evaluator = Evaluator(threads, on_event, interrupted)
+        evaluator = Evaluator(recipe_file.recipe.robot_path, threads, on_event, interrupted)
         selector = _selector(state, recipe_file, run, resume, evaluator, begun_s)
         complete = resume and (
             state.steps >= state.recipe.last_step or (selector is not None and selector.selection.met)
@@ -214,7 +214,7 @@ def _begin(state: TrainingState, recipe_file: RecipeFile, run: Path, resume: boo
     if warm_start := load_warm_start(recipe_file):
         on_event(warm_start.apply(state.learner, recipe_file))
         state.start = warm_start.record()
-    _place_recipe(recipe_file, run)
+    place_recipe(recipe_file, run)
     return 0.0
 
 
@@ -268,11 +268,5 @@ def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluatio
     """Put the bundle into `out`, and remove the evaluations of an earlier one."""
     remove_outdated(out, policy.sha256)
     copy_bundle(policy, out)
-    _place_recipe(recipe_file, out)
+    place_recipe(recipe_file, out)
     write_whole(out / EVALUATION, evaluation.to_json().encode(), "the evaluation")
-
-
-def _place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
-    path = folder / RECIPE
-    if not (path.exists() and path.samefile(recipe_file.path)):
-        write_whole(path, recipe_file.source, "the recipe")

@@ -14,6 +14,7 @@ from waypointctl.errors import RecipeError
 from waypointctl.mission.policy_name import policy_folder
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import WEIGHTS, StartRecord
+from waypointctl.robots.folder import read_description
 from waypointctl.task.observation import Layout, layout
 from waypointctl.training.events import WarmStarted
 from waypointctl.training.learner import Learner
@@ -84,7 +85,7 @@ def misfits(policy: LoadedPolicy, recipe: Recipe) -> Iterator[tuple[str, str]]:
     """Yield each thing that keeps a training by the recipe from beginning with the policy, and how to fix it."""
     manifest = policy.manifest
     pairs = (
-        ("robot is", manifest.robot, recipe.robot),
+        ("robot is", manifest.robot, read_description(recipe.robot_path).name),
         ("observation size is", manifest.observation.size, layout(recipe.observation).size),
         ("hidden layers are", list(manifest.network.hidden_sizes), list(recipe.network.hidden)),
         ("activation is", manifest.network.activation, recipe.network.activation),
