@@ -12,6 +12,7 @@ from tests.hostile.mutation import SECRET, damaged
 from tests.policy.hostile_networks import HOSTILE
 from tests.replay.rewriting import Flown
 from tests.sim.hostile_models import ANT, FILES, LARGE
+from waypointctl.robots.load import load_robot
 
 REFUSALS: Final = frozenset({NO, REFUSED})
 
@@ -25,11 +26,8 @@ def _attempt(
     may: frozenset[int] = REFUSALS,
 ) -> Attempt:
     flown: Flown = sound.more["flown"]
-    keys = {
-        "robot/ant.xml": "sha256_robot/ant.xml",
-        "mission.yaml": "sha256_mission",
-        "policy/manifest.json": "sha256_policy",
-    }
+    keys = {"mission.yaml": "sha256_mission", "policy/manifest.json": "sha256_policy"}
+    keys |= {name: f"sha256_{name}" for name in attached if name.startswith("robot/")}
     metadata = {keys[each]: hashlib.sha256(data).hexdigest() for each, data in attached.items() if each in keys}
     log = flown.rewritten(folder / "log.mcap", metadata=metadata, attachments=attached)
     whole = log.read_bytes()
@@ -51,6 +49,11 @@ def damaged_model(rng: random.Random, folder: Path, sound: Sound) -> Attempt:
     return _attempt("model: damaged", rng, folder, sound, {"robot/ant.xml": damaged(rng, ANT.encode())}, ANY)
 
 
+def damaged_description(rng: random.Random, folder: Path, sound: Sound) -> Attempt:
+    source = load_robot("ant").files["robot.yaml"]
+    return _attempt("robot.yaml: damaged", rng, folder, sound, {"robot/robot.yaml": damaged(rng, source)}, ANY)
+
+
 def damaged_compiled_model(rng: random.Random, folder: Path, sound: Sound) -> Attempt:
     flown: Flown = sound.more["flown"]
     mjb = damaged(rng, sound.more["mjb"]) + b"\0"
@@ -66,4 +69,10 @@ def hostile_network(rng: random.Random, folder: Path, sound: Sound) -> Attempt:
     return _attempt(f"network in a log: {name}", rng, folder, sound, attached)
 
 
-LOGS: Final[tuple[Family, ...]] = (hostile_model, damaged_model, damaged_compiled_model, hostile_network)
+LOGS: Final[tuple[Family, ...]] = (
+    hostile_model,
+    damaged_model,
+    damaged_description,
+    damaged_compiled_model,
+    hostile_network,
+)

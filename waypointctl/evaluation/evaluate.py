@@ -121,7 +121,9 @@ def _env(policy: Policy, suite: Suite, trials: int, seed: int, threads: int) -> 
     try:
         env = BatchedWaypointEnv(config, trials, seed, threads=threads, max_waypoints=longest, autoreset=False)
     except InputError as error:
-        raise PolicyError(error.problem, where=f"policy {policy.name!r}") from error
+        if error.where is not None:
+            raise
+        raise PolicyError(error.problem, where=f"policy {policy.name!r}", hint=error.hint) from error
     refuse_misfit(policy, env.robot)
     return env
 
