@@ -49,12 +49,10 @@ def build_robot(description: RobotDescription, source: bytes, mjcf: AuditedMjcf,
         RobotError: robot.yaml does not fit the MJCF; everything wrong is listed with line and column.
     """
     builder = _Builder(description, model)
-    tree = read_tree(source)
-    problems = []
-    for path, text in builder.problems:
-        written, mark = written_at(tree, path)
-        problems.append(Problem(where, mark.line, mark.column, written, text))
-    if problems:
+    if builder.problems:
+        tree = read_tree(source)
+        places = [(*written_at(tree, path), text) for path, text in builder.problems]
+        problems = [Problem(where, mark.line, mark.column, written, text) for written, mark, text in places]
         raise as_error(tuple(sorted(problems, key=lambda each: (each.line, each.column))), RobotError)
     return Robot(
         name=description.name,

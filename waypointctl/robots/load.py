@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from waypointctl.errors import InputError, RobotError
@@ -43,6 +43,12 @@ def robot_of_files(files: Mapping[str, bytes], where: str) -> Robot:
     Raises:
         RobotError, InputError: as for `load_robot`.
     """
+    return _of_files(tuple(sorted(files.items())), where)
+
+
+@lru_cache(maxsize=4)  # a replay asks for it twice
+def _of_files(items: tuple[tuple[str, bytes], ...], where: str) -> Robot:
+    files = dict(items)
 
     def read(path: str) -> bytes:
         if path not in files:
