@@ -87,3 +87,8 @@ def test_the_window_used_last_counts_its_rate_and_its_end() -> None:
     assert contacts.place(80, 10) == (80, 100)
     assert contacts.place(81, 10) == (200, 210)
     assert contacts.place(210, 10) == (210, 220)
+
+
+def test_the_window_used_last_rounds_up_a_byte_that_takes_a_fraction_of_nanoseconds() -> None:
+    contacts = Contacts([Window(0, 100, 3e9)])
+    assert [contacts.place(0, 3), contacts.place(8, 1), contacts.place(11, 3)] == [(0, 8), (8, 11), (11, 19)]

@@ -133,3 +133,10 @@ def test_no_action_is_sent_after_a_hold_until_it_is_resumed_nor_after_a_way_home
     else:
         ground.operator.on_external_request(0, CommandRequest(CommandKind.RESUME))
         assert ground.state(NS_PER_S) == (True, [])
+
+
+def test_a_cause_that_no_rule_on_board_gave_is_not_why_the_mission_failed() -> None:
+    ground = Ground("defaults: {timeout: 5 s}")
+    ground.operator.on_message(0, replace(frame(mode=Mode.PAUSED), cause="by command 3"))
+    assert ground.state(5 * NS_PER_S) == (False, [CommandKind.HOLD])
+    assert ground.operator.failure == "timeout"
