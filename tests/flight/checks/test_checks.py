@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -249,6 +250,12 @@ def test_what_is_said_not_to_succeed_fails_when_it_is_flown(changes: dict[str, A
     assert cannot_succeed(mission, check_mission(mission, 2.0))
     result = fly(mission, load_policy(ROOT / "policies" / "ant-waypoint"), lambda _: None)
     assert result.outcome == "failure"
+
+
+def test_each_kind_of_finding_is_in_the_manual() -> None:
+    sources = "".join(path.read_text() for path in (ROOT / "waypointctl/flight/checks").glob("*.py"))
+    kinds_there_are = set(re.findall(r'Finding\(\s*"(\w+)"', sources))
+    assert set(re.findall(r"^\| `(\w+)` \|", (ROOT / "docs/validate.md").read_text(), re.M)) == kinds_there_are
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "missions").glob("*.yaml")), ids=lambda path: path.stem)

@@ -134,7 +134,7 @@ def _tolerances(mission: Mission) -> Iterator[Finding]:
     for path, what, tolerance_m in given:
         if tolerance_m < SMALLEST_M:
             text = (
-                f"{what}: the robot may walk around a place until its time is out if the tolerance is {tolerance_m:g} "
-                f"m; give {SMALLEST_M:g} m or more, or set onboard.slip so that a near miss counts"
+                f"{what}: with a tolerance of {tolerance_m:g} m the robot may circle the place until its time is out; "
+                f"give {SMALLEST_M:g} m or more, or set onboard.slip so that a near miss counts"
             )
             yield Finding("tolerance", path, text)

@@ -13,7 +13,7 @@ from waypointctl.mission.mission import Mission
 from waypointctl.mission.schedule import ScheduledCommand
 from waypointctl.units import ns, seconds
 
-_ONE_AT_A_TIME: Final = "the robot has one waypoint at a time, and may walk to it"
+_ONE_AT_A_TIME: Final = "the robot gets one waypoint at a time, already released"
 _NO_PLAN: Final = "the robot has no plan of its own"
 
 # Which commands have no effect under an autonomy, and why.
