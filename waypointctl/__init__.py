@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from waypointctl.task.env import WaypointEnv
     from waypointctl.training.recipe import Recipe
     from waypointctl.training.recipe_file import RecipeFile, load_recipe
-    from waypointctl.training.train import train
+    from waypointctl.training.train import TrainingResult, train
 
 __all__ = [
     "BatchedWaypointEnv",
@@ -79,6 +79,7 @@ __all__ = [
     "Suite",
     "SuiteError",
     "TaskConfig",
+    "TrainingResult",
     "Verdict",
     "Verification",
     "WaypointEnv",
@@ -129,7 +130,7 @@ _MODULES: Final = {
     "task.env": ("WaypointEnv",),
     "training.recipe": ("Recipe",),
     "training.recipe_file": ("RecipeFile", "load_recipe"),
-    "training.train": ("train",),
+    "training.train": ("TrainingResult", "train"),
 }
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-from pathlib import Path
 
 import pytest
 from rich.console import Console
 
-from waypointctl.cli.tui.evaluation import evaluation_table
+from waypointctl.cli.tui.grid_view import GridView
 from waypointctl.evaluation.result import CaseResult, Evaluation
+from waypointctl.evaluation.tables import results_grid
 from waypointctl.mission.fields import Acceptance
 from waypointctl.task.course import Deadline
 
@@ -42,7 +42,7 @@ def shown(width: int, name: str = "to-6-6") -> str:
     )
     out = Console(file=io.StringIO(), width=width)
     with out.capture() as capture:
-        out.print(evaluation_table(evaluation, Path("runs/walker/evaluation.json")))
+        out.print(GridView(results_grid([evaluation]), ("runs/walker/evaluation.json",)))
     text = capture.get()
     assert max(map(len, text.splitlines())) <= width
     assert "…" not in text

@@ -26,10 +26,11 @@ def print_result(
     import typer
 
     from waypointctl.cli.console import console
-    from waypointctl.cli.tui.evaluation import evaluation_table
+    from waypointctl.cli.tui.grid_view import GridView
     from waypointctl.cli.tui.training_text import duration, outcome_text
     from waypointctl.display_text import printable, shell_word
     from waypointctl.evaluation.result import EVALUATION
+    from waypointctl.evaluation.tables import results_grid
     from waypointctl.training.curves import CURVES, PICTURE
 
     last_step, folder = recipe_file.recipe.last_step, printable(result.folder)
@@ -41,7 +42,8 @@ def print_result(
         ]
         closing = []
     else:
-        console(stderr=stderr).print(evaluation_table(result.evaluation, result.folder / EVALUATION))
+        table = GridView(results_grid([result.evaluation]), (str(result.folder / EVALUATION),))
+        console(stderr=stderr).print(table)
         lines = [] if result.selection is None else [outcome_text(result.selection, last_step)]
         before = "the training was complete before; nothing was left to train"
         closing = [f"{folder}: {before if result.already_complete else f'trained in {duration(result.wall_time_s)}'}"]
