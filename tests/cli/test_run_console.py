@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import termios
+import threading
 import time
 from pathlib import Path
 
@@ -43,11 +44,16 @@ def session(yard: Path, lines: str, *more: str) -> tuple[int, str, str]:
 def wait_for(flight: subprocess.Popen[bytes], words: bytes) -> bytes:
     """Read stderr up to a line with these words, and return that line."""
     assert flight.stderr is not None
-    while True:
-        line = flight.stderr.readline()
-        assert line, "the flight is over"
-        if words in line:
-            return line
+    limit = threading.Timer(LIMIT_S, flight.kill)  # words that never come end the flight, and the test
+    limit.start()
+    try:
+        while True:
+            line = flight.stderr.readline()
+            assert line, "the flight is over"
+            if words in line:
+                return line
+    finally:
+        limit.cancel()
 
 
 def say(flight: subprocess.Popen[bytes], line: str) -> None:
@@ -80,7 +86,7 @@ def test_what_is_no_command_is_answered_and_not_sent(yard: Path) -> None:
 def test_status_tells_what_was_heard_and_nothing_else(yard: Path) -> None:
     flight = fly(yard, "--rate", "1")
     say(flight, "status")
-    wait_for(flight, b"robot: nothing heard yet")
+    wait_for(flight, b"robot: no telemetry received yet")
     wait_for(flight, b"heard: command 1 started")
     say(flight, "status")
     robot = wait_for(flight, b"robot, ").decode()
@@ -135,7 +141,7 @@ def test_a_flight_with_a_console_is_held_to_real_time_until_it_closes(yard: Path
 def test_the_answer_stays_one_json_object(yard: Path) -> None:
     code, out, err = session(yard, "status\nquit\n", "--json", "--rate", "1000")
     assert (code, json.loads(out)["outcome"]) == (0, "success")
-    assert "robot: nothing heard yet" in err
+    assert "robot: no telemetry received yet" in err
 
 
 def test_without_stdin_there_is_no_console(yard: Path) -> None:

@@ -90,21 +90,31 @@ class LogContents:
         return replace(header, metadata=metadata, library=log.index.library)
 
 
-def contents_of(log: LogReader) -> LogContents:
-    """Return what a log carries.
+def contents_of(log: LogReader) -> LogContents | Divergence:
+    """Return what a log carries, or the first thing that is not what its metadata says or the robot compiles to.
 
     Raises:
         InputError: it cannot be used.
     """
+    for name, recorded in _recorded_hashes(log):
+        found = hashlib.sha256(log.attachments.get(name, b"")).hexdigest()
+        if found != recorded:
+            return Divergence(-1, 0, "attachment", name, recorded, found)
+    robot = robot_of_files(files_within(ROBOT_FOLDER, log.attachments), f"{log.path}/{ROBOT_FOLDER}".rstrip("/"))
+    recorded = log.metadata["sha256_mjb"]  # as the attachment's has just been found to be
+    compiled = hashlib.sha256(robot.to_mjb()).hexdigest()
+    if compiled != recorded:
+        return Divergence(-1, 0, "attachment", MJB, recorded, compiled)
+    return _contents(log, robot)
+
+
+def _contents(log: LogReader, robot: Robot) -> LogContents:
     attachments = log.attachments
     mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}", files_within(MISSION_FOLDER, attachments))
     seed = log.metadata.get("seed", "")
     if not seed.isdecimal() or len(seed) > _SEED_DIGITS:
         raise LogError(f"the seed is {seed[:40]!r}, which is none", where=str(log.path))
     mission = mission.model_copy(update={"seed": int(seed)})
-    robot = _robot(log)
-    if robot.to_mjb() != attachments[MJB]:
-        raise LogError(f"the robot does not compile to the log's {MJB}", where=str(log.path))
     policy: LoadedPolicy | PolicyNotInLog
     if POLICY_CLASS in log.metadata:
         policy = PolicyNotInLog(log.metadata, robot)
@@ -137,17 +147,6 @@ def unverifiable(log: LogReader) -> str:
     return f"the log does not carry {', '.join(missing)}" if missing else ""
 
 
-def altered(log: LogReader) -> Divergence | None:
-    """Return what the log carries that is not what its metadata says, or not what its model's source compiles to."""
-    for name, recorded in _recorded_hashes(log):
-        found = hashlib.sha256(log.attachments.get(name, b"")).hexdigest()
-        if found != recorded:
-            return Divergence(-1, 0, "attachment", name, recorded, found)
-    recorded = log.metadata["sha256_mjb"]  # as the attachment's has just been found to be
-    compiled = hashlib.sha256(_robot(log).to_mjb()).hexdigest()
-    return None if compiled == recorded else Divergence(-1, 0, "attachment", MJB, recorded, compiled)
-
-
 def _hashed(log: LogReader) -> Mapping[str, str]:
     """Return the attachments that a log must have, by the keys of their hashes."""
     return {key: name for key, name in _HASHED.items() if name != _MANIFEST or POLICY_CLASS not in log.metadata}
@@ -167,8 +166,3 @@ def _recorded_hashes(log: LogReader) -> Iterator[tuple[str, str]]:
         return  # loading the policy says what is wrong with it
     for name, record in manifest.files.items():
         yield f"{POLICY_FOLDER}{name}", record.sha256
-
-
-def _robot(log: LogReader) -> Robot:
-    """Return the robot whose folder a log carries."""
-    return robot_of_files(files_within(ROBOT_FOLDER, log.attachments), f"{log.path}/{ROBOT_FOLDER}".rstrip("/"))

@@ -17,7 +17,6 @@ from typing import Final
 
 from waypointctl.errors import InputError, LogError, OutputError
 from waypointctl.flight.fly import fly
-from waypointctl.flight.header import PolicyNotInLog
 from waypointctl.flight.operator.console import QUIT, LineSource
 from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.sink import Camera, Sink, with_pictures
@@ -27,7 +26,7 @@ from waypointctl.log.reader import LogReader, open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.paths import lock
 from waypointctl.replay.comparator import Diverged, LogComparator
-from waypointctl.replay.contents import LogContents, altered, contents_of, platform_differences, unverifiable
+from waypointctl.replay.contents import LogContents, contents_of, platform_differences, unverifiable
 from waypointctl.replay.flight_log import summary_of_events
 from waypointctl.replay.recorded import RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.summary import FlightSummary
@@ -197,15 +196,13 @@ def _contents(log: LogReader) -> LogContents:
     where = str(log.path)
     if reason := unverifiable(log):
         raise LogError(f"cannot be gone on with: {reason}", where=where, hint=_KEPT)
-    if wrong := altered(log):
-        raise LogError(f"cannot be gone on with: {wrong.component} is not what was recorded", where=where, hint=_KEPT)
     try:
         contents = contents_of(log)
     except InputError as error:
         problem = f"cannot be gone on with: what it carries cannot be used: {error.problem}"
         raise LogError(problem, where=where, hint=_KEPT, details=error.details) from error
-    if isinstance(contents.policy, PolicyNotInLog):
-        problem = f"cannot be gone on with: the policy, {contents.policy.class_name}, is not in the log"
+    if isinstance(contents, Divergence):
+        problem = f"cannot be gone on with: {contents.component} is not what was recorded"
         raise LogError(problem, where=where, hint=_KEPT)
     return contents
 

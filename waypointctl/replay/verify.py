@@ -17,7 +17,7 @@ from waypointctl.log.reader import LogReader, open_log
 from waypointctl.policy.manifest import NETWORK, WEIGHTS
 from waypointctl.policy.weights import weights_fault
 from waypointctl.replay.comparator import ROUNDING, Diverged, LogComparator, LogEnded
-from waypointctl.replay.contents import KERNELS, LogContents, altered, contents_of, platform_differences, unverifiable
+from waypointctl.replay.contents import KERNELS, LogContents, contents_of, platform_differences, unverifiable
 from waypointctl.replay.flight_log import summary_of_events
 from waypointctl.replay.recorded import ACTION_TOLERANCE, RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.verdict import Divergence, Verdict, Verification
@@ -49,12 +49,12 @@ def verify_log(log: LogReader) -> Verification:
     if reason := unverifiable(log):
         return Verification(Verdict.UNVERIFIABLE, 0, None, reason, ())
     try:
-        if wrong := altered(log):
-            reason = f"diverged before the flight: {wrong.component} is not what was recorded"
-            return Verification(Verdict.DIVERGED, 0, wrong, reason, ())
         contents = contents_of(log)
     except InputError as error:
         return Verification(Verdict.UNVERIFIABLE, 0, None, f"what the log carries cannot be used: {error}", ())
+    if isinstance(contents, Divergence):
+        reason = f"diverged before the flight: {contents.component} is not what was recorded"
+        return Verification(Verdict.DIVERGED, 0, contents, reason, ())
     return _fly_again(log, contents)
 
 
