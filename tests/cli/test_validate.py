@@ -59,7 +59,7 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
         ),
         (
             "{delay: 1 s, jitter: 2 s, jitter_distribution: normal, "
-            "windows: [{from: 0 s, to: 1 s}], windows_every: 1 h}",
+            "windows: [{from: 0 s, to: 1 s}], windows_period: 1 h}",
             "link 1 s +- 2 s (normal) with 1 window every 3600 s each way",
         ),
         (

@@ -227,7 +227,7 @@ def _wrong_outcome(mission: Mission, result: FlightResult, told: Told) -> Iterat
 
 def _lives(way: LinkDirection, now_ns: int) -> bool:
     """Tell whether a message that is sent now or later may arrive."""
-    if way.windows is not None and way.windows_every_s is None and way.windows[-1].to_s * S <= now_ns:
+    if way.windows is not None and way.windows_period_s is None and way.windows[-1].to_s * S <= now_ns:
         return False
     loss = way.loss
     if isinstance(loss, Bursts):

@@ -124,19 +124,19 @@ def _onboard(rng: random.Random) -> Content:
     if rng.random() < 0.2:
         onboard["stuck"] = {"within_m": 0.3, "for_s": 1.0}
     if rng.random() < 0.1:
-        onboard["slip_m"] = 1.0
+        onboard["stopped_tolerance_m"] = 1.0
     return onboard
 
 
 def _operator(rng: random.Random, count: int) -> Content:
     operator: Content = {
-        "think_s": rng.choice((0.0, 0.0, 0.5, 3.0, 300.0)),
+        "think_time_s": rng.choice((0.0, 0.0, 0.5, 3.0, 300.0)),
         "steering": rng.choice(("move_and_wait", "continuous")),
         "lookahead_m": rng.choice((1.0, 3.0)),
         "update_rate_hz": rng.choice((0.5, 1.0, 2.0)),
     }
     if operator["steering"] == "continuous":
-        operator["think_s"] = rng.choice((0.0, 0.5))
+        operator["think_time_s"] = rng.choice((0.0, 0.5))
     if rng.random() < 0.4:
         operator["heartbeat_s"] = rng.choice((0.5, 2.0, 10.0))
     if rng.random() < 0.15:
@@ -164,7 +164,7 @@ def _way(rng: random.Random, *, joint: bool, steered: bool) -> Content:
         opens_s, open_s = rng.uniform(0.0, 3.0), rng.uniform(2.0, 10.0)
         way["windows"] = [{"from_s": opens_s, "to_s": opens_s + open_s}]
         if rng.random() < 0.8:
-            way["windows_every_s"] = opens_s + open_s + rng.choice((2.0, 30.0, 30.0 if steered else 1800.0))
+            way["windows_period_s"] = opens_s + open_s + rng.choice((2.0, 30.0, 30.0 if steered else 1800.0))
     if rng.random() < 0.1:
         way["rate_bps"] = rng.choice((4_000.0, 64_000.0))
     return way

@@ -17,7 +17,7 @@ from waypointctl.flight.setting import setting_of
 from waypointctl.log.reader import open_log
 from waypointctl.log.setting import ContactWindows
 from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.mission.zones import CIRCLE_CORNERS
+from waypointctl.mission.geofence import CIRCLE_CORNERS
 from waypointctl.policy.bundle import LoadedPolicy
 
 HEAD = "name: n\npolicy: ./p\nwaypoints: [[6 m, 0 m]]\n"
@@ -75,7 +75,7 @@ def test_a_link_that_is_always_there_has_no_windows() -> None:
 
 
 def test_each_way_has_its_windows() -> None:
-    link = "link: {up: {windows: [{from: 1 s, to: 2 s}], windows_every: 5 s}}\n"
+    link = "link: {up: {windows: [{from: 1 s, to: 2 s}], windows_period: 5 s}}\n"
     setting = setting_of(parse_mission((HEAD + link).encode(), "m.yaml"))
     assert setting.down is None
     assert setting.up is not None

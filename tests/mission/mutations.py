@@ -90,7 +90,7 @@ _KEYS: Final = (
         "hold",
         "repeat",
     ),
-    *("delay", "delay_s", "jitter", "jitter_file", "loss", "windows", "windows_every", "contact_plan", "file", "rate"),
+    *("delay", "delay_s", "jitter", "jitter_file", "loss", "windows", "windows_period", "contact_plan", "file", "rate"),
     *(
         "up",
         "down",

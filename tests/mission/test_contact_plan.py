@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from waypointctl.mission.contact_plan import read_contact_plan
-from waypointctl.mission.jitter_file import read_jitter
+from waypointctl.mission.text_file import read_jitter
 
 RANGE = "a range +0 +1000000 1 2 1\n"
 

@@ -48,7 +48,8 @@ def test_accepts_every_shipped_mission(path: Path, accepts: Callable[[str], bool
         "waypoints: [[7, 12]]\nlink: {up: {delay: 1 d}, down: {delay_s: 3}}",
         "waypoints: [[7, 12]]\nlink: {preset: moon, loss: 2 %, rate: 64 kbit/s, queue: 2 KiB, keep_order: false}",
         "waypoints: [[7, 12]]\nlink: {up: {loss: {p: 0.1, r: 1 %}}, down: {loss: 0.1, duplicate: 1e-3}}",
-        "waypoints: [[7, 12]]\nlink: {windows: [{from: 0 s, to: 1 min}, {from_s: 70, to_s: 80}], windows_every: 2 min}",
+        "waypoints: [[7, 12]]\n"
+        "link: {windows: [{from: 0 s, to: 1 min}, {from_s: 70, to_s: 80}], windows_period: 2 min}",
         "waypoints: [[7, 12]]\nlink: {delay_table: [{at: 0 s, delay: 1 s}, {at_s: 5, delay_s: 2}]}",
         "waypoints: [[7, 12]]\nstart: {position: [1 m, 2 m], heading: 1.57 rad}\ntelemetry: {rate: 5 Hz}",
         "waypoints: [[7, 12]]\nexpect: {reached: 0, max_time: 3 min}",

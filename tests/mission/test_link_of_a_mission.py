@@ -47,8 +47,8 @@ def refusal(text: str) -> str:
             {"delay_table": (DelayAt(at_s=0, delay_s=1.28), DelayAt(at_s=60, delay_s=1.3)), "jitter_s": 1.28},
         ),
         (
-            "{windows: [{from: 0 s, to: 8 min}, {from_s: 480, to_s: 500}], windows_every: 90 min}",
-            {"windows": (Window(from_s=0, to_s=480), Window(from_s=480, to_s=500)), "windows_every_s": 5400},
+            "{windows: [{from: 0 s, to: 8 min}, {from_s: 480, to_s: 500}], windows_period: 90 min}",
+            {"windows": (Window(from_s=0, to_s=480), Window(from_s=480, to_s=500)), "windows_period_s": 5400},
         ),
         ("{delay: 20 ms, jitter_file: j/rtt.txt}", {"delay_s": 0.02, "jitter_file": "j/rtt.txt"}),
     ],
@@ -151,10 +151,10 @@ def test_any_link_is_dumped_and_read_back(text: str) -> None:
             "4:47: link.windows[1].from: 4 s is before the 5 s at which the window before ends",
         ),
         (
-            "{windows: [{from: 0 s, to: 5 s}], windows_every: 4 s}",
-            "4:56: link.windows_every: 4 s is over before the last window ends, at 5 s",
+            "{windows: [{from: 0 s, to: 5 s}], windows_period: 4 s}",
+            "4:57: link.windows_period: 4 s is over before the last window ends, at 5 s",
         ),
-        ("{windows_every: 4 s}", "4:23: link.windows_every: there are no 'windows' that could come again"),
+        ("{windows_period: 4 s}", "4:24: link.windows_period: there are no 'windows' that could recur"),
         (
             "{delay: 1 s, delay_table: [{at: 0 s, delay: 1 s}]}",
             "4:33: link.delay_table: 'delay_table' is there, and 'delay' too: keep one",

@@ -222,3 +222,28 @@ def test_python_takes_numbers_alone() -> None:
         Waypoint(position_m=(1, math.nan))
     with pytest.raises(ValidationError):
         Waypoint.model_validate({"position_m": ("1", 2)})
+
+
+@pytest.mark.parametrize("version", ["1", "3", "'2'", "2.0", "true"])
+def test_another_version_of_the_keys_is_refused(version: str) -> None:
+    with pytest.raises(
+        MissionError, match=r"m\.yaml:4:17: schema_version: .* is not the version that is read; write 2"
+    ):
+        parse(MINIMAL + f"schema_version: {version}")
+    assert parse(MINIMAL + "schema_version: 2") == parse(MINIMAL)
+
+
+@pytest.mark.parametrize(
+    ("text", "new"),
+    [
+        ("link: {windows_every: 4 s}", "windows_period"),
+        ("link: {up: {windows_every_s: 4}}", "windows_period_s"),
+        ("link: {contact_plan: {file: a, from_node: 1, to_node: 2, back: true}}", "reverse"),
+        ("operator: {think_time: 1 s}", "think_time"),
+        ("operator: {carrot: 1 m}", "lookahead"),
+        ("onboard: {slip: 1 m}", "stopped_tolerance"),
+    ],
+)
+def test_a_key_of_an_earlier_version_is_refused_with_its_new_name(text: str, new: str) -> None:
+    with pytest.raises(MissionError, match=f"unknown key; did you mean .*'{new}'"):
+        parse(MINIMAL + text)

@@ -57,7 +57,7 @@ def test_a_waypoint_is_observed_if_it_or_the_defaults_say_so() -> None:
             "on_failure: skip\nonboard: {on_failure: hold}",
             "5:10: onboard: has an 'on_failure', and the mission has one too: keep one",
         ),
-        ("onboard: {slip: -1 m}", "4:17: onboard.slip: -1 m is not >= 0 m"),
+        ("onboard: {stopped_tolerance: -1 m}", "4:30: onboard.stopped_tolerance: -1 m is not >= 0 m"),
         ("onboard: {stuck: {for: 0 s}}", "4:24: onboard.stuck.for: 0 s is not > 0 s"),
         (
             "onboard: {link_loss: {do: hold}}",
@@ -97,7 +97,7 @@ def test_what_is_wrong_is_said_with_its_place(text: str, problem: str) -> None:
         ("on_failure: dance", False),
         (f"onboard: {{geofence: {{keep_in: [{TRIANGLE}, {CIRCLE}], do: abort}}}}", True),
         ("onboard: {geofence: {keep_in: [{corners: [[0, 0]]}]}}", False),
-        ("onboard: {stuck: {within: 10 cm, for_s: 5}, slip_m: 1, link_loss: {after: 2 min}}", True),
+        ("onboard: {stuck: {within: 10 cm, for_s: 5}, stopped_tolerance_m: 1, link_loss: {after: 2 min}}", True),
         ("onboard: {link_loss: {}}", False),
     ],
 )

@@ -31,14 +31,14 @@ NAMES = (
             "{at: 1 s, do: release, released: 9999999999999999999}",
             "4:45: schedule[0].released: 9999999999999999999 is not <= 1000000000",
         ),
-        ("{at: 1 s, do: hold, tolerance_m: 1}", "4:12: schedule[0]: 'tolerance' is nothing for hold"),
+        ("{at: 1 s, do: hold, tolerance_m: 1}", "4:12: schedule[0]: hold does not accept 'tolerance'"),
         (
             "{at: 9 s, do: hold, expires: 5 s}",
-            "4:12: schedule[0]: it expires at 5 s, before it can be obeyed: it is sent at 9 s",
+            "4:12: schedule[0]: it expires at 5 s, before it can be executed: it is sent at 9 s",
         ),
         (
             "{at: 1 s, do: hold, not_before: 6 s, expires: 5 s}",
-            "4:12: schedule[0]: it expires at 5 s, before it can be obeyed: not before 6 s",
+            "4:12: schedule[0]: it expires at 5 s, before it can be executed: not before 6 s",
         ),
     ],
 )

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from waypointctl.mission.written import written_at
+from waypointctl.mission.yaml_source import written_at
 from waypointctl.mission.yaml_tree import DataPath, read_tree
 
 TEXT = b"""\

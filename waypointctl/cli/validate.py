@@ -179,7 +179,7 @@ def _policy_problems(file: MissionFile, policy: Path) -> tuple[Problem, ...]:
 
 def _warnings(file: MissionFile, findings: tuple[Finding, ...]) -> Iterator[_Warning]:
     """Yield the findings with their places, in the order of the file's lines."""
-    from waypointctl.mission.written import written_at
+    from waypointctl.mission.yaml_source import written_at
     from waypointctl.mission.yaml_tree import read_tree
 
     tree = read_tree(file.source)

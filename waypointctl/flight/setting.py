@@ -10,8 +10,8 @@ from waypointctl.flight.executive.rules import home_of
 from waypointctl.flight.link.build import contacts_of
 from waypointctl.flight.link.contacts import FOREVER_NS, Contacts
 from waypointctl.log.setting import ContactWindows, MissionSetting
+from waypointctl.mission.geofence import zones_of
 from waypointctl.mission.mission import Mission
-from waypointctl.mission.zones import zones_of
 
 
 def setting_of(mission: Mission) -> MissionSetting:

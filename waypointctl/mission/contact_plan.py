@@ -21,7 +21,7 @@ from typing import Final
 
 from waypointctl.mission.file_kind import FileKind, kind_of
 from waypointctl.mission.problems import Problem
-from waypointctl.mission.text_problems import TextReport, Word
+from waypointctl.mission.text_file import TextReport, Word
 
 MOST: Final = 1e9  # [s] or [bytes/s]; thirty years, or a rate that no radio has
 BITS_PER_BYTE: Final = 8

@@ -10,6 +10,7 @@ What a file may write besides the fields' own names is declared, not coded, and 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, model_validator
@@ -28,6 +29,7 @@ class FileModel(BaseModel):
     list_stands_for: ClassVar[str | None] = None
     text_stands_for: ClassVar[str | None] = None
     keys_for_each: ClassVar[tuple[str, ...]] = ()
+    former_keys: ClassVar[Mapping[str, str]] = {}  # of earlier versions, and what to write now: for messages alone
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
@@ -52,6 +54,12 @@ class FileModel(BaseModel):
         """Return every key that a file may have here."""
         shared = cls._shared_model()
         return (*cls.model_fields, *cls.bare_names(), *(shared.known_keys() if shared else ()))
+
+    @classmethod
+    def renamed(cls, key: str) -> str | None:
+        """Return what a key of an earlier version is called now, None where it is not one."""
+        shared = cls._shared_model()
+        return cls.former_keys.get(key) or (shared.renamed(key) if shared else None)
 
     @classmethod
     def list_keys(cls) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from waypointctl.errors import MissionError
+from waypointctl.mission.checks import SCHEMA_VERSION
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.policy_name import policy_folder
 from waypointctl.mission.references import among, beside, examine_mission
@@ -89,7 +90,7 @@ def mission_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 7) of a mission file, with every spelling that is read."""
     from waypointctl.mission.file_schema import model_schema
 
-    return model_schema(Mission, "waypointctl mission")
+    return {"$id": f"urn:waypointctl:mission:{SCHEMA_VERSION}", **model_schema(Mission, "waypointctl mission")}
 
 
 def _for_yaml(value: Any) -> Any:

@@ -1,24 +1,19 @@
-"""The link as a mission asks for it: each way's delay, jitter, loss, rate and contacts.
-
-What is left out does nothing: the link without anything is there at once, always, for everything.
-"""
+"""The link of a mission: delay, jitter, loss, rate and contacts of each direction. What is left out has no effect."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Final, Literal, TypeAlias
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import AfterValidator, Discriminator, Field, Strict, Tag, ValidationInfo, field_validator, model_validator
 
-from waypointctl.mission.checks import jitter_within
+from waypointctl.mission.checks import alone, file_beside, in_order, jitter_within, times_rise, windows_within
 from waypointctl.mission.contact_plan import is_moment
+from waypointctl.mission.fields import DAY_S
 from waypointctl.mission.file_model import FileModel
-from waypointctl.mission.link_checks import alone, file_beside, in_order, times_rise, windows_within
 from waypointctl.mission.presets import PRESETS, PresetName, over_preset
-from waypointctl.mission.probability import Probability
-from waypointctl.mission.quantity import Quantity
-from waypointctl.units import DURATION_UNITS_S, SIZE_UNITS_BYTES, number_in
-
-DAY_S: Final = DURATION_UNITS_S["d"]
+from waypointctl.mission.quantity import Probability, Quantity
+from waypointctl.units import SIZE_UNITS_BYTES, number_in
 
 Delay: TypeAlias = Annotated[float, Quantity("s", ge=0, le=10 * DAY_S)]
 Moment: TypeAlias = Annotated[float, Quantity("s", ge=0, le=1000 * DAY_S)]
@@ -34,10 +29,10 @@ class DelayAt(FileModel):
 
 
 class Window(FileModel):
-    """A time in which the link can be used."""
+    """A time during which messages can be sent."""
 
     from_s: Moment = Field(description="from mission start")
-    to_s: Moment = Field(description="by then the last bit has to have left")
+    to_s: Moment = Field(description="until then the last bit can be sent")
 
 
 class Bursts(FileModel):
@@ -65,10 +60,15 @@ def _moment(text: str) -> str:
 class ContactPlan(FileModel):
     """A contact plan as ION reads it; it gives windows, rates and light times."""
 
+    former_keys: ClassVar[Mapping[str, str]] = {"back": "reverse"}
+
     file: FileName = Field(description="the plan (ionrc), beside the mission file")
     from_node: Node = Field(description="the node that sends")
     to_node: Node = Field(description="the node that receives")
-    back: bool = Field(False, description="this way leads from to_node to from_node; so for 'down' if both ways share")
+    reverse: bool = Field(
+        False,
+        description="the direction is from to_node to from_node; so for `down` where both directions share a plan",
+    )
     reference: Annotated[str, AfterValidator(_moment)] | None = Field(
         None, description="mission start as yyyy/mm/dd-hh:mm:ss, for plans with absolute times"
     )
@@ -76,7 +76,7 @@ class ContactPlan(FileModel):
     @property
     def way(self) -> tuple[int, int]:
         """From which node to which."""
-        return (self.to_node, self.from_node) if self.back else (self.from_node, self.to_node)
+        return (self.to_node, self.from_node) if self.reverse else (self.from_node, self.to_node)
 
 
 def _loss_kind(loss: object) -> str:
@@ -95,30 +95,36 @@ Windows: TypeAlias = Annotated[tuple[Window, ...], Field(min_length=1, max_lengt
 class LinkDirection(FileModel):
     """One direction of the link."""
 
+    former_keys: ClassVar[Mapping[str, str]] = {
+        "windows_every": "windows_period",
+        "windows_every_s": "windows_period_s",
+        "duplication": "duplicate",
+    }
+
     delay_s: Delay = Field(0.0, description="one-way delay; beside a contact plan, in place of its ranges")
     delay_table: DelayTable | None = Field(
         None, description="one-way delay that changes with time; constant before the first and after the last row"
     )
-    jitter_distribution: Literal["uniform", "normal"] = Field("uniform", description="how the jitter is spread")
+    jitter_distribution: Literal["uniform", "normal"] = Field("uniform", description="distribution of the jitter")
     jitter_s: Delay = Field(
         0.0, description="uniform: by how much a delay may differ, at most the delay; normal: its standard deviation"
     )
     jitter_file: FileName | None = Field(
         None, description="measured jitter to draw from: one number of seconds a line, beside the mission file"
     )
-    keep_order: bool = Field(True, description="whether nothing overtakes what was sent before it")
+    keep_order: bool = Field(True, description="whether messages arrive in the order in which they were sent")
     loss: Loss = Field(0.0, description="of messages on the way: a probability, or in bursts")
     duplicate: Probability = Field(0.0, description="probability that a message arrives twice")
     queue_bytes: Annotated[float, Quantity("bytes", ge=0, le=1e8)] = Field(
-        SIZE_UNITS_BYTES["MiB"], description="how much can wait to be sent; what does not fit in any more is lost"
+        SIZE_UNITS_BYTES["MiB"], description="how much can wait to be sent; what does not fit is lost"
     )
     contact_plan: ContactPlan | None = Field(None, description="windows, rates and delays from a plan in ION's terms")
     rate_bps: Annotated[float, Quantity("bps", ge=1, le=1e12)] | None = Field(
-        None, description="how fast it is sent; without it at once"
+        None, description="transmission rate; without it sending takes no time"
     )
-    windows: Windows | None = Field(None, description="when something can be sent; without them always")
-    windows_every_s: Annotated[float, Quantity("s", gt=0, le=1000 * DAY_S)] | None = Field(
-        None, description="after this the windows come again"
+    windows: Windows | None = Field(None, description="when messages can be sent; without them always")
+    windows_period_s: Annotated[float, Quantity("s", gt=0, le=1000 * DAY_S)] | None = Field(
+        None, description="the windows recur with this period"
     )
 
     @property
@@ -152,7 +158,7 @@ class LinkDirection(FileModel):
         alone(str(info.field_name).removesuffix("_bps"), value, {"contact_plan": info.data.get("contact_plan")})
         return value
 
-    @field_validator("windows_every_s")
+    @field_validator("windows_period_s")
     @classmethod
     def _all_windows_in_time(cls, every_s: float | None, info: ValidationInfo) -> float | None:
         if "windows" in info.data:  # else they are wrong already
@@ -161,11 +167,13 @@ class LinkDirection(FileModel):
 
 
 class Link(FileModel):
-    """What is between the operator and the robot. What is written here, and not for a way, is for both."""
+    """The link between operator and robot. Keys of `up` and `down` may be written here, for both directions."""
 
     keys_for_each: ClassVar[tuple[str, ...]] = ("up", "down")
 
-    preset: PresetName | None = Field(None, description="a link known by name; what is written beside it goes first")
+    preset: PresetName | None = Field(
+        None, description="a link by its name; values beside it replace those of the preset"
+    )
     up: LinkDirection = Field(LinkDirection(), description="commands, from the operator to the robot")
     down: LinkDirection = Field(
         LinkDirection(), description="telemetry and acknowledgements, from the robot to the operator"
@@ -185,7 +193,7 @@ class Link(FileModel):
         data = super()._spread(given)
         plan = given.get("contact_plan")
         if isinstance(plan, dict):
-            data["down"] = data["down"] | {"contact_plan": {**plan, "back": not plan.get("back", False)}}
+            data["down"] = data["down"] | {"contact_plan": {**plan, "reverse": not plan.get("reverse", False)}}
         preset = given.get("preset")
         if isinstance(preset, str) and preset in PRESETS:
             for way in cls.keys_for_each:

@@ -1,4 +1,4 @@
-"""The mission: where the robot shall go, through which link it is commanded, and what counts as done.
+"""The mission: waypoints, link, operator, rules on board, and what counts as a success.
 
 Units are in the names: [m], [s], [deg], [Hz]; positions are (x, y) in the world frame, heading 0 looks along x.
 """
@@ -11,9 +11,26 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Final, Literal, Self
 
-from pydantic import AfterValidator, Field, PrivateAttr, Strict, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    Strict,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
-from waypointctl.mission.checks import expected_within, file_name, line_of_text, names_differ
+from waypointctl.mission.checks import (
+    SCHEMA_VERSION,
+    expected_within,
+    file_name,
+    known_version,
+    line_of_text,
+    names_differ,
+    possible,
+)
 from waypointctl.mission.fields import DAY_S as DAY_S
 from waypointctl.mission.fields import AcceptanceShape, RobotName
 from waypointctl.mission.fields import Hold as Hold
@@ -25,23 +42,21 @@ from waypointctl.mission.fields import Tolerance as Tolerance
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.link import Link
 from waypointctl.mission.onboard import Onboard, OnFailure
-from waypointctl.mission.operator import Commanding, OperatorScript
-from waypointctl.mission.possible import possible
+from waypointctl.mission.operator import Commanding, OperatorScript, ScheduledCommand
 from waypointctl.mission.quantity import Quantity
-from waypointctl.mission.schedule import ScheduledCommand
 
 MOST_LEGS: Final = 10_000
 
 
 class Defaults(FileModel):
-    """What holds for every waypoint that does not say otherwise."""
+    """Values for every waypoint that does not set its own."""
 
     acceptance: AcceptanceShape = Field(
         "box", description="box: |dx| and |dy| within the tolerance; radius: the distance"
     )
     tolerance_m: Tolerance = Field(0.5, description="half the side of the box, or the radius")
     timeout_s: Timeout = Field(30.0, description="from the start of the leg until the waypoint must be reached")
-    hold_s: Hold = Field(0.0, description="how long to stand at the waypoint")
+    hold_s: Hold = Field(0.0, description="how long to stay at the waypoint")
     observe: Annotated[bool, Strict()] = Field(False, description="whether to take a picture there, after the hold")
 
 
@@ -57,23 +72,23 @@ class Waypoint(FileModel):
     )
     tolerance_m: Tolerance | None = Field(None, description="half the side of the box, or the radius")
     timeout_s: Timeout | None = Field(None, description="from the start of the leg until the waypoint must be reached")
-    hold_s: Hold | None = Field(None, description="how long to stand at the waypoint")
+    hold_s: Hold | None = Field(None, description="how long to stay at the waypoint")
     observe: Annotated[bool, Strict()] | None = Field(
         None, description="whether to take a picture there, after the hold"
     )
 
 
 class TelemetryRate(FileModel):
-    """What the robot reports of itself."""
+    """How often the robot sends telemetry."""
 
     rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(5.0, description="frames a second")
     beacon_s: Annotated[float, Quantity("s", ge=1, le=DAY_S)] = Field(
-        60.0, description="between frames while the robot rests: it stands still and nothing happens"
+        60.0, description="between frames while the robot stands still and nothing happens"
     )
 
 
 class Expect(FileModel):
-    """What the mission has to come to, for it to count as a success."""
+    """What has to be reached for the mission to count as a success."""
 
     reached: Literal["all"] | Annotated[int, Strict(), Field(ge=0)] = Field(
         "all", description="how many waypoints, at least"
@@ -84,8 +99,11 @@ class Expect(FileModel):
 
 
 class Mission(FileModel):
-    """A mission as it is asked for."""
+    """A mission."""
 
+    schema_version: Annotated[Literal[2], BeforeValidator(known_version)] = Field(
+        SCHEMA_VERSION, description="of the keys in the file"
+    )
     name: Annotated[str, Field(min_length=1, max_length=80), AfterValidator(file_name)] = Field(
         description="letters, digits, '.', '_', '-' and spaces: it names the log"
     )
@@ -116,7 +134,7 @@ class Mission(FileModel):
         Field(description="in the order in which they are to be reached")
     )
     repeat: Annotated[int, Strict(), Field(ge=1, le=1000)] = Field(
-        1, description="how often they are walked through, one round after the other"
+        1, description="how often the waypoints are visited, one round after the other"
     )
     start_at: Name | None = Field(
         None, description="name of the waypoint to begin with; those before it are left out of the first round"
@@ -124,7 +142,7 @@ class Mission(FileModel):
     link: Link = Link()
     telemetry: TelemetryRate = TelemetryRate()
     on_failure: OnFailure | None = Field(None, description="what to do when a leg fails: abort where it is left out")
-    onboard: Onboard = Field(Onboard(), description="what the robot does by itself")
+    onboard: Onboard = Field(Onboard(), description="rules that the robot applies by itself")
     expect: Expect = Expect()
 
     _files: Mapping[str, bytes] = PrivateAttr(default_factory=dict)

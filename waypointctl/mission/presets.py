@@ -33,9 +33,9 @@ PRESETS: Final[Mapping[str, Mapping[str, Any]]] = {
 _TOGETHER: Final = (
     ("delay_s", "delay_table"),
     ("jitter_s", "jitter_distribution", "jitter_file"),
-    ("windows", "windows_every_s"),
+    ("windows", "windows_period_s"),
 )
-_OF_A_CONTACT_PLAN: Final = ("delay_s", "delay_table", "rate_bps", "windows", "windows_every_s")
+_OF_A_CONTACT_PLAN: Final = ("delay_s", "delay_table", "rate_bps", "windows", "windows_period_s")
 
 
 def over_preset(name: str, given: Mapping[str, Any], bare: Mapping[str, str]) -> dict[str, Any]:

@@ -193,8 +193,10 @@ def _missing_text(loc: tuple[str | int, ...]) -> str:
 def _unknown_key_text(loc: tuple[str | int, ...], model: type[BaseModel]) -> str:
     import difflib  # 10 ms that a good file need not wait for
 
-    known = list(dict.fromkeys(key for owner in _models_at(model, loc[:-1]) for key in _known_keys(owner)))
-    near = difflib.get_close_matches(str(loc[-1]), known, n=1)
+    owners = _models_at(model, loc[:-1])
+    known = list(dict.fromkeys(key for owner in owners for key in _known_keys(owner)))
+    renamed = [new for owner in owners if issubclass(owner, FileModel) and (new := owner.renamed(str(loc[-1])))]
+    near = renamed or difflib.get_close_matches(str(loc[-1]), known, n=1)
     if not near:
         return f"unknown key; allowed are {', '.join(known)}" if known else "unknown key; none is allowed here"
     return f"unknown key; did you mean {' or '.join(_spellings(near[0], known))}?"

@@ -1,9 +1,9 @@
-"""A number with a unit, as a field of a model that people write in a file.
+"""Numbers with a unit, and probabilities, as fields of a model that people write in a file.
 
     timeout_s: Annotated[float, Quantity("s", gt=0)] = 30.0
 
 The field's name ends in the unit. In a file it is written as `timeout_s: 20` or, under the bare name, as
-`timeout: 20 s`; FileModel hands a value found under the bare name on as `Bare`.
+`timeout: 20 s`; FileModel hands a value found under the bare name on as `Bare`. A probability is 0.01 or 1 %.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Annotated, Any, TypeAlias
 
-from pydantic import GetCoreSchemaHandler
+from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, WithJsonSchema
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from waypointctl.mission.wording import how_to_write, how_to_write_list, shown, units_of
-from waypointctl.units import UNITS_BY_SUFFIX, bare_name, quantity
+from waypointctl.units import NUMBER_PATTERN, SHARE_UNITS, UNITS_BY_SUFFIX, bare_name, quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,3 +104,34 @@ def bare_values(field: str, value: object, *, twice: bool = False, length: int |
         marked.append(element if unitless and unitless_seen else Bare(field, element, value, length=length))
         unitless_seen = unitless_seen or unitless
     return marked
+
+
+def _to_probability(given: object) -> object:
+    """Return a share as a number.
+
+    Raises:
+        PydanticCustomError: it is text that is none.
+    """
+    if not isinstance(given, str):
+        return given
+    try:
+        return quantity(given, SHARE_UNITS)
+    except ValueError:
+        problem = f"{shown(given)} is not a probability; write a number from 0 to 1, or a share such as '2 %'"
+        raise PydanticCustomError("probability", "{problem}", {"problem": problem}) from None
+
+
+_SCHEMA: dict[str, Any] = {
+    "anyOf": [
+        {"type": "number", "minimum": 0, "maximum": 1},
+        {"type": "string", "pattern": rf"^\s*{NUMBER_PATTERN}\s*%\s*$"},
+    ],
+    "description": "a number from 0 to 1, or a share such as 2 %",
+}
+
+Probability: TypeAlias = Annotated[
+    float,
+    BeforeValidator(_to_probability),
+    Field(ge=0, le=1, allow_inf_nan=False, strict=True),
+    WithJsonSchema(_SCHEMA),
+]

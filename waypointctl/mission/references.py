@@ -9,13 +9,13 @@ from typing import Any, Final, TypeAlias
 
 from waypointctl.errors import MissionError
 from waypointctl.input_file import NOT_THERE
+from waypointctl.mission.checks import file_beside
 from waypointctl.mission.contact_plan import ANY_MOMENT, Passage, is_moment, read_contact_plan
-from waypointctl.mission.jitter_file import read_jitter
 from waypointctl.mission.link import LinkDirection
-from waypointctl.mission.link_checks import file_beside
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.policy_name import from_folder
 from waypointctl.mission.problems import Problem
+from waypointctl.mission.text_file import read_jitter
 from waypointctl.mission.wording import path_text
 from waypointctl.mission.yaml_source import Reading, examine_tree, read_source
 from waypointctl.mission.yaml_tree import DataPath, Tree, YamlFault, read_tree

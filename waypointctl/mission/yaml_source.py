@@ -16,8 +16,10 @@ from pydantic import BaseModel, ValidationError
 from waypointctl.errors import InputError
 from waypointctl.input_file import read_input, read_start
 from waypointctl.mission.problems import Problem, duplicate_problems, problems_of
-from waypointctl.mission.yaml_tree import MAX_BYTES, Tree, YamlFault, read_tree
+from waypointctl.mission.wording import path_text
+from waypointctl.mission.yaml_tree import MAX_BYTES, DataPath, Mark, Tree, YamlFault, read_tree
 from waypointctl.paths import MCAP, command_for_log
+from waypointctl.units import bare_name
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -94,3 +96,25 @@ def as_error(problems: tuple[Problem, ...], error: type[InputError]) -> InputErr
     if not others:
         return error(first.sentence, where=first.place)
     return error(f"{len(problems)} problems", where=first.where, details=[str(problem) for problem in problems])
+
+
+def written_at(tree: Tree, path: DataPath) -> tuple[str, Mark]:
+    """Return a place in a model as the file writes it, and where; of what is left to a default the part around it.
+
+    What is written nowhere goes by its bare name.
+
+    Args:
+        tree: of the file.
+        path: by the fields' names; a key may be written without its unit, and what is for each way of a link once.
+    """
+    written: DataPath = ()
+    for part in path:
+        names = (part, bare_name(part)) if isinstance(part, str) else (part,)
+        found = next((name for name in names if name is not None and (*written, name) in tree.values), None)
+        if found is not None:
+            written = (*written, found)
+        elif part not in ("up", "down"):
+            break
+    mark = tree.keys.get(written) or tree.values.get(written)
+    bare = [(bare_name(part) or part) if isinstance(part, str) else part for part in path]
+    return path_text(written) or path_text(bare), mark or Mark(1, 1)

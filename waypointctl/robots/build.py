@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from waypointctl.errors import RobotError
 from waypointctl.mission.problems import Problem
-from waypointctl.mission.written import written_at
-from waypointctl.mission.yaml_source import as_error
+from waypointctl.mission.yaml_source import as_error, written_at
 from waypointctl.mission.yaml_tree import DataPath, read_tree
 from waypointctl.robots.description import (
     ROBOT_FILE,

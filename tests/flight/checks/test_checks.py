@@ -21,7 +21,7 @@ HOME_IN_PIT = (PIT % "40 m, 3 m").replace("}}\n", "}, home: {position: [40 m, 3 
 CORNER = "waypoints: [{position: [10 m, 0 m], tolerance: %g m}, [10, 10]]\n" + PIT % "8.2 m, 3 m"
 LOST_AFTER_5_S = "onboard: {link_loss: {after: 5 s}}\n"
 FINE = "waypoints: [{position: [8 m, 6 m], tolerance: 1 mm}]\n"
-EVERY_10_S = "link: {up: {windows: [{from: 0 s, to: %d s}], windows_every: 10 s}}\n"
+EVERY_10_S = "link: {up: {windows: [{from: 0 s, to: %d s}], windows_period: 10 s}}\n"
 UP, DOWN = "link: {up: {%s}}\n", "link: {down: {%s}}\n"
 STEERED = "autonomy: short_range_goal\noperator: {steering: continuous, update_rate: 5 Hz}\n"
 HOME_3_S = "home: {timeout: 3 s}}\n"
@@ -60,7 +60,7 @@ def kinds(text: str, files: dict[str, bytes] | None = None) -> list[tuple[str, s
         ("waypoints: [[5, 5], [6.1, 5]]\n", []),
         ("waypoints: [[5, 5], {position: [6.1 m, 5 m], tolerance: 70 cm}]\n", [("near", "waypoints.1")]),
         (FINE, [("tolerance", "waypoints.0.tolerance_m")]),
-        (FINE + "onboard: {slip: 30 cm}\n", []),
+        (FINE + "onboard: {stopped_tolerance: 30 cm}\n", []),
         (
             ONE + "schedule: [{at: 1 s, do: set_tolerance, tolerance: 1 mm}]\n",
             [("tolerance", "schedule.0.tolerance_m")],
@@ -123,13 +123,13 @@ def test_a_stuck_rule_that_no_robot_meets_is_found(rule: str, expected: bool) ->
             UP % "windows: [{from: 0 s, to: 5 s}, {from: 9 s, to: 50 s}], queue: 10 B",
             [("queue", "link.up.queue_bytes")],
         ),
-        (UP % "windows: [{from: 0 s, to: 5 s}], windows_every: 9 s, queue: 10 B", [("queue", "link.up.queue_bytes")]),
+        (UP % "windows: [{from: 0 s, to: 5 s}], windows_period: 9 s, queue: 10 B", [("queue", "link.up.queue_bytes")]),
         (DOWN % "queue: 10 B", []),
         (DOWN % "queue: 70 B, rate: 9600 bit/s", [("queue", "link.down.queue_bytes")]),
         (DOWN % "rate: 1 kbit/s", [("rate", "link.down.rate_bps")]),
         (DOWN % "rate: 10 kbit/s", []),
         (
-            DOWN % "rate: 8 kbit/s, windows: [{from: 0 s, to: 1 s}], windows_every: 4 s",
+            DOWN % "rate: 8 kbit/s, windows: [{from: 0 s, to: 1 s}], windows_period: 4 s",
             [("rate", "link.down.rate_bps")],
         ),
         ("link: {loss: 1}\n", [("loss", "link.up.loss")]),
@@ -226,7 +226,7 @@ def test_a_cancelled_command_that_is_over_already_is_found(
         (PIT % "8 m, 11 m", False),  # a policy may walk around it
         ("link: {up: {loss: 1}}\n", True),
         ("link: {up: {rate: 1 kbit/s, windows: [{from: 0 s, to: 10 ms}]}}\n", True),
-        ("link: {down: {rate: 1 kbit/s, windows: [{from: 0 s, to: 10 ms}], windows_every: 1 s}}\n", True),
+        ("link: {down: {rate: 1 kbit/s, windows: [{from: 0 s, to: 10 ms}], windows_period: 1 s}}\n", True),
         ("defaults: {timeout: 3 s}\n", False),  # another policy may be faster
     ],
 )

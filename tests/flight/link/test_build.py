@@ -94,7 +94,7 @@ def test_a_table_of_delays() -> None:
 
 def test_rate_queue_and_windows() -> None:
     windows = [{"from": "1 s", "to": "2 s"}]
-    link = made(way(rate="8 kbit/s", queue="1000 B", windows=windows, windows_every="10 s"))
+    link = made(way(rate="8 kbit/s", queue="1000 B", windows=windows, windows_period="10 s"))
     assert send(link, 0, 1001).lost == NO_CONTACT, "longer than a window"
     assert send(link, 0, 800) == Delivery(S, 1_800_000_000, (1_800_000_000,), "")
     assert send(link, 0, 201).lost == QUEUE_FULL

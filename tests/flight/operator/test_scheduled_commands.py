@@ -35,8 +35,8 @@ def test_scheduled_commands_are_due_at_their_times_in_order() -> None:
     ("command", "said"),
     [
         ("{at: 1 s, do: go_to}", "go_to needs 'position'"),
-        ("{at: 1 s, do: hold, released: 2}", "'released' is nothing for hold"),
-        ("{at: 9 s, do: hold, expires: 5 s}", "it expires at 5 s, before it can be obeyed"),
+        ("{at: 1 s, do: hold, released: 2}", "hold does not accept 'released'"),
+        ("{at: 9 s, do: hold, expires: 5 s}", "it expires at 5 s, before it can be executed"),
         ("{at: 1 s, do: dance}", "go_to"),
         ("{do: hold}", "at_s"),
     ],

@@ -50,7 +50,7 @@ def _besides(way: LinkDirection) -> Iterator[str]:
     if way.rate_bps is not None:
         yield rate_text(way.rate_bps)
     if way.windows is not None:
-        every = "" if way.windows_every_s is None else f" every {way.windows_every_s:g} s"
+        every = "" if way.windows_period_s is None else f" every {way.windows_period_s:g} s"
         yield f"{len(way.windows)} window{'s' if len(way.windows) > 1 else ''}{every}"
     if way.contact_plan is not None and way.has_own_delay:
         yield f"the contacts of {way.contact_plan.file}"

@@ -123,7 +123,7 @@ def _timeouts(mission: Mission, speed_mps: float) -> Iterator[Finding]:
 
 def _tolerances(mission: Mission) -> Iterator[Finding]:
     """Yield tolerances that are finer than a policy walks, where a near miss does not count."""
-    if mission.onboard.slip_m >= SMALLEST_M:
+    if mission.onboard.stopped_tolerance_m >= SMALLEST_M:
         return
     given = [(("waypoints", leg.at, "tolerance_m"), leg.name, leg.tolerance_m) for leg in mission.legs()]
     given += [
@@ -135,6 +135,6 @@ def _tolerances(mission: Mission) -> Iterator[Finding]:
         if tolerance_m < SMALLEST_M:
             text = (
                 f"{what}: with a tolerance of {tolerance_m:g} m the robot may circle the place until its time is out; "
-                f"give {SMALLEST_M:g} m or more, or set onboard.slip so that a near miss counts"
+                f"give {SMALLEST_M:g} m or more, or set onboard.stopped_tolerance so that a near miss counts"
             )
             yield Finding("tolerance", path, text)

@@ -10,7 +10,7 @@ from waypointctl.flight.checks.link import loses_all
 from waypointctl.flight.checks.traffic import Traffic
 from waypointctl.flight.executive.rules import fence_of
 from waypointctl.mission.mission import Mission
-from waypointctl.mission.schedule import ScheduledCommand
+from waypointctl.mission.operator import ScheduledCommand
 from waypointctl.units import ns, seconds
 
 _ONE_AT_A_TIME: Final = "the robot gets one waypoint at a time, already released"

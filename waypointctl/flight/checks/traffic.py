@@ -12,7 +12,7 @@ from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.operator.requests import CommandRequest, request_of
 from waypointctl.log.messages import CommandKind, CommandStatus, Mode, Stage, Telemetry
 from waypointctl.mission.mission import Mission
-from waypointctl.mission.schedule import ScheduledCommand
+from waypointctl.mission.operator import ScheduledCommand
 
 ACK_BYTES: Final = 64  # an acknowledgement with a reason of some words
 _SOME_NS: Final = 100_000_000_000  # a time like those of a flight, for the sizes of messages

@@ -7,8 +7,8 @@ from typing import Final
 
 from waypointctl.flight.executive.fence import Area, Circle, Fence, Polygon
 from waypointctl.log.messages import PlannedWaypoint
+from waypointctl.mission.geofence import Area as AreaModel
 from waypointctl.mission.mission import Mission
-from waypointctl.mission.onboard import Area as AreaModel
 from waypointctl.mission.onboard import Home
 from waypointctl.units import ns, whole_ns
 
@@ -80,7 +80,7 @@ def rules_of(mission: Mission) -> Rules:
         home=home_of(mission),
         retries=failure.retry,
         then=failure.then,
-        slip_m=onboard.slip_m,
+        slip_m=onboard.stopped_tolerance_m,
         progress_m=onboard.progress.within_m,
         stall_ns=ns(onboard.progress.for_s),
         stuck_fails=onboard.stuck is not None,

@@ -20,8 +20,8 @@ from waypointctl.flight.link.delay import (
 from waypointctl.flight.link.direction import Direction, Duplication
 from waypointctl.flight.link.loss import GilbertElliott, Loss, RandomLoss
 from waypointctl.mission.contact_plan import Passage, read_contact_plan
-from waypointctl.mission.jitter_file import read_jitter
 from waypointctl.mission.link import Bursts, LinkDirection
+from waypointctl.mission.text_file import read_jitter
 from waypointctl.mission.yaml_source import as_error
 from waypointctl.seeding import stream
 from waypointctl.units import ns
@@ -122,4 +122,4 @@ def _contacts(way: LinkDirection, passage: Passage | None) -> Contacts:
     if way.windows is None:
         return always(way.rate_bps)
     windows = [Window(ns(each.from_s), ns(each.to_s), way.rate_bps) for each in way.windows]
-    return Contacts(windows, ns(way.windows_every_s or 0.0))
+    return Contacts(windows, ns(way.windows_period_s or 0.0))

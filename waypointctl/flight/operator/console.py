@@ -16,8 +16,8 @@ from waypointctl.flight.operator.requests import CommandRequest, place
 from waypointctl.log.messages import CommandKind, PlannedWaypoint
 from waypointctl.mission.fields import FURTHEST_M, Hold, Timeout, Tolerance
 from waypointctl.mission.mission import Mission
+from waypointctl.mission.operator import LARGEST_NUMBER
 from waypointctl.mission.quantity import Quantity
-from waypointctl.mission.schedule import LARGEST_NUMBER
 from waypointctl.units import DISTANCE_UNITS_M, DURATION_UNITS_S, NUMBER_PATTERN, ns, quantity, whole_ns
 
 QUIT: Final = "quit"  # the line that ends it

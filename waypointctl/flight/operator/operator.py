@@ -55,7 +55,7 @@ class Operator(ABC):
         self.failure = ""
         self.suspended = False  # a hold or a way home was commanded by somebody else
         self._plan = planned_waypoints(mission)
-        self._think_time_ns = ns(mission.operator.think_s)
+        self._think_time_ns = ns(mission.operator.think_time_s)
         self._queue: EventQueue[CommandRequest] = EventQueue()
         self._newest: dict[CommandKind, int] = {}  # the newest command of each kind
         self._kinds: dict[int, CommandKind] = {}  # of every command that has been sent, whoever sent it

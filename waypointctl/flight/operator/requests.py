@@ -10,7 +10,7 @@ from waypointctl.flight.executive.plan import names
 from waypointctl.flight.operator.event_queue import EventQueue
 from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
 from waypointctl.mission.mission import Mission
-from waypointctl.mission.schedule import ScheduledCommand
+from waypointctl.mission.operator import ScheduledCommand
 from waypointctl.units import ns, whole_ns
 
 LOOKAHEAD: Final = -1  # index of a place that is none of the mission's waypoints
