@@ -49,7 +49,7 @@ LIMITS: Final = {
     "log-messages": Limit(100_000, "messages of a log beyond one for each 16 bytes of its file", is_size=False),
     "model-elements": Limit(2_000, "elements of a robot's MJCF", is_size=False),
     "robot-files": Limit(24 * _MIB, "a robot's MJCF, with what it includes, its meshes and textures"),
-    "sb3-archive": Limit(32 * _MIB, "a file of stable-baselines3, what its parts unpack to, and its tensors"),
+    "sb3-archive": Limit(256 * _MIB, "a file of stable-baselines3, what its parts unpack to, and its tensors"),
 }
 
 

@@ -107,6 +107,7 @@ def test_metadata_of_many_entries(refused: Callable[[Callable[[Forgery], None]],
     said = refused(lambda forgery: forgery.metadata().update({str(i): "" for i in range(200_000)}))
     assert "has at least 200,004 entries" in said
     assert "the limit log-entries is 1,000" in said
+    assert int(said.partition("--limit log-entries=")[2].split()[0]) > 200_004, "one hint is enough"
 
 
 @pytest.mark.parametrize(

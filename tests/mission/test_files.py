@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.mission.drawn import missions
@@ -101,12 +101,14 @@ def test_loading_a_mission_loads_nothing_heavy() -> None:
     assert done.stdout == "[]\n"
 
 
+@settings(deadline=None, max_examples=12)
 @given(missions())
 def test_any_mission_is_dumped_and_read_back(mission: Mission) -> None:
     text = dump_mission(mission)
     assert parse_mission(text.encode(), "dump") == mission
 
 
+@settings(deadline=None, max_examples=40)
 @given(st.data())
 def test_a_damaged_mission_is_read_or_refused_with_its_place(data: st.DataObject) -> None:
     source = bytearray(data.draw(st.sampled_from([path.read_bytes() for path in SHIPPED])))

@@ -12,6 +12,8 @@ from waypointctl.errors import LogError
 from waypointctl.limits import LIMITS, limit, limit_hint
 
 FREE_BYTES: Final = 2**26  # that all chunks together may unpack to, whatever the file's size
+_LEAST_ATTACHMENT: Final = 45  # [bytes] of an attachment's record without its name and content
+_LEAST_ENTRY: Final = 4  # [bytes] of an entry: the length of its name
 INDEX_BYTES: Final = 16  # in the file for each message: its entry in the index of its chunk
 
 
@@ -44,18 +46,20 @@ class Bounds:
         """Count an attachment of this many bytes."""
         self._attachments += 1
         self._attached += size
-        _require("log-entries", self._attachments, "attachments")
+        _require("log-entries", self._attachments, "attachments", self._file_bytes // _LEAST_ATTACHMENT)
         _require("log-attachments", self._attached, "bytes of attachments", self._file_bytes)
 
     def take_description(self, size: int) -> None:
         """Count a metadata record, a schema or a channel of this many bytes."""
         self._described += size
-        _require("log-metadata", self._described, "bytes of metadata, schemas and channels")
+        enough = max(self._file_bytes, self._unpacked)
+        _require("log-metadata", self._described, "bytes of metadata, schemas and channels", enough)
 
     def take_entries(self, count: int) -> None:
         """Count entries of metadata, schemas or channels."""
         self._entries += count
-        _require("log-entries", self._entries, "entries of metadata, schemas and channels")
+        enough = max(self._file_bytes, self._unpacked) // _LEAST_ENTRY
+        _require("log-entries", self._entries, "entries of metadata, schemas and channels", enough)
 
     def take_chunk(self, unpacked: int) -> None:
         """Count a chunk that says that it unpacks to this many bytes."""

@@ -83,7 +83,7 @@ def records(stream: IO[bytes], start: int, size: int) -> Iterator[Record]:
         if offset + _HEAD.size + length > size:
             raise CutShort(offset)
         if length > most:
-            raise OverLimit("log-record", f"bytes in the record at byte {offset}", length)
+            raise OverLimit("log-record", f"bytes in the record at byte {offset}", length, size)
         yield Record(offset, opcode, stream.read(length))
         offset += _HEAD.size + length
 
