@@ -90,7 +90,6 @@ def test_accepts_both_spellings_as_the_reader_does(text: str, accepts: Callable[
         "waypoints: [[7, 12]]\ntelemetry: {rate_hz: 51}",
         "waypoints: [[7, 12]]\nseed: -1",
         "waypoints: [[7, 12]]\nseed: 1.5",
-        "waypoints: [[7, 12]]\nrobot: horse",
         "waypoints: [[7, 12]]\nexpect: {reached: some}",
         "waypoints: [[7, 12]]\nwaypoint: []",
     ],

@@ -303,7 +303,7 @@ def test_a_missions_rules_are_the_robots() -> None:
             "start": {"position_m": [1.0, -1.0]},
             "onboard": {
                 "on_failure": {"retry": 2, "then": "hold"},
-                "slip_m": 1.5,
+                "stopped_tolerance_m": 1.5,
                 "stuck": {"within_m": 0.2, "for_s": 7.0},
                 "link_loss": {"after_s": 60.0, "do": "return_home"},
                 "geofence": {
