@@ -68,7 +68,7 @@ def flight(steps: int) -> list[Message]:
     for step in range(steps):
         now = step * STEP_NS
         action = rng.normal(size=8)
-        terms = tuple((name, float(rng.normal())) for name in TERMS)
+        terms = tuple((name, float(rng.normal())) for name in (term.name for term in TERMS))
         messages += [
             State(now, step, rng.normal(size=15), rng.normal(size=14), rng.normal(size=14)),
             Observation(now, step, rng.normal(size=31)),

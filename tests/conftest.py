@@ -23,6 +23,7 @@ from waypointctl.policy.manifest import (
     TrainingRecord,
 )
 from waypointctl.policy.write import write_bundle
+from waypointctl.robots.load import load_robot
 from waypointctl.task.observation import layout
 from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
 
@@ -65,13 +66,15 @@ def random_network(sizes: tuple[int, ...], seed: int = 0, gain: float = 1.0) -> 
 
 def describe(**changes: object) -> PolicyDescription:
     """Describe a policy for the ant in the egocentric layout, but for `changes`."""
-    components = layout("egocentric").components
-    names, units, scales = (tuple(column) for column in zip(*components, strict=True))
+    seen = layout("egocentric", load_robot("ant"))
+    names, units, scales = (tuple(column) for column in zip(*seen.components, strict=True))
     description = PolicyDescription(
         name="tiny",
         robot="ant",
         control_period_ns=20_000_000,
-        observation=ObservationSpec(layout="egocentric", size=len(components), names=names, units=units, scales=scales),
+        observation=ObservationSpec(
+            layout="egocentric", groups=seen.groups, size=seen.size, names=names, units=units, scales=scales
+        ),
         action=ActionSpec(size=8, meaning="motor torque as a fraction of full torque", limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=(8, 8), activation="elu"),
         reward={"progress": 1.0, "fall": 200.0},

@@ -49,6 +49,8 @@ if TYPE_CHECKING:
     from waypointctl.task.batched import BatchedWaypointEnv, Step
     from waypointctl.task.config import TaskConfig
     from waypointctl.task.env import WaypointEnv
+    from waypointctl.task.plugins import ObservationGroup, RewardTerm, load_plugins, observation_group, reward_term
+    from waypointctl.task.view import SimulationView
     from waypointctl.training.recipe import Recipe
     from waypointctl.training.recipe_file import RecipeFile, load_recipe
     from waypointctl.training.train import TrainingResult, train
@@ -66,6 +68,7 @@ __all__ = [
     "Mission",
     "MissionError",
     "MissionFile",
+    "ObservationGroup",
     "OutputError",
     "Policy",
     "PolicyError",
@@ -73,8 +76,10 @@ __all__ = [
     "Recipe",
     "RecipeError",
     "RecipeFile",
+    "RewardTerm",
     "Robot",
     "RobotError",
+    "SimulationView",
     "Step",
     "Suite",
     "SuiteError",
@@ -88,12 +93,15 @@ __all__ = [
     "evaluate",
     "fly",
     "load_mission",
+    "load_plugins",
     "load_policy",
     "load_recipe",
     "load_robot",
     "load_suite",
     "messages",
+    "observation_group",
     "open_log",
+    "reward_term",
     "train",
     "verify",
 ]
@@ -128,6 +136,8 @@ _MODULES: Final = {
     "task.batched": ("BatchedWaypointEnv", "Step"),
     "task.config": ("TaskConfig",),
     "task.env": ("WaypointEnv",),
+    "task.plugins": ("ObservationGroup", "RewardTerm", "load_plugins", "observation_group", "reward_term"),
+    "task.view": ("SimulationView",),
     "training.recipe": ("Recipe",),
     "training.recipe_file": ("RecipeFile", "load_recipe"),
     "training.train": ("TrainingResult", "train"),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.task.views import ant_layout, view_of
 from waypointctl.evaluation.rollout import Rollouts, rollout
 from waypointctl.evaluation.suite import Hold
 from waypointctl.mission.fields import Acceptance, Start
@@ -18,10 +19,8 @@ from waypointctl.robots.stance import stance_action
 from waypointctl.seeding import stream
 from waypointctl.sim.single import SingleRobot
 from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.task.body import body_of
 from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.course import Deadline
-from waypointctl.task.observation import Goals, layout
 
 FloatArray = NDArray[np.float64]
 
@@ -69,8 +68,8 @@ def walked_alone(policy: LoadedPolicy, trial: int, hold: Hold | None = None) -> 
     found, limit_s, standing = Alone("", way=[world.qpos[0, :2].copy()]), FIRST_S, 0
     for step in range(1, 10_000):
         goal, following = path[min(found.legs, len(path) - 1)], path[min(found.legs + 1, len(path) - 1)]
-        goals = Goals(np.stack([goal, following])[np.newaxis], np.zeros((1, 4)))
-        action = policy.act(layout("egocentric").observe(body_of(world.qpos, world.qvel), goals))
+        view = view_of(world.qpos, world.qvel, np.stack([goal, following])[np.newaxis])
+        action = policy.act(ant_layout("egocentric").observe(view))
         if standing:
             action = stance_action(robot, world.qpos, world.qvel)
         before = world.qpos[0, :2].copy()

@@ -44,7 +44,8 @@ from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course
 from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
 from waypointctl.task.failure_replay import FailureReplay
-from waypointctl.task.observation import Goals, layout
+from waypointctl.task.observation import layout
+from waypointctl.task.view import SimulationView
 from waypointctl.training.recipe_file import load_recipe
 
 ROOT: Final = Path(__file__).parents[2]
@@ -140,9 +141,17 @@ def observations(name: str) -> str:
     robot, rng = load_robot("ant"), np.random.default_rng(7)
     qpos, qvel = rng.normal(size=(50, robot.model.nq)), rng.normal(size=(50, robot.model.nv))
     qpos[:, 3:7] /= np.linalg.norm(qpos[:, 3:7], axis=1, keepdims=True)
-    goals = Goals(rng.normal(0, 6, size=(50, 2, 2)), rng.uniform(-1, 1, size=(50, 4)))
+    view = SimulationView(
+        robot=robot,
+        body=body_of(qpos, qvel),
+        qpos=qpos,
+        goals=rng.normal(0, 6, size=(50, 2, 2)),
+        noise=rng.uniform(-1, 1, size=(50, 4)),
+        action=np.zeros((50, robot.num_actions)),
+        steps=np.zeros(50, np.int64),
+    )
     digest = Digest()
-    digest.add(layout(name).observe(body_of(qpos, qvel), goals))
+    digest.add(layout(name, robot).observe(view))
     return str(digest)
 
 

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.task.views import ant_layout
 from waypointctl.errors import PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import ActionSpec
 from waypointctl.policy.require import require
-from waypointctl.task.observation import layout
 
-COMPONENTS = layout("egocentric").components
+COMPONENTS = ant_layout("egocentric").components
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def test_another_robot_is_refused(policy: LoadedPolicy) -> None:
 
 def test_a_layout_of_another_size_is_refused(policy: LoadedPolicy) -> None:
     with pytest.raises(PolicyError, match="another observation layout 'egocentric': it has 31 numbers, not 29"):
-        check(policy, components=layout("state_goal").components)
+        check(policy, components=ant_layout("state_goal").components)
 
 
 def test_a_layout_in_another_order_is_refused(policy: LoadedPolicy) -> None:

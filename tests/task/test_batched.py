@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.sim.bare import BareWorld
+from tests.task.views import ANT, view_of
 from waypointctl.errors import InputError
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.robots.load import load_robot
@@ -15,8 +16,8 @@ from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.body import body_of, fallen
 from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.course import Course, Deadline
-from waypointctl.task.observation import LAYOUTS, Goals, layout
-from waypointctl.task.reward import JointLimits, RewardWeights, progress_speed, reward_terms
+from waypointctl.task.observation import LAYOUTS, layout
+from waypointctl.task.reward import RewardFunction, RewardWeights, progress_speed
 
 FloatArray = NDArray[np.float64]
 
@@ -66,26 +67,28 @@ class Alone:
         self.limit_s = self.config.deadline.first_s
 
     @property
-    def goals(self) -> Goals:
+    def goals(self) -> FloatArray:
         following = min(self.index + 1, len(self.waypoints) - 1)
-        return Goals(self.waypoints[[self.index, following]][np.newaxis], self.noise)
+        goals: FloatArray = self.waypoints[[self.index, following]][np.newaxis]
+        return goals
 
     def observe(self) -> FloatArray:
         data = self.world.data
-        body = body_of(data.qpos[np.newaxis], data.qvel[np.newaxis])
-        observation: FloatArray = layout(self.config.observation).observe(body, self.goals)[0]
+        view = view_of(data.qpos[np.newaxis], data.qvel[np.newaxis], self.goals, noise=self.noise)
+        observation: FloatArray = layout(self.config.observation, ANT).observe(view)[0]
         return observation
 
     def step(self, action: FloatArray) -> dict[str, object]:
-        applied, goal = np.clip(action, -1.0, 1.0), self.goals.waypoints[:, 0]
+        applied, goal = np.clip(action, -1.0, 1.0), self.goals[:, 0]
         before = self.world.data.qpos[np.newaxis, :2].copy()
         self.world.step(applied)
         self.steps += 1
-        body = body_of(self.world.data.qpos[np.newaxis].copy(), self.world.data.qvel[np.newaxis].copy())
+        qpos, qvel = self.world.data.qpos[np.newaxis].copy(), self.world.data.qvel[np.newaxis].copy()
+        body = body_of(qpos, qvel)
         fell = fallen(body, self.robot.min_height_m, self.robot.min_up)
         approach = progress_speed(before, body.position, goal, 0.02)
-        at_limit = JointLimits.of_range(self.robot.joint_low, self.robot.joint_high).count(body.joints)
-        terms = reward_terms(self.config.reward, body, approach, applied[np.newaxis], at_limit, fell)[0]
+        view = view_of(qpos, qvel, action=applied[np.newaxis], approach=approach, fell=fell)
+        terms = RewardFunction(self.config.reward).terms(view)[0]
         there = bool(np.hypot(*(body.position[0, :2] - goal[0])) < self.config.acceptance.size_m)
         last = self.index == len(self.waypoints) - 1
         if there:
@@ -192,7 +195,7 @@ def test_a_robots_second_episode_does_not_depend_on_when_it_begins() -> None:
 
 
 def test_names_that_do_not_exist_are_refused() -> None:
-    with pytest.raises(InputError, match="there is no robot called 'rover'"):
+    with pytest.raises(InputError, match="there is no robot 'rover'"):
         BatchedWaypointEnv(TaskConfig(robot="rover"), 1, 0)
     with pytest.raises(InputError, match="there is no observation layout called 'pixels'"):
         BatchedWaypointEnv(TaskConfig(observation="pixels"), 1, 0)

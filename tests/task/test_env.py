@@ -23,7 +23,6 @@ from waypointctl.task.course import Course, Deadline
 from waypointctl.task.env import WaypointEnv
 from waypointctl.task.observation import LAYOUTS
 from waypointctl.task.register import ENV_ID, register
-from waypointctl.task.reward import TERMS
 
 BUSY = TaskConfig(
     course=Course(perimeter="legs", count=3, leg_m=(0.1, 0.9)),
@@ -63,7 +62,7 @@ def test_is_the_batched_env_of_one_robot_exactly(env: WaypointEnv) -> None:
         observation, reward, terminated, truncated, info = env.step(action)
         np.testing.assert_array_equal(observation, step.observation[0])
         assert (reward, terminated, truncated) == (step.reward[0], step.terminated[0], step.truncated[0])
-        assert [info[f"reward_{name}"] for name in TERMS] == step.terms[0].tolist()
+        assert [info[f"reward_{name}"] for name in batched.reward.names] == step.terms[0].tolist()
         assert info["waypoint_index"] == batched.progress.index[0]
         assert info["waypoint_reached"] == step.reached[0]
         assert info["success"] == step.success[0]

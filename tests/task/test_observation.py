@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tests.task.rotations import about, quaternion_of
+from tests.task.views import ant_layout, view_of
 from waypointctl.errors import InputError
-from waypointctl.task.body import body_of
-from waypointctl.task.observation import LAYOUTS, Goals, layout
+from waypointctl.task.observation import LAYOUTS
 
 FloatArray = NDArray[np.float64]
 
@@ -65,8 +65,8 @@ class Scene:
 
 def observe(name: str, *scenes: Scene) -> FloatArray:
     qpos, qvel = np.stack([s.qpos for s in scenes]), np.stack([s.qvel for s in scenes])
-    goals = Goals(np.stack([s.goals for s in scenes]), np.stack([s.noise for s in scenes]))
-    return layout(name).observe(body_of(qpos, qvel), goals)
+    goals, noise = np.stack([s.goals for s in scenes]), np.stack([s.noise for s in scenes])
+    return ant_layout(name).observe(view_of(qpos, qvel, goals, noise=noise))
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
@@ -77,25 +77,25 @@ def test_each_number_is_the_named_quantity_times_its_scale(name: str, far_m: flo
     assert observation.shape == (50, SIZES[name])
     for row, scene in zip(observation, scenes, strict=True):
         quantities = scene.physical()
-        expected = [quantities[component] * scale for component, _, scale in layout(name).components]
+        expected = [quantities[component] * scale for component, _, scale in ant_layout(name).components]
         np.testing.assert_allclose(row, expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_a_layout_names_every_number_once_with_its_unit(name: str) -> None:
-    components = layout(name).components
-    assert layout(name).size == len(components) == SIZES[name]
+    components = ant_layout(name).components
+    assert ant_layout(name).size == len(components) == SIZES[name]
     assert len({component for component, _, _ in components}) == len(components)
     assert {unit for _, unit, _ in components} <= {"m", "m/s", "rad", "rad/s", "1"}
 
 
 def test_the_papers_layouts_begin_with_the_same_25_numbers_in_the_papers_order() -> None:
-    names = [component for component, _, _ in layout("state").components]
+    names = [component for component, _, _ in ant_layout("state").components]
     assert names[:16] == [f"{joint}.angle" for joint in JOINTS] + [f"{joint}.speed" for joint in JOINTS]
     assert names[16:] == [f"torso.{part}" for part in ("x", "y", "z", "vx", "vy", "vz", "roll", "pitch", "yaw")]
     for other in ("state_noise", "state_goal"):
-        assert layout(other).components[:25] == layout("state").components
-    goals = [component for component, _, _ in layout("state_goal").components[25:]]
+        assert ant_layout(other).components[:25] == ant_layout("state").components
+    goals = [component for component, _, _ in ant_layout("state_goal").components[25:]]
     assert goals == ["current.x", "current.y", "next.x", "next.y"]
 
 
@@ -138,4 +138,4 @@ def test_a_robots_row_does_not_depend_on_the_others(name: str) -> None:
 def test_an_unknown_layout_is_refused_with_those_there_are() -> None:
     message = "there is no observation layout called 'ego'; there are: state, state_noise, state_goal, egocentric"
     with pytest.raises(InputError, match=message):
-        layout("ego")
+        ant_layout("ego")

@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.sim.bare import BareWorld
+from tests.task.views import ANT, view_of
 from waypointctl.errors import InputError
 from waypointctl.mission.fields import Acceptance, Start
-from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.body import body_of, fallen
@@ -20,8 +20,8 @@ from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
 from waypointctl.task.env import WaypointEnv
-from waypointctl.task.observation import LAYOUTS, Goals, layout
-from waypointctl.task.reward import JointLimits, RewardWeights, progress_speed, reward_terms
+from waypointctl.task.observation import LAYOUTS
+from waypointctl.task.reward import RewardFunction, RewardWeights, progress_speed
 
 FloatArray = NDArray[np.float64]
 
@@ -114,12 +114,12 @@ class Alone:
 
 
 def paid(config: TaskConfig, alone: Alone, before: FloatArray, goal: FloatArray, held: FloatArray) -> FloatArray:
-    robot = load_robot("ant")
-    body = body_of(alone.world.data.qpos[np.newaxis].copy(), alone.world.data.qvel[np.newaxis].copy())
-    at_limit = JointLimits.of_range(robot.joint_low, robot.joint_high).count(body.joints)
-    fell = fallen(body, robot.min_height_m, robot.min_up)
+    qpos, qvel = alone.world.data.qpos[np.newaxis].copy(), alone.world.data.qvel[np.newaxis].copy()
+    body = body_of(qpos, qvel)
+    fell = fallen(body, ANT.min_height_m, ANT.min_up)
     approach = progress_speed(before, body.position, goal, 0.02)
-    terms: FloatArray = reward_terms(config.reward, body, approach, held[np.newaxis], at_limit, fell)[0]
+    view = view_of(qpos, qvel, action=held[np.newaxis], approach=approach, fell=fell)
+    terms: FloatArray = RewardFunction(config.reward).terms(view)[0]
     return terms
 
 
@@ -163,9 +163,8 @@ def test_noise_is_seen_in_every_layout_and_never_paid_for_nor_arrived_by(observa
         same(quiet, loud, seen=False)
         if len(loud.ended):
             assert not np.array_equal(quiet.final_observation, loud.final_observation)
-    body = body_of(env.batch.qpos.copy(), env.batch.qvel.copy())
-    truth = layout(observation).observe(body, Goals(env.progress.goals, env.noise))
-    goal_numbers = [i for i, (name, _, _) in enumerate(layout(observation).components) if name in GIVEN]
+    truth = env.layout.observe(view_of(env.batch.qpos, env.batch.qvel, env.progress.goals, noise=env.noise))
+    goal_numbers = [i for i, (name, _, _) in enumerate(env.layout.components) if name in GIVEN]
     off = noisy[-1].observation - truth
     np.testing.assert_array_equal(off[:, goal_numbers], 0.0)
     assert (np.delete(off, goal_numbers, axis=1) != 0).mean() > 0.95  # a distance beyond the range looks the same
@@ -180,9 +179,7 @@ def test_noise_has_its_deviation_in_the_observation() -> None:
     env = BatchedWaypointEnv(
         TaskConfig(observation="state", domain_randomization=DomainRandomization(sensor_noise=NOISE)), robots, 0
     )
-    off = env.reset() - layout("state").observe(
-        body_of(env.batch.qpos.copy(), env.batch.qvel.copy()), Goals(env.progress.goals, env.noise)
-    )
+    off = env.reset() - env.layout.observe(view_of(env.batch.qpos, env.batch.qvel, env.progress.goals, noise=env.noise))
     expected = np.repeat([0.02, 0.2, 0.03, 0.1, 0.03], [8, 8, 3, 3, 3])
     np.testing.assert_allclose(off.std(axis=0), expected, rtol=0.08)
 

@@ -9,11 +9,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from waypointctl.task.body import body_of
-from waypointctl.task.reward import TERMS, JointLimits, RewardWeights, progress_speed, reward_terms
+from tests.task.views import ANT, view_of
+from waypointctl.task.reward import TERMS as BUILT_IN
+from waypointctl.task.reward import JointLimits, RewardFunction, RewardWeights, progress_speed
 
 FloatArray = NDArray[np.float64]
 
+TERMS = tuple(term.name for term in BUILT_IN)
 ALL_ONE = RewardWeights(
     progress=1.0,
     alive=1.0,
@@ -34,20 +36,19 @@ def terms_of(
     joint_rates: FloatArray | None = None,
     rates: tuple[float, float, float] = (0.0, 0.0, 0.0),
     tilt_rad: float = 0.0,
-    at_limit: float = 0.0,
+    at_limit: int = 0,
     fell: bool = False,
 ) -> dict[str, float]:
     quaternion = [math.cos(tilt_rad / 2), 0.6 * math.sin(tilt_rad / 2), 0.8 * math.sin(tilt_rad / 2), 0.0]
-    qpos = np.array([[0.0, 0.0, 0.5, *quaternion, *np.zeros(8)]])
+    joints = ANT.nominal.copy()
+    joints[:at_limit] = ANT.joint_high[:at_limit]
+    qpos = np.array([[0.0, 0.0, 0.5, *quaternion, *joints]])
     qvel = np.array([[0.0, 0.0, 0.0, *rates, *(np.zeros(8) if joint_rates is None else joint_rates)]])
-    terms = reward_terms(
-        weights,
-        body_of(qpos, qvel),
-        np.array([approach]),
-        np.zeros((1, 8)) if applied is None else applied[np.newaxis],
-        np.array([at_limit]),
-        np.array([fell]),
-    )
+    action = np.zeros((1, 8)) if applied is None else applied[np.newaxis]
+    view = view_of(qpos, qvel, action=action, approach=np.array([approach]), fell=np.array([fell]))
+    reward = RewardFunction(weights)
+    assert reward.names == TERMS
+    terms = reward.terms(view)
     assert terms.shape == (1, len(TERMS))
     return dict(zip(TERMS, terms[0].tolist(), strict=True))
 
@@ -80,9 +81,7 @@ def test_torque_is_roboschools_stall_cost() -> None:
 
 
 def test_each_joint_at_its_limit_costs() -> None:
-    assert terms_of(ALL_ONE.model_copy(update={"joint_limits": 0.2}), at_limit=3.0)["joint_limits"] == pytest.approx(
-        -0.6
-    )
+    assert terms_of(ALL_ONE.model_copy(update={"joint_limits": 0.2}), at_limit=3)["joint_limits"] == pytest.approx(-0.6)
 
 
 @pytest.mark.parametrize(("tilt_deg", "cost"), [(0, 0.0), (60, 0.5), (90, 1.0), (180, 2.0)])
@@ -111,7 +110,7 @@ def test_a_weight_of_nought_makes_its_term_nought() -> None:
         joint_rates=rng.normal(size=8),
         rates=(1.0, 2.0, 3.0),
         tilt_rad=1.0,
-        at_limit=4.0,
+        at_limit=4,
         fell=True,
     )
     assert terms == pytest.approx(dict.fromkeys(TERMS, 0.0))

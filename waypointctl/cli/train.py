@@ -68,6 +68,9 @@ StopAt: TypeAlias = Annotated[
     ),
 ]
 Threads: TypeAlias = Annotated[int, typer.Option(metavar="N", parser=whole_number(0, 1024), help=THREADS_HELP)]
+AllowPlugins: TypeAlias = Annotated[
+    bool, typer.Option("--allow-plugins", help="Execute the Python files in the recipe's `plugins`.")
+]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")]
 
 
@@ -82,6 +85,7 @@ def train_policy(
     seeds: Seeds = None,
     stop_at: StopAt = None,
     threads: Threads = 0,
+    allow_plugins: AllowPlugins = False,
     json: Json = False,
 ) -> None:
     """Train a policy by a recipe and evaluate it on the paper's paths.
@@ -108,6 +112,7 @@ def train_policy(
         stop_at=stop_at,
         threads=threads,
         json=json,
+        allow_plugins=allow_plugins,
     )
     raise typer.Exit(train_one(options) if seeds is None else train_with_seeds(options, seeds))
 

@@ -30,6 +30,7 @@ class TrainOptions:
         stop_at: the success rate of a checkpoint that ends the training.
         threads: of physics and network; 0 is the default, or those of the run that is resumed.
         json: print one JSON object.
+        allow_plugins: execute the recipe's plugins.
     """
 
     recipe: Path
@@ -43,6 +44,7 @@ class TrainOptions:
     stop_at: float | None = None
     threads: int = 0
     json: bool = False
+    allow_plugins: bool = False
 
     def load(self) -> RecipeFile:
         """Return the recipe as its file has it; whatever is missing is reported before anything is written.
@@ -51,12 +53,13 @@ class TrainOptions:
             InputError: packages are missing, the recipe or what it refers to is wrong or not there, or it cannot be
                 given the target of --stop-at.
         """
-        from waypointctl.training.recipe_file import load_recipe, require_packages
+        from waypointctl.training.recipe_file import load_recipe, require_packages, with_plugins
         from waypointctl.training.recipe_references import load_recipe_to_train
 
         # A run that is resumed has what its recipe refers to.
         recipe_file = load_recipe(self.recipe) if self.resume else load_recipe_to_train(self.recipe)
         require_packages()
+        recipe_file = with_plugins(recipe_file, allowed=self.allow_plugins)
         if not self.resume:
             self.applied_to(recipe_file)
         return recipe_file
@@ -98,4 +101,5 @@ class TrainOptions:
             ("--threads", self.threads or None),
         ]
         given = [part for name, value in options if value is not None for part in (name, str(value))]
-        return " ".join(map(shell_word, ["waypointctl", "train", str(self.recipe), *given, "--resume"]))
+        flags = ["--allow-plugins"] if self.allow_plugins else []
+        return " ".join(map(shell_word, ["waypointctl", "train", str(self.recipe), *given, *flags, "--resume"]))

@@ -19,6 +19,7 @@ from waypointctl.policy.protocol import Policy
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig
+from waypointctl.task.plugins import Plugin
 
 Progress: TypeAlias = Callable[[str, int], None]  # (the case's name, its trials that have ended)
 OnCase: TypeAlias = Callable[[SuiteCase, Rollouts], None]
@@ -32,6 +33,7 @@ def evaluate(
     threads: int = 0,
     progress: Progress | None = None,
     on_case: OnCase | None = None,
+    plugins: tuple[Plugin, ...] = (),
 ) -> Evaluation:
     """Run a policy many times on each path of a suite, with its actions as they are, and count how the trials ended.
 
@@ -46,6 +48,7 @@ def evaluate(
         threads: of the physics; 0 is one a core, 8 at most. The result does not depend on it.
         progress: called with a case's name and the number of its trials that have ended, whenever it grows.
         on_case: called with each case and the rollouts of its trials.
+        plugins: observation groups that the policy was trained with and that are not built in.
 
     Raises:
         PolicyError: the policy is missing, damaged, or made for another robot, observation layout or control period.
@@ -54,7 +57,7 @@ def evaluate(
     policy = load_policy(policy) if isinstance(policy, Path | str) else policy
     suite = load_suite(suite) if isinstance(suite, Path | str) else suite
     trials = suite.trials if trials is None else trials
-    env = _env(policy, suite, trials, seed, threads)
+    env = _env(policy, suite, trials, seed, threads, plugins)
     results = []
     for case in suite.all_cases:
         name = f"evaluation/{suite.name}/{case.name}"
@@ -76,7 +79,7 @@ def evaluate(
         versions={name: version(name) for name in ("waypointctl", "mujoco", "numpy", "onnxruntime")},
         start=suite.start,
         hold=suite.hold,
-        observation=policy.observation_layout,
+        observation=env.layout.name,
     )
 
 
@@ -109,13 +112,16 @@ def case_result(case: SuiteCase, rollouts: Rollouts) -> CaseResult:
     )
 
 
-def _env(policy: Policy, suite: Suite, trials: int, seed: int, threads: int) -> BatchedWaypointEnv:
+def _env(
+    policy: Policy, suite: Suite, trials: int, seed: int, threads: int, plugins: tuple[Plugin, ...]
+) -> BatchedWaypointEnv:
     config = TaskConfig(
         robot=suite.robot or policy.robot,
         observation=policy.observation_layout,
         acceptance=suite.acceptance,
         deadline=suite.deadline,
         start=suite.start,
+        plugins=plugins,
     )
     longest = max(case.longest for case in suite.all_cases)
     try:
@@ -124,7 +130,7 @@ def _env(policy: Policy, suite: Suite, trials: int, seed: int, threads: int) -> 
         if error.where is not None:
             raise
         raise PolicyError(error.problem, where=f"policy {policy.name!r}", hint=error.hint) from error
-    refuse_misfit(policy, env.robot)
+    refuse_misfit(policy, env.robot, plugins)
     return env
 
 

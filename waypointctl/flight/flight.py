@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from typing import Final
 
 from waypointctl.flight.end_condition import EndCondition
@@ -13,6 +15,7 @@ from waypointctl.flight.link.logged import DOWN, UP, LoggedDirection, link_state
 from waypointctl.flight.navigator.navigator import Navigator
 from waypointctl.flight.operator.build import answer_time, leaving_time, patience_ns, station_for
 from waypointctl.flight.operator.console import QUIT, LineSource, NullConsole, request_from
+from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.outcome import FlightResult, result_of
 from waypointctl.flight.reporter import Downlink, Reporter
 from waypointctl.flight.sink import Sink
@@ -24,6 +27,7 @@ from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
 from waypointctl.task.config import draw_start
 from waypointctl.task.observation import NOISE_SIZE
+from waypointctl.task.plugins import Plugin
 from waypointctl.units import NS_PER_S, ns
 
 CHECKPOINT_PERIOD_NS: Final = 10 * NS_PER_S
@@ -40,6 +44,7 @@ class Flight:
         robot: Robot,
         console: LineSource | None = None,
         navigator: Navigator | None = None,
+        plugins: Sequence[Plugin] = (),
     ) -> None:
         """Set the robot at its start; nothing has been sent yet."""
         self._console = console or NullConsole()
@@ -53,11 +58,12 @@ class Flight:
         noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
         patience = patience_ns(down, ns(mission.commands.margin_s))
         answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
+        joint = partial(JointOperator, mission, policy, robot, noise, plugins, sink)
         self._station = station_for(
-            mission, policy, noise, sink, self._uplink.send, self._uplink.send, answer_by, patience, leaving_time(up)
+            mission, joint, sink, self._uplink.send, self._uplink.send, answer_by, patience, leaving_time(up)
         )
         reporter = _reporter(mission, self._downlink)
-        self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission), navigator)
+        self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission), navigator, plugins)
         self._end_condition = EndCondition(
             self._station, self._vehicle.executive, reporter.changes, up, down, self._vehicle.is_still
         )

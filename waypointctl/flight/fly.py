@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +25,7 @@ from waypointctl.policy.bundle import load_policy
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.load import load_robot
 from waypointctl.robots.robot import Robot
+from waypointctl.task.plugins import Plugin
 
 
 def fly(
@@ -38,6 +39,7 @@ def fly(
     robot: Robot | None = None,
     console: LineSource | None = None,
     navigator: Navigator | None = None,
+    plugins: Sequence[Plugin] = (),
     interrupted: Callable[[], bool] = lambda: False,
 ) -> FlightResult:
     """Fly a mission to its end.
@@ -55,6 +57,8 @@ def fly(
         console: the source of a person's commands.
         navigator: gives the policy its goals; straight to the plan's waypoints unless given. A log names its class and
             does not hold it: such a log cannot be verified.
+        plugins: observation groups and reward terms that the policy was trained with and that are not built in. A log
+            does not hold them.
         interrupted: called before every control step; True ends the flight.
 
     Raises:
@@ -67,7 +71,7 @@ def fly(
     policy = file.policy_path if policy is None else policy
     driver = load_policy(policy) if isinstance(policy, Path | str) else policy
     robot = robot or robot_of(file)
-    refuse_misfit(driver, robot)
+    refuse_misfit(driver, robot, plugins)
     with ExitStack() as stack:
         sinks = [] if sink is None else [sink]
         if log is not None:
@@ -75,7 +79,7 @@ def fly(
             sinks.insert(0, stack.enter_context(LogWriter(Path(log), flight_header(file, driver, robot, navigator))))
         camera = stack.enter_context(OnboardCamera(robot, planned_waypoints(file.mission)))
         take = with_pictures(tee(*sinks), camera) if pictures else tee(*sinks)
-        result = _to_the_end(Flight(file.mission, driver, take, robot, console, navigator), interrupted)
+        result = _to_the_end(Flight(file.mission, driver, take, robot, console, navigator, plugins), interrupted)
     result = replace(result, pictures=camera.taken, no_pictures=camera.trouble)
     return result if log is None else result.logged(Path(log))
 

@@ -74,9 +74,10 @@ class PolicyNotInLog(Policy):
         return self._robot.name
 
     @property
-    def observation_layout(self) -> str:
+    def observation_layout(self) -> str | tuple[str, ...]:
         """Its observation layout."""
-        return self._metadata.get("observation_layout", "")
+        names = tuple(self._metadata.get("observation_layout", "").split())
+        return names if len(names) > 1 else "".join(names)
 
     @property
     def reward_weights(self) -> Mapping[str, float]:
@@ -120,8 +121,8 @@ def flight_header(
             "seed": str(mission.seed),
             "autonomy": mission.autonomy,
             "policy": policy.name,
-            "observation_layout": policy.observation_layout,
-            "reward_terms": " ".join(TERMS),
+            "observation_layout": layout if isinstance(layout := policy.observation_layout, str) else " ".join(layout),
+            "reward_terms": " ".join(term.name for term in TERMS),
             "control_period_ns": str(robot.control_period_ns),
             "physics_period_ns": str(round(robot.physics_period_s * 1e9)),
             "state_components": f"qpos:{robot.model.nq} qvel:{robot.model.nv} qacc_warmstart:{robot.model.nv}",

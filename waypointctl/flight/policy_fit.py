@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from pydantic import ValidationError
 
 from waypointctl.errors import PolicyError
@@ -10,17 +12,18 @@ from waypointctl.policy.protocol import Policy
 from waypointctl.policy.require import refuse_other_robot, require
 from waypointctl.robots.robot import Robot
 from waypointctl.task.observation import layout
+from waypointctl.task.plugins import Plugin, RewardTerm
 from waypointctl.task.reward import RewardWeights
 
 
-def refuse_misfit(policy: Policy, robot: Robot) -> None:
+def refuse_misfit(policy: Policy, robot: Robot, plugins: Iterable[Plugin] = ()) -> None:
     """Refuse a policy that was not made for a robot.
 
     Raises:
         PolicyError: it was made for another robot, observation layout, control period or kind of action.
         InputError: there is no such observation layout.
     """
-    components = layout(policy.observation_layout).components
+    components = layout(policy.observation_layout, robot, plugins).components
     if isinstance(policy, LoadedPolicy):
         require(
             policy,
@@ -33,18 +36,18 @@ def refuse_misfit(policy: Policy, robot: Robot) -> None:
         refuse_other_robot(policy, robot.name)
 
 
-def reward_weights(policy: Policy) -> RewardWeights:
+def reward_weights(policy: Policy, plugins: Iterable[Plugin] = ()) -> RewardWeights:
     """Return the weight of each reward term, those that the policy does not name at their defaults.
 
+    The terms of a plugin that is not given are left out: they change what the log says of rewards, not the flight.
+
     Raises:
-        PolicyError: it names a term that there is not, or a weight that is not a number >= 0.
+        PolicyError: a weight is not a number within its bounds.
     """
-    known = list(RewardWeights.model_fields)
-    if unknown := [name for name in policy.reward_weights if name not in known]:
-        problem = f"it was trained with the reward terms {', '.join(unknown)}, which this waypointctl does not have"
-        raise PolicyError(problem, where="policy", hint=f"known terms are {', '.join(known)}; train the policy again")
+    known = {*RewardWeights.model_fields, *(one.name for one in plugins if isinstance(one, RewardTerm))}
+    own = {name: weight for name, weight in policy.reward_weights.items() if name in known}
     try:
-        return RewardWeights.model_validate(dict(policy.reward_weights))
+        return RewardWeights.model_validate(own)
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         problem = f"reward.{'.'.join(map(str, fault['loc']))}: {fault['msg']}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -38,14 +38,16 @@ from waypointctl.robots.stance import stance_action
 from waypointctl.sim.single import SingleRobot
 from waypointctl.task.batched import clip_actions
 from waypointctl.task.body import Body, body_of, fallen
-from waypointctl.task.observation import NOISE_SIZE, Goals, layout
-from waypointctl.task.reward import TERMS, JointLimits, progress_speed, reward_terms
+from waypointctl.task.observation import NOISE_SIZE, layout
+from waypointctl.task.plugins import Plugin
+from waypointctl.task.reward import RewardFunction, progress_speed
+from waypointctl.task.view import SimulationView
 from waypointctl.units import NS_PER_S
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 _STILL: Final = np.zeros(1)
-_NOTHING: Final = np.zeros((1, len(TERMS)))
 
 STILL_SPEED: Final = 1e-2  # [m/s, rad/s] of every part; slower is standing still
 # Teleoperation times out after this long without an action from the ground.
@@ -67,6 +69,7 @@ class Vehicle:
         reporter: Reporter,
         rules: Rules,
         navigator: Navigator | None = None,
+        plugins: Sequence[Plugin] = (),
     ) -> None:
         """Make a robot that reports to the ground and logs its truth into `sink`; `place` it before flight."""
         self.robot = robot
@@ -76,9 +79,10 @@ class Vehicle:
         self._policy = policy
         self._navigator = navigator or DirectNavigator()
         self._goals: FloatArray = np.zeros((1, 2, 2))  # that the policy walks to
-        self._layout = layout(policy.observation_layout)
-        self._weights = reward_weights(policy)
-        self._limits = JointLimits.of_range(robot.joint_low, robot.joint_high)
+        self._layout = layout(policy.observation_layout, robot, plugins)
+        self._reward = RewardFunction(reward_weights(policy, plugins), plugins)
+        self._no_reward: FloatArray = np.zeros((1, len(self._reward.names)))
+        self._applied: FloatArray = np.zeros((1, robot.num_actions))
         self._sink = sink
         self._reporter = reporter
         self._control: FloatArray = np.zeros((1, robot.num_actions))  # the newest action from the ground
@@ -166,7 +170,8 @@ class Vehicle:
         before = self.plant.qpos[:, :2].copy()
         self.plant.step(applied)
         self._observe()
-        self._log_reward(now_ns + self.robot.control_period_ns, before, applied)
+        self._applied = applied
+        self._log_reward(now_ns, before)
         self.step += 1
         if self._driven or np.abs(self.plant.qvel[0]).max() > STILL_SPEED:
             self._moved_ns = now_ns + self.robot.control_period_ns
@@ -192,7 +197,7 @@ class Vehicle:
     def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
         if self.executive.policy_active:
             self._goals = self._navigator.goals(self._body, self.executive.goals)
-            observation = self._layout.observe(self._body, Goals(self._goals, self._noise))
+            observation = self._layout.observe(self._view(now_ns))
             self._sink(Observation(now_ns, self.step, observation[0]))
             return "policy", self._policy.act(observation)
         if self.executive.mode is Mode.TELEOPERATED:
@@ -205,21 +210,35 @@ class Vehicle:
         self._body = body_of(self.plant.qpos, self.plant.qvel)
         self._fell = bool(fallen(self._body, self.robot.min_height_m, self.robot.min_up)[0])
 
-    def _log_reward(self, now_ns: int, before: FloatArray, applied: FloatArray) -> None:
-        terms = self._reward_terms(before, applied)
-        named = tuple(zip(TERMS, terms[0].tolist(), strict=True))
+    def _view(self, now_ns: int, approach: FloatArray | None = None, fell: BoolArray | None = None) -> SimulationView:
+        return SimulationView(
+            robot=self.robot,
+            body=self._body,
+            qpos=self.plant.qpos,
+            goals=self._goals,
+            noise=self._noise,
+            action=self._applied,
+            steps=np.array([now_ns // self.robot.control_period_ns]),
+            approach=approach,
+            fell=fell,
+        )
+
+    def _log_reward(self, begun_ns: int, before: FloatArray) -> None:
+        """Log the reward of the control period that began at a time and has just ended."""
+        terms = self._rewards(begun_ns, before)
+        now_ns = begun_ns + self.robot.control_period_ns
+        named = tuple(zip(self._reward.names, terms[0].tolist(), strict=True))
         self._sink(Reward(now_ns, self.step, named, float(np.add.reduce(terms, axis=1)[0])))
 
-    def _reward_terms(self, before: FloatArray, applied: FloatArray) -> FloatArray:
-        """Return the terms (1, len(TERMS)) of the control step that has just ended."""
+    def _rewards(self, begun_ns: int, before: FloatArray) -> FloatArray:
+        """Return the terms (1, k) of the control step that has just ended."""
         if self.executive.mode is Mode.FALLEN:
-            return _NOTHING  # the fall was paid for in the step that ended in it
+            return self._no_reward  # the step that ended in the fall had its cost
         body, approach = self._body, _STILL
         if self.executive.policy_active:
             period_s = self.robot.control_period_ns / 1e9
             approach = progress_speed(before, body.position, self._goals[:, 0], period_s)
-        at_limit = self._limits.count(body.joints)
-        return reward_terms(self._weights, body, approach, applied, at_limit, np.array([self._fell]))
+        return self._reward.terms(self._view(begun_ns, approach, np.array([self._fell])))
 
     def _report(self, stage: CommandStage) -> None:
         self._sink(stage)

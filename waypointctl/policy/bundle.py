@@ -52,9 +52,10 @@ class LoadedPolicy(Policy):
         return self.manifest.robot
 
     @property
-    def observation_layout(self) -> str:
-        """The observation layout it was trained on, by name."""
-        return self.manifest.observation.layout
+    def observation_layout(self) -> str | tuple[str, ...]:
+        """The observation layout it was trained on: its name, or the names of its groups."""
+        seen = self.manifest.observation
+        return seen.groups if seen.layout == "custom" else seen.layout
 
     @property
     def reward_weights(self) -> Mapping[str, float]:

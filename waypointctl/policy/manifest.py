@@ -28,7 +28,8 @@ class _Record(BaseModel):
 class ObservationSpec(_Record):
     """What the policy sees: `size` numbers, each with its name, its unit and the scale that multiplies it."""
 
-    layout: Name
+    layout: Name  # "custom" for a list of groups that has no name
+    groups: tuple[Name, ...]  # that the numbers belong to, in order
     size: Count
     names: tuple[Name, ...]
     units: tuple[str, ...]

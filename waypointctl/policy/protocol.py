@@ -36,8 +36,8 @@ class Policy(Protocol):
 
     @property
     @abstractmethod
-    def observation_layout(self) -> str:
-        """The observation layout that `act` expects, by name."""
+    def observation_layout(self) -> str | tuple[str, ...]:
+        """The observation layout that `act` expects: its name, or the names of its groups."""
 
     @property
     def reward_weights(self) -> Mapping[str, float]:

@@ -130,7 +130,7 @@ class RecordedPolicy(Policy):
         return self._policy.robot
 
     @property
-    def observation_layout(self) -> str:
+    def observation_layout(self) -> str | tuple[str, ...]:
         """The policy's observation layout."""
         return self._policy.observation_layout
 

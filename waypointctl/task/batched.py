@@ -16,10 +16,11 @@ from waypointctl.sim.batch import RobotBatch
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.failure_replay import FailedCourses
-from waypointctl.task.observation import NOISE_SIZE, Goals, layout
+from waypointctl.task.observation import NOISE_SIZE, layout
 from waypointctl.task.progress import CourseProgress
 from waypointctl.task.randomized_robots import RandomizedRobots
-from waypointctl.task.reward import JointLimits, progress_speed, reward_terms
+from waypointctl.task.reward import RewardFunction, progress_speed
+from waypointctl.task.view import SimulationView
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -70,7 +71,7 @@ class Step:
     Attributes:
         observation: (n, k) to act on next; of the new episode where one was begun.
         reward: (n,) the sum of `terms`.
-        terms: (n, len(TERMS)) weighted.
+        terms: (n, k) weighted, named by `reward.names` of the env.
         terminated: (n,) bool.
         truncated: (n,) bool.
         reached: (n,) bool, a waypoint was reached.
@@ -120,7 +121,7 @@ class BatchedWaypointEnv:
         """
         self.config = config
         self.robot = load_robot(config.robot)
-        self.layout = layout(config.observation)
+        self.layout = layout(config.observation, self.robot, config.plugins)
         self.num_robots = num_robots
         self.batch = RobotBatch(self.robot, num_robots, threads)
         self.randomized = RandomizedRobots(config.domain_randomization, self.batch)
@@ -128,10 +129,20 @@ class BatchedWaypointEnv:
             num_robots, max_waypoints or config.course.longest, config.deadline, self.robot.control_period_ns
         )
         self.noise: FloatArray = np.zeros((num_robots, NOISE_SIZE))
+        self.action: FloatArray = np.zeros((num_robots, self.robot.num_actions))
         self.seed(seed)
-        self._limits = JointLimits.of_range(self.robot.joint_low, self.robot.joint_high)
         self._autoreset = autoreset
         self._period_s = self.robot.control_period_ns / 1e9
+
+    @property
+    def config(self) -> TaskConfig:
+        """The task; robot, observation, deadline and domain randomization stay those of the first one."""
+        return self._config
+
+    @config.setter
+    def config(self, config: TaskConfig) -> None:
+        self._config = config
+        self.reward = RewardFunction(config.reward, config.plugins)
 
     def seed(self, seed: int) -> None:
         """Begin every random stream anew, and forget the courses that failed."""
@@ -159,6 +170,7 @@ class BatchedWaypointEnv:
             if self.failed is not None and waypoints is not None:
                 self.failed.given(i)
             self.noise[i] = rng.uniform(-1.0, 1.0, NOISE_SIZE)
+            self.action[i] = 0.0
 
     def observe(self) -> FloatArray:
         """Return what the robots see now, (n, k)."""
@@ -172,13 +184,13 @@ class BatchedWaypointEnv:
         """
         actions = refuse_bad_action(actions, self.robot.num_actions, self.num_robots)
         before = self.batch.qpos[:, :2].copy()
-        applied = self.randomized.step(clip_actions(actions))
+        self.action = clip_actions(actions)
+        held = self.randomized.step(self.action)
 
         body = self._body(slice(None))
         fell = fallen(body, self.robot.min_height_m, self.robot.min_up)
         approach = progress_speed(before, body.position, self.progress.goals[:, 0], self._period_s)
-        at_limit = self._limits.count(body.joints)
-        terms = reward_terms(self.config.reward, body, approach, applied, at_limit, fell)
+        terms = self.reward.terms(self._rewarded(body, held, approach, fell))
 
         advance = self.progress.advance(self.config.acceptance, body.position)
         success = advance.finished & ~fell
@@ -213,4 +225,27 @@ class BatchedWaypointEnv:
         return body_of(self.batch.qpos[robots].copy(order="F"), self.batch.qvel[robots].copy(order="F"))
 
     def _observation(self, body: Body, robots: Robots) -> FloatArray:
-        return self.layout.observe(self.randomized.seen(body), Goals(self.progress.goals[robots], self.noise[robots]))
+        view = SimulationView(
+            robot=self.robot,
+            body=self.randomized.seen(body),
+            qpos=self.batch.qpos[robots],
+            goals=self.progress.goals[robots],
+            noise=self.noise[robots],
+            action=self.action[robots],
+            steps=self.progress.steps[robots],
+        )
+        return self.layout.observe(view)
+
+    def _rewarded(self, body: Body, held: FloatArray, approach: FloatArray, fell: BoolArray) -> SimulationView:
+        """Return the true state after a control period, with the waypoint that it was walked to."""
+        return SimulationView(
+            robot=self.robot,
+            body=body,
+            qpos=self.batch.qpos,
+            goals=self.progress.goals,
+            noise=self.noise,
+            action=held,
+            steps=self.progress.steps,
+            approach=approach,
+            fell=fell,
+        )

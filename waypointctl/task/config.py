@@ -13,6 +13,7 @@ from waypointctl.robots.robot import Robot
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.domain_randomization import DomainRandomization
 from waypointctl.task.failure_replay import FailureReplay
+from waypointctl.task.plugins import Plugin
 from waypointctl.task.reward import RewardWeights
 
 FloatArray = NDArray[np.float64]
@@ -23,7 +24,7 @@ class TaskConfig:
     """A waypoint task: the robot, its observation, its reward, its courses, and when a waypoint counts as reached."""
 
     robot: str = "ant"
-    observation: str = "egocentric"
+    observation: str | tuple[str, ...] = "egocentric"  # a layout, or the names of groups
     reward: RewardWeights = field(default_factory=RewardWeights)
     course: Course = field(default_factory=Course)
     failure_replay: FailureReplay = field(default_factory=FailureReplay)
@@ -31,6 +32,7 @@ class TaskConfig:
     deadline: Deadline = field(default_factory=Deadline)
     start: Start = field(default_factory=Start)
     domain_randomization: DomainRandomization = field(default_factory=DomainRandomization)
+    plugins: tuple[Plugin, ...] = ()  # that groups and reward terms may come from
 
 
 def draw_start(start: Start, robot: Robot, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:

@@ -16,7 +16,6 @@ from waypointctl.task.batched import BatchedWaypointEnv, Step, refuse_bad_action
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.progress import CourseProgress
 from waypointctl.task.rendering import RENDER_MODES, Rendering, render_mode_of
-from waypointctl.task.reward import TERMS
 
 try:
     import gymnasium
@@ -140,7 +139,10 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         if len(step.ended):
             end = {"is_success": success, "end_reason": "success" if success else "fall" if fell else "time_out"}
         return end | {
-            **{f"reward_{name}": float(value) for name, value in zip(TERMS, step.terms[0], strict=True)},
+            **{
+                f"reward_{name}": float(value)
+                for name, value in zip(self._env.reward.names, step.terms[0], strict=True)
+            },
             "waypoint_index": int(self._env.progress.index[0]),
             "waypoint_reached": bool(step.reached[0]),
             "success": success,

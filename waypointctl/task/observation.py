@@ -1,160 +1,212 @@
-"""What a policy sees: the observation layouts, by name.
+"""Observation groups and the layouts made of them.
 
-`state`, `state_noise` and `state_goal` are the paper's: everything in the world frame, unscaled. `egocentric` says
-the same in the robot's own yaw frame, so that what is learnt in one direction holds in all.
+`state`, `state_noise` and `state_goal` are the paper's: everything in the world frame, unscaled. `egocentric` is the
+same in the robot's own yaw frame, so that what is learnt in one direction holds in all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.task.body import JOINT_RATE_SCALE, Body
+from waypointctl.robots.robot import Robot
+from waypointctl.task.body import JOINT_RATE_SCALE
+from waypointctl.task.plugins import PLUGIN_HINT, Fill, ObservationGroup, Plugin, ViewFunction, by_name
+from waypointctl.task.view import SimulationView, write_heading_velocity
 
-FloatArray = NDArray[np.float64]
+FloatArray: TypeAlias = NDArray[np.float64]
 
-GOAL_RANGE_M: Final = 5.0  # an egocentric goal farther off than this looks as if it were this far
+GOAL_RANGE_M: Final = 5.0  # the distance of a goal is at most this in `waypoint_bearings`
 NOISE_SIZE: Final = 4
-
-
-@dataclass(frozen=True, slots=True)
-class Goals:
-    """Where n robots are to go.
-
-    Attributes:
-        waypoints: (n, 2, 2) the waypoint to walk to and the one after it, which is the same again at the last [m].
-        noise: (n, 4) numbers drawn once an episode, for the layout that has them instead of goals.
-    """
-
-    waypoints: FloatArray
-    noise: FloatArray
+CUSTOM: Final = "custom"  # what manifests call a layout that is a recipe's own list of groups
 
 
 @dataclass(frozen=True)
 class Layout:
-    """An observation layout.
+    """An observation layout for a robot.
 
     Attributes:
-        name: what recipes and manifests call it.
+        name: what recipes and manifests call it; CUSTOM for a list of groups that has no name.
+        groups: the names of its groups, in order.
         components: (name, unit, scale) of each number; an observation is the physical quantity times the scale.
-        fill: writes the observation (n, size) of bodies and goals into its first argument.
+        fillers: of each group: where its numbers are, what writes them, and its scales where they are not all 1.
     """
 
     name: str
+    groups: tuple[str, ...]
     components: tuple[tuple[str, str, float], ...]
-    fill: Callable[[FloatArray, Body, Goals], None]
+    fillers: tuple[tuple[slice, Fill, FloatArray | None], ...]
 
     @property
     def size(self) -> int:
         """How many numbers an observation has."""
         return len(self.components)
 
-    def observe(self, body: Body, goals: Goals) -> FloatArray:
+    def observe(self, view: SimulationView) -> FloatArray:
         """Return the observations (n, size) of n robots."""
-        observation = np.empty((len(body.up), self.size))
-        self.fill(observation, body, goals)
+        observation = np.empty((len(view.body.up), self.size))
+        for place, fill, scales in self.fillers:
+            part = observation[:, place]
+            fill(view, part)
+            if scales is not None:
+                part *= scales
         return observation
 
 
-def _fill_state(out: FloatArray, body: Body, goals: Goals) -> None:
-    out[:, 0:8] = body.joints
-    out[:, 8:16] = body.joint_rates
-    out[:, 16:19] = body.position
-    out[:, 19:22] = body.velocity
-    out[:, 22] = body.roll
-    out[:, 23] = body.pitch
-    out[:, 24] = body.yaw
+def _angles(robot: Robot) -> Sequence[str]:
+    return [f"{name}.angle" for name in robot.joint_names]
 
 
-def _fill_state_noise(out: FloatArray, body: Body, goals: Goals) -> None:
-    _fill_state(out, body, goals)
-    out[:, 25:29] = goals.noise
+def _speeds(robot: Robot) -> Sequence[str]:
+    return [f"{name}.speed" for name in robot.joint_names]
 
 
-def _fill_state_goal(out: FloatArray, body: Body, goals: Goals) -> None:
-    _fill_state(out, body, goals)
-    out[:, 25:29] = goals.waypoints.reshape(-1, 4)
+def _actions(robot: Robot) -> Sequence[str]:
+    return [f"{robot.joint_names[joint]}.action" for joint in robot.actuated]
 
 
-def _fill_egocentric(out: FloatArray, body: Body, goals: Goals) -> None:
+def _feet(robot: Robot) -> Sequence[str]:
+    return [f"{name}.contact" for name in robot.feet]
+
+
+def _orientation(view: SimulationView, out: FloatArray) -> None:
+    _roll_pitch(view, out)
+    out[:, 2] = view.body.yaw
+
+
+def _roll_pitch(view: SimulationView, out: FloatArray) -> None:
+    out[:, 0] = view.body.roll
+    out[:, 1] = view.body.pitch
+
+
+def _heading_velocity(view: SimulationView, out: FloatArray) -> None:
+    write_heading_velocity(view.body, out)
+
+
+def _waypoint_bearings(view: SimulationView, out: FloatArray) -> None:
+    """Write the direction and the distance of both goals in the yaw frame, (n, 6): ahead, left, distance [m]."""
+    body = view.body
     cos, sin = np.cos(body.yaw)[:, np.newaxis], np.sin(body.yaw)[:, np.newaxis]
-    offset = goals.waypoints - body.position[:, np.newaxis, :2]
+    offset = view.goals - body.position[:, np.newaxis, :2]
     x, y = offset[:, :, 0], offset[:, :, 1]
     distance = np.sqrt(x * x + y * y)
     inverse = 1.0 / np.maximum(distance, 1e-6)
-    out[:, 0:6:3] = (cos * x + sin * y) * inverse
-    out[:, 1:6:3] = (cos * y - sin * x) * inverse
-    out[:, 2:6:3] = np.minimum(distance, GOAL_RANGE_M) * (1.0 / GOAL_RANGE_M)
-    vx, vy = body.velocity[:, 0:1], body.velocity[:, 1:2]
-    out[:, 6:7] = cos * vx + sin * vy
-    out[:, 7:8] = cos * vy - sin * vx
-    out[:, 8] = body.velocity[:, 2]
-    out[:, 9:12] = body.rates
-    out[:, 12] = body.roll
-    out[:, 13] = body.pitch
-    out[:, 14] = body.position[:, 2]
-    out[:, 15:23] = body.joints
-    np.multiply(body.joint_rates, JOINT_RATE_SCALE, out=out[:, 23:31])
+    out[:, 0::3] = (cos * x + sin * y) * inverse
+    out[:, 1::3] = (cos * y - sin * x) * inverse
+    out[:, 2::3] = np.minimum(distance, GOAL_RANGE_M)
 
 
-_JOINTS: Final = tuple(
-    f"{leg}_{joint}" for leg in ("front_left", "back_left", "back_right", "front_right") for joint in ("hip", "ankle")
+def _copied(function: ViewFunction) -> Fill:
+    def fill(view: SimulationView, out: FloatArray) -> None:
+        out[:] = function(view)
+
+    return fill
+
+
+def _group(
+    name: str,
+    units: str | Sequence[str],
+    components: Any,
+    fill: Fill,
+    scales: float | Sequence[float] = 1.0,
+) -> ObservationGroup:
+    return ObservationGroup(name, fill, components, units, scales, built_in=True)
+
+
+_PART: Final = 1.0 / GOAL_RANGE_M
+_BEARINGS: Final = [f"{goal}.{part}" for goal in ("current", "next") for part in ("ahead", "left", "distance")]
+_GOALS: Final = ("current.x", "current.y", "next.x", "next.y")
+_NOISE: Final = tuple(f"noise.{number}" for number in range(NOISE_SIZE))
+
+GROUPS: Final = (
+    _group("joint_angles", "rad", _angles, _copied(lambda view: view.body.joints)),
+    _group("joint_speeds", "rad/s", _speeds, _copied(lambda view: view.body.joint_rates)),
+    _group("joint_speeds_scaled", "rad/s", _speeds, _copied(lambda view: view.body.joint_rates), JOINT_RATE_SCALE),
+    _group("position", "m", ("torso.x", "torso.y", "torso.z"), _copied(lambda view: view.body.position)),
+    _group("height", "m", ("torso.z",), _copied(lambda view: view.body.position[:, 2:3])),
+    _group("velocity", "m/s", ("torso.vx", "torso.vy", "torso.vz"), _copied(lambda view: view.body.velocity)),
+    _group(
+        "heading_velocity",
+        "m/s",
+        ("torso.v_ahead", "torso.v_left", "torso.v_up"),
+        _heading_velocity,
+    ),
+    _group("orientation", "rad", ("torso.roll", "torso.pitch", "torso.yaw"), _orientation),
+    _group("roll_pitch", "rad", ("torso.roll", "torso.pitch"), _roll_pitch),
+    _group(
+        "angular_velocity",
+        "rad/s",
+        ("torso.rate_x", "torso.rate_y", "torso.rate_z"),
+        _copied(lambda view: view.body.rates),
+    ),
+    _group("waypoints", "m", _GOALS, _copied(lambda view: view.goals.reshape(-1, 4))),
+    _group("waypoint_bearings", ("1", "1", "m") * 2, _BEARINGS, _waypoint_bearings, (1.0, 1.0, _PART) * 2),
+    _group("noise", "1", _NOISE, _copied(lambda view: view.noise)),
+    _group("last_action", "1", _actions, _copied(lambda view: view.action)),
+    _group("contacts", "1", _feet, _copied(lambda view: view.contacts)),
 )
 
-
-def _components(rate_scale: float) -> tuple[tuple[str, str, float], ...]:
-    angles = tuple((f"{name}.angle", "rad", 1.0) for name in _JOINTS)
-    return angles + tuple((f"{name}.speed", "rad/s", rate_scale) for name in _JOINTS)
-
-
-def _named(unit: str, *names: str) -> tuple[tuple[str, str, float], ...]:
-    return tuple((name, unit, 1.0) for name in names)
-
-
-_STATE: Final = (
-    _components(1.0)
-    + _named("m", "torso.x", "torso.y", "torso.z")
-    + _named("m/s", "torso.vx", "torso.vy", "torso.vz")
-    + _named("rad", "torso.roll", "torso.pitch", "torso.yaw")
-)
-
-
-def _bearing(name: str) -> tuple[tuple[str, str, float], ...]:
-    return (*_named("1", f"{name}.ahead", f"{name}.left"), (f"{name}.distance", "m", 1.0 / GOAL_RANGE_M))
-
-
-_EGOCENTRIC: Final = (
-    *_bearing("current"),
-    *_bearing("next"),
-    *_named("m/s", "torso.v_ahead", "torso.v_left", "torso.v_up"),
-    *_named("rad/s", "torso.rate_x", "torso.rate_y", "torso.rate_z"),
-    *_named("rad", "torso.roll", "torso.pitch"),
-    *_named("m", "torso.z"),
-    *_components(JOINT_RATE_SCALE),
-)
-
-LAYOUTS: Final = {
-    layout.name: layout
-    for layout in (
-        Layout("state", _STATE, _fill_state),
-        Layout("state_noise", _STATE + _named("1", *(f"noise.{i}" for i in range(NOISE_SIZE))), _fill_state_noise),
-        Layout("state_goal", _STATE + _named("m", "current.x", "current.y", "next.x", "next.y"), _fill_state_goal),
-        Layout("egocentric", _EGOCENTRIC, _fill_egocentric),
-    )
+_STATE: Final = ("joint_angles", "joint_speeds", "position", "velocity", "orientation")
+LAYOUTS: Final[dict[str, tuple[str, ...]]] = {
+    "state": _STATE,
+    "state_noise": (*_STATE, "noise"),
+    "state_goal": (*_STATE, "waypoints"),
+    "egocentric": (
+        "waypoint_bearings",
+        "heading_velocity",
+        "angular_velocity",
+        "roll_pitch",
+        "height",
+        "joint_angles",
+        "joint_speeds_scaled",
+    ),
 }
 
 
-def layout(name: str) -> Layout:
-    """Return the observation layout called `name`.
+def groups_of(observation: str | Sequence[str], plugins: Iterable[Plugin] = ()) -> tuple[ObservationGroup, ...]:
+    """Return the groups of a layout, by its name or theirs.
 
     Raises:
-        InputError: there is none.
+        InputError: there is no such layout or group, or a group is listed twice.
     """
-    if name not in LAYOUTS:
-        raise InputError(f"there is no observation layout called {name!r}; there are: {', '.join(LAYOUTS)}")
-    return LAYOUTS[name]
+    if isinstance(observation, str) and observation not in LAYOUTS:
+        raise InputError(f"there is no observation layout called {observation!r}; there are: {', '.join(LAYOUTS)}")
+    names = LAYOUTS[observation] if isinstance(observation, str) else tuple(observation)
+    given = (plugin for plugin in plugins if isinstance(plugin, ObservationGroup))
+    groups = by_name(GROUPS, given, "observation group")
+    if unknown := [name for name in names if name not in groups]:
+        problem = f"there is no observation group called {unknown[0]!r}; there are: {', '.join(groups)}"
+        raise InputError(problem, hint=PLUGIN_HINT)
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"an observation is a list of different groups, not {list(names)}")
+    return tuple(groups[name] for name in names)
+
+
+def layout(observation: str | Sequence[str], robot: Robot, plugins: Iterable[Plugin] = ()) -> Layout:
+    """Return an observation layout for a robot.
+
+    Args:
+        observation: a layout's name, or the names of groups.
+        robot: that observes.
+        plugins: that groups may come from, besides the built-in ones.
+
+    Raises:
+        InputError: there is no such layout or group, or a group is listed twice.
+    """
+    groups = groups_of(observation, plugins)
+    names = tuple(group.name for group in groups)
+    named = next((name for name, own in LAYOUTS.items() if own == names), CUSTOM)
+    components: list[tuple[str, str, float]] = []
+    fillers = []
+    for group in groups:
+        parts = group.named(robot)
+        scales = np.array([scale for _, _, scale in parts])
+        place = slice(len(components), len(components) + len(parts))
+        fillers.append((place, group.filler(len(parts)), None if (scales == 1.0).all() else scales))
+        components += parts
+    return Layout(named, names, tuple(components), tuple(fillers))

@@ -1,4 +1,4 @@
-"""The reward: named terms in units of walking speed, each a pure function of arrays.
+"""The reward: named terms, each a function of a `SimulationView`, times the weights of a recipe.
 
 The paper's R(G) = V_G - P: velocity towards the current waypoint, less penalties. The terms are Roboschool's
 (progress, electricity, joint limits, alive), and those that keep a fast ant from flipping over.
@@ -7,25 +7,38 @@ The paper's R(G) = V_G - P: velocity towards the current waypoint, less penaltie
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Annotated, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, Strict
+from pydantic import ConfigDict, Field, Strict
 
+from waypointctl.errors import InputError
 from waypointctl.mission.file_model import FileModel
-from waypointctl.task.body import JOINT_RATE_SCALE, Body
+from waypointctl.robots.robot import Robot
+from waypointctl.task.body import JOINT_RATE_SCALE
+from waypointctl.task.plugins import PLUGIN_HINT, Plugin, RewardTerm, by_name
+from waypointctl.task.view import SimulationView
 
 FloatArray: TypeAlias = NDArray[np.float64]
 # A bound that no sound training comes near, and below which float32 does not overflow at the first step.
 Cost: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1e6, allow_inf_nan=False)]
+Weight: TypeAlias = Annotated[float, Strict(), Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 
 JOINT_LIMIT_MARGIN: Final = 0.01  # of the joint's range: within it a joint counts as at its limit
 
 
 class RewardWeights(FileModel):
-    """The weight of each term in units of walking speed; a term with weight 0 is still computed and logged as 0."""
+    """The weight of each term in units of walking speed; a term with weight 0 is still computed and logged as 0.
+
+    Any other key is the name of a plugin's reward term, and may be negative.
+    """
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Weight]
 
     progress: Cost = Field(1.0, description="for each m/s of approach to the current waypoint")
     progress_cap_mps: Annotated[float, Strict(), Field(gt=0)] = Field(
@@ -41,17 +54,10 @@ class RewardWeights(FileModel):
     )
     fall: Cost = Field(0.0, description="against falling, once")
 
-
-TERMS: Final = (
-    "progress",
-    "alive",
-    "power",
-    "torque",
-    "joint_limits",
-    "orientation_penalty",
-    "angular_rate_penalty",
-    "fall",
-)
+    @property
+    def plugin_terms(self) -> dict[str, float]:
+        """The weights of terms that are not built in, by name."""
+        return self.__pydantic_extra__
 
 
 def progress_speed(before: FloatArray, after: FloatArray, goal: FloatArray, period_s: float) -> FloatArray:
@@ -74,7 +80,7 @@ class JointLimits:
     @classmethod
     def of_range(cls, low: FloatArray, high: FloatArray) -> JointLimits:
         """Return the limits of joints with ranges low to high (nu,), less the margin."""
-        margin = JOINT_LIMIT_MARGIN * (high - low)
+        margin = np.where(np.isfinite(low) & np.isfinite(high), JOINT_LIMIT_MARGIN * (high - low), 0.0)
         return cls(low + margin, high - margin)
 
     def count(self, joints: FloatArray) -> FloatArray:
@@ -84,34 +90,92 @@ class JointLimits:
         return count
 
 
-def reward_terms(
-    weights: RewardWeights,
-    body: Body,
-    approach: FloatArray,
-    applied: FloatArray,
-    at_limit: FloatArray,
-    fell: NDArray[np.bool_],
-) -> FloatArray:
-    """Return the weighted terms (n, len(TERMS)), in the order of TERMS; their sum along the rows is the reward.
+@cache
+def _limits(robot: Robot) -> JointLimits:
+    return JointLimits.of_range(robot.joint_low, robot.joint_high)
 
-    Args:
-        weights: of each term.
-        body: after the step.
-        approach: (n,) speed of approach to the goal of the step [m/s].
-        applied: (n, nu) actions as applied.
-        at_limit: (n,) joints at their limit.
-        fell: (n,) whether the step ended in a fall.
+
+def _approach(view: SimulationView) -> FloatArray:
+    assert view.approach is not None
+    return view.approach
+
+
+def _capped_approach(cap_mps: float, view: SimulationView) -> FloatArray:
+    return np.minimum(_approach(view), cap_mps)
+
+
+def _alive(view: SimulationView) -> NDArray[np.bool_]:
+    assert view.fell is not None
+    return ~view.fell
+
+
+def _fall(view: SimulationView) -> NDArray[np.bool_]:
+    assert view.fell is not None
+    return view.fell
+
+
+def _power(view: SimulationView) -> FloatArray:
+    applied, speeds = view.action, view.body.joint_rates
+    if speeds.shape != applied.shape:  # some joints have no actuator
+        speeds = speeds[:, view.robot.actuated]
+    total: FloatArray = np.add.reduce(np.abs(applied * speeds), axis=1)
+    return total * (1.0 / len(applied[0]))
+
+
+def _torque(view: SimulationView) -> FloatArray:
+    applied = view.action
+    total: FloatArray = np.add.reduce(applied * applied, axis=1)
+    return total * (1.0 / len(applied[0]))
+
+
+def _roll_pitch_rates(view: SimulationView) -> FloatArray:
+    rates = view.body.rates[:, :2]
+    squared: FloatArray = np.add.reduce(rates * rates, axis=1)
+    return squared
+
+
+TERMS: Final = (
+    RewardTerm("progress", _approach, "m/s", built_in=True),
+    RewardTerm("alive", _alive, "1", built_in=True),
+    RewardTerm("power", _power, "rad/s", -JOINT_RATE_SCALE, built_in=True),
+    RewardTerm("torque", _torque, "1", -1.0, built_in=True),
+    RewardTerm("joint_limits", lambda view: _limits(view.robot).count(view.body.joints), "1", -1.0, built_in=True),
+    RewardTerm("orientation_penalty", lambda view: 1.0 - view.body.up, "1", -1.0, built_in=True),
+    RewardTerm("angular_rate_penalty", _roll_pitch_rates, "(rad/s)^2", -1.0, built_in=True),
+    RewardTerm("fall", _fall, "1", -1.0, built_in=True),
+)
+
+
+class RewardFunction:
+    """The reward of n robots, term by term.
+
+    Attributes:
+        names: of the terms: the built-in ones, then those of plugins in the order of the weights.
     """
-    terms = np.empty((len(approach), len(TERMS)))
-    terms[:, 0] = weights.progress * np.minimum(approach, weights.progress_cap_mps)
-    terms[:, 1] = weights.alive * ~fell
-    mean = 1.0 / applied.shape[1]
-    power = np.add.reduce(np.abs(applied * body.joint_rates), axis=1)
-    terms[:, 2] = (-weights.power * JOINT_RATE_SCALE * mean) * power
-    terms[:, 3] = (-weights.torque * mean) * np.add.reduce(applied * applied, axis=1)
-    terms[:, 4] = -weights.joint_limits * at_limit
-    terms[:, 5] = -weights.orientation_penalty * (1.0 - body.up)
-    roll_pitch = body.rates[:, :2]
-    terms[:, 6] = -weights.angular_rate_penalty * np.add.reduce(roll_pitch * roll_pitch, axis=1)
-    terms[:, 7] = -weights.fall * fell
-    return terms
+
+    def __init__(self, weights: RewardWeights, plugins: Iterable[Plugin] = ()) -> None:
+        """Choose the terms that the weights name.
+
+        Raises:
+            InputError: there is no such term.
+        """
+        known = by_name(TERMS, (plugin for plugin in plugins if isinstance(plugin, RewardTerm)), "reward term")
+        if unknown := [name for name in weights.plugin_terms if name not in known]:
+            raise InputError(
+                f"there is no reward term called {unknown[0]!r}; there are: {', '.join(known)}",
+                hint=PLUGIN_HINT,
+            )
+        chosen = [*TERMS, *(known[name] for name in weights.plugin_terms)]
+        self.names: tuple[str, ...] = tuple(term.name for term in chosen)
+        capped = partial(_capped_approach, weights.progress_cap_mps)
+        self._parts = [
+            (getattr(weights, term.name) * term.factor, capped if term.name == "progress" else term.filler())
+            for term in chosen
+        ]
+
+    def terms(self, view: SimulationView) -> FloatArray:
+        """Return the weighted terms (n, len(names)); their sum along the rows is the reward."""
+        terms = np.empty((len(view.body.up), len(self._parts)))
+        for column, (weight, function) in enumerate(self._parts):
+            terms[:, column] = weight * function(view)
+        return terms

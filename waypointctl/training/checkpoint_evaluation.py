@@ -15,6 +15,7 @@ from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.mission.yaml_source import read_source
 from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
+from waypointctl.task.plugins import Plugin
 from waypointctl.training.events import CheckpointEvaluated, CheckpointSaved, EvaluationProgress, OnEvent
 from waypointctl.training.recipe_evaluation import EvaluationRecipe, SelectionRecipe
 from waypointctl.training.recipe_file import RecipeFile
@@ -37,12 +38,14 @@ class Evaluator:
         threads: of the physics; 0 is one a core, 8 at most.
         on_event: called with the progress.
         interrupted: asked meanwhile; True ends the evaluation.
+        plugins: the recipe's, loaded.
     """
 
     robot: str
     threads: int
     on_event: OnEvent
     interrupted: Callable[[], bool]
+    plugins: tuple[Plugin, ...] = ()
 
     def evaluate(
         self, policy: LoadedPolicy, suite: Suite, plan: EvaluationRecipe | SelectionRecipe
@@ -56,7 +59,8 @@ class Evaluator:
             self.on_event(EvaluationProgress(suite.name, final, case, ended, plan.trials))
 
         try:
-            return evaluate(policy, suite.with_robot(self.robot), plan.trials, plan.seed, self.threads, progress)
+            suite = suite.with_robot(self.robot)
+            return evaluate(policy, suite, plan.trials, plan.seed, self.threads, progress, plugins=self.plugins)
         except _Interrupted:
             return None
 

@@ -36,7 +36,12 @@ def _description(state: TrainingState, recipe_file: RecipeFile, wall_time_s: flo
         robot=env.robot.name,
         control_period_ns=env.robot.control_period_ns,
         observation=ObservationSpec(
-            layout=env.layout.name, size=env.layout.size, names=names, units=units, scales=scales
+            layout=env.layout.name,
+            groups=env.layout.groups,
+            size=env.layout.size,
+            names=names,
+            units=units,
+            scales=scales,
         ),
         action=ActionSpec(size=env.robot.num_actions, meaning=env.robot.action_meaning, limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=recipe.network.hidden, activation=recipe.network.activation),

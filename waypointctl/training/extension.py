@@ -99,7 +99,7 @@ def shared_steps(old: Recipe, new: Recipe, source: Path) -> int:
 
 def _take(folder: Path, began: RecipeFile, recipe_file: RecipeFile, run: Path, threads: int) -> int:
     """Write a checkpoint as the longer recipe makes it; return its steps."""
-    state = TrainingState(recipe_file.recipe, threads)
+    state = TrainingState(recipe_file.recipe, threads, recipe_file.plugins)
     wall_time_s = load_checkpoint(state, began, folder)
     save_checkpoint(state, recipe_file, run, wall_time_s)
     return state.steps

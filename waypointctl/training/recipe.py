@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, Self, TypeAlias
 
-from pydantic import Field, PrivateAttr, Strict, ValidationError, ValidationInfo, field_validator
+from pydantic import Field, PrivateAttr, Strict, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from waypointctl.errors import InputError, RobotError
@@ -22,6 +22,9 @@ from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.domain_randomization import DomainRandomization
 from waypointctl.task.failure_replay import FailureReplay
+from waypointctl.task.observation import groups_of
+from waypointctl.task.plugins import Plugin
+from waypointctl.task.reward import RewardFunction
 from waypointctl.training.algorithms import Algorithm
 from waypointctl.training.algorithms.ppo import PpoRecipe
 from waypointctl.training.recipe_evaluation import EvaluationRecipe, SelectionRecipe
@@ -29,6 +32,9 @@ from waypointctl.training.recipe_fields import Count
 from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe
 
 ROBOT_COPY: Final = "robot"  # folder of a robot, in the folder of a run and of its policy
+LayoutName: TypeAlias = Literal["state", "state_noise", "state_goal", "egocentric"]
+GroupName: TypeAlias = Annotated[str, Field(max_length=60)]
+PluginFile: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
 
 
 class Recipe(FileModel):
@@ -40,7 +46,12 @@ class Recipe(FileModel):
     robot: RobotName = Field(
         "ant", description="a robot that comes with waypointctl, or a folder (./NAME), relative to this file"
     )
-    observation: Literal["state", "state_noise", "state_goal", "egocentric"] = "egocentric"
+    plugins: Annotated[tuple[PluginFile, ...], Field(max_length=20)] = Field(
+        (), description="Python files with observation groups and reward terms of your own, relative to this one"
+    )
+    observation: LayoutName | Annotated[tuple[GroupName, ...], Field(min_length=1, max_length=100)] = Field(
+        "egocentric", description="a layout, or a list of observation groups"
+    )
     course: Course = Field(Course(), description="where the waypoints of an episode come from")
     failure_replay: FailureReplay = Field(FailureReplay(), description="repeat courses that failed lately")
     acceptance: Acceptance = Acceptance()
@@ -97,6 +108,13 @@ class Recipe(FileModel):
                 raise ValueError(error.problem) from error
         return randomization
 
+    @model_validator(mode="after")
+    def _names_what_there_is(self) -> Self:
+        errors = [] if self.plugins else [_unknown(loc, text) for loc, text in unknown_names(self, ())]
+        if errors:
+            raise ValidationError.from_exception_data("recipe", errors)
+        return self
+
     @field_validator("selection")
     @classmethod
     def _selected_and_reported_apart(
@@ -140,8 +158,8 @@ class Recipe(FileModel):
         ends = {name: getattr(own, name) or default for name, default in self.algorithm.schedules.items()}
         return {name: first + (last - first) * progress for name, (first, last) in ends.items()}
 
-    def task(self, phase: int) -> TaskConfig:
-        """Return the task as it is in a phase."""
+    def task(self, phase: int, plugins: tuple[Plugin, ...] = ()) -> TaskConfig:
+        """Return the task as it is in a phase; plugins are the loaded ones."""
         return TaskConfig(
             robot=self.robot_path,
             observation=self.observation,
@@ -152,6 +170,7 @@ class Recipe(FileModel):
             deadline=self.deadline,
             start=self.start,
             domain_randomization=self.domain_randomization,
+            plugins=plugins,
         )
 
     def stopping_at(self, rate: float) -> Recipe:
@@ -182,3 +201,22 @@ class Recipe(FileModel):
         return self.model_copy(
             update={"phases": tuple(phase.model_copy(update={"steps": length}) for phase, length in lengths)}
         )
+
+
+def unknown_names(recipe: Recipe, plugins: tuple[Plugin, ...]) -> Iterator[tuple[tuple[str | int, ...], str]]:
+    """Yield each place of a recipe that names a group or a reward term that is neither built in nor a plugin's."""
+    try:
+        groups_of(recipe.observation, plugins)
+    except InputError as error:
+        yield ("observation",), error.problem
+    for number, phase in enumerate(recipe.phases):
+        try:
+            RewardFunction(phase.reward, plugins)
+        except InputError as error:
+            unknown = next((name for name in phase.reward.plugin_terms if repr(name) in error.problem), "")
+            yield ("phases", number, "reward", *([unknown] if unknown else [])), error.problem
+
+
+def _unknown(loc: tuple[str | int, ...], text: str) -> InitErrorDetails:
+    kind = "extra_forbidden" if "reward" in loc else PydanticCustomError("recipe", "{text}", {"text": text})
+    return InitErrorDetails(type=kind, loc=loc, input=None)

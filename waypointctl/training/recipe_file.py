@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
@@ -17,7 +17,8 @@ from waypointctl.mission.yaml_tree import read_tree
 from waypointctl.paths import write_whole
 from waypointctl.policy.manifest import Manifest
 from waypointctl.robots.load import load_robot
-from waypointctl.training.recipe import ROBOT_COPY, Recipe
+from waypointctl.task.plugins import Plugin, load_plugins
+from waypointctl.training.recipe import ROBOT_COPY, Recipe, unknown_names
 
 RECIPE: Final = "train.yaml"  # in a run's folder and in a policy's
 MODULES: Final = ("torch", "stable_baselines3", "gymnasium", "onnx", "safetensors", "tensorboard")
@@ -31,11 +32,13 @@ class RecipeFile:
         recipe: what to do; its seed and steps need not be the file's.
         source: the file's bytes.
         path: of the file.
+        plugins: the observation groups and reward terms of the recipe's plugins, once they have been loaded.
     """
 
     recipe: Recipe
     source: bytes
     path: Path
+    plugins: tuple[Plugin, ...] = ()
 
     @property
     def sha256(self) -> str:
@@ -109,6 +112,25 @@ def require_packages() -> None:
     if missing := [module for module in MODULES if find_spec(module) is None]:
         problem = f"training needs packages that are not installed: {', '.join(missing)}"
         raise InputError(problem, hint='Install them with the train extra: pip install ".[train]" in the checkout.')
+
+
+def with_plugins(recipe_file: RecipeFile, *, allowed: bool) -> RecipeFile:
+    """Return a recipe with its plugins, which are executed.
+
+    Raises:
+        RecipeError: it has plugins and they are not allowed, or it names a group or term that none of them defines.
+        InputError: a plugin is not there, or fails.
+    """
+    names = recipe_file.recipe.plugins
+    if not names:
+        return recipe_file
+    if not allowed:
+        problem = f"plugins are Python files that are executed, and that is not allowed: {', '.join(names)}"
+        raise RecipeError(problem, where=recipe_file.place("plugins"), hint="read them, then give --allow-plugins")
+    plugins = load_plugins(recipe_file.path.parent / name for name in names)
+    for loc, problem in unknown_names(recipe_file.recipe, plugins):
+        raise RecipeError(problem, where=recipe_file.place(*loc))
+    return replace(recipe_file, plugins=plugins)
 
 
 def recipe_schema() -> dict[str, Any]:

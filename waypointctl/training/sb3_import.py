@@ -69,7 +69,13 @@ class Imported:
 
 
 def import_sb3(
-    model: Path, out: Path, *, robot: str, observation: str, vecnormalize: Path | None = None, force: bool = False
+    model: Path,
+    out: Path,
+    *,
+    robot: str,
+    observation: str | tuple[str, ...],
+    vecnormalize: Path | None = None,
+    force: bool = False,
 ) -> Imported:
     """Make a policy bundle of a saved model.
 
@@ -79,7 +85,7 @@ def import_sb3(
         model: the .zip of PPO, A2C, SAC or TD3 with an MlpPolicy.
         out: the bundle's folder.
         robot: that it is for.
-        observation: the name of the layout that it sees.
+        observation: the layout that it was trained on, by its name or the names of its groups.
         vecnormalize: the file that VecNormalize.save() wrote; without it observations are taken as they are.
         force: replace a policy that is in `out` already, and remove its evaluations.
 
@@ -88,7 +94,8 @@ def import_sb3(
         OutputError: `out` cannot be written, or something is there already.
     """
     _refuse_replacing(out, force)
-    seen, body = layout(observation), load_robot(robot)
+    body = load_robot(robot)
+    seen = layout(observation, body)
     archive = read_archive(model)
     network = read_network(archive, seen.size, body.num_actions)
     original = build_policy(archive, network)
@@ -190,7 +197,9 @@ def _description(
         name=_text(out.resolve().name),
         robot=body.name,
         control_period_ns=body.control_period_ns,
-        observation=ObservationSpec(layout=seen.name, size=seen.size, names=names, units=units, scales=scales),
+        observation=ObservationSpec(
+            layout=seen.name, groups=seen.groups, size=seen.size, names=names, units=units, scales=scales
+        ),
         action=ActionSpec(size=body.num_actions, meaning=body.action_meaning, limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=network.hidden_sizes, activation=network.activation),
         reward={},  # a .zip does not say what was paid; a flight pays the defaults

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict
 from waypointctl.policy.manifest import StartRecord
 from waypointctl.sim.batch import default_threads
 from waypointctl.task.batched import BatchedWaypointEnv
+from waypointctl.task.plugins import Plugin
 from waypointctl.training.events import Threads
 from waypointctl.training.learner import Arrays, LearnerState
 from waypointctl.training.recipe import Recipe
@@ -58,19 +59,20 @@ class TrainingState:
         threads: that it is trained with.
     """
 
-    def __init__(self, recipe: Recipe, threads: int) -> None:
+    def __init__(self, recipe: Recipe, threads: int, plugins: tuple[Plugin, ...] = ()) -> None:
         """Begin a training.
 
         Args:
             recipe: what to follow.
             threads: of physics and of torch; 0 is the default: `default_threads()` of physics, TORCH_THREADS of torch.
+            plugins: the recipe's, loaded.
         """
         self.threads = Threads(threads or default_threads(), threads or TORCH_THREADS, requested=threads > 0)
         torch.set_num_threads(self.threads.torch)
         self.recipe = recipe
         self.start: StartRecord | None = None
         self.env = BatchedWaypointEnv(
-            recipe.task(0), recipe.algorithm.robots, recipe.seed, threads=self.threads.physics
+            recipe.task(0, plugins), recipe.algorithm.robots, recipe.seed, threads=self.threads.physics
         )
         self.learner = recipe.algorithm.make_learner(recipe, self.env)
 
@@ -88,13 +90,13 @@ class TrainingState:
     def enter_phase(self) -> None:
         """Give the robots the rewards of the phase of the present step."""
         phase, _ = self.recipe.phase_at(self.steps)
-        self.env.config = self.recipe.task(phase)
+        self.env.config = self.recipe.task(phase, self.env.config.plugins)
 
     def save(self) -> SavedState:
         """Return the state; the training is between an update and the next rollout."""
         learner, env = self.learner.save(), self.env
         arrays = _named("learner", learner.arrays) | _named("progress", self._progress())
-        arrays |= {"env.integration": env.batch.integration, "env.noise": env.noise}
+        arrays |= {"env.integration": env.batch.integration, "env.noise": env.noise, "env.action": env.action}
         arrays |= _named("randomized", env.randomized.state())
         if env.failed is not None:
             arrays |= _named("failed", env.failed.state())
@@ -114,6 +116,7 @@ class TrainingState:
         env, arrays = self.env, saved.arrays
         env.batch.integration[:] = arrays["env.integration"]
         env.noise[:] = arrays["env.noise"]
+        env.action[:] = arrays["env.action"]
         env.randomized.restore(_section(arrays, "randomized"))
         if env.failed is not None:
             env.failed.restore(_section(arrays, "failed"))

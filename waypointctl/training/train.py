@@ -19,7 +19,7 @@ from waypointctl.policy.write import copy_bundle
 from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
 from waypointctl.training.checkpoint_evaluation import CheckpointSelector, Evaluator, selection_suite
 from waypointctl.training.events import CheckpointSaved, OnEvent, Resumed, Threads, TrainingEvent
-from waypointctl.training.recipe_file import RecipeFile, place_recipe
+from waypointctl.training.recipe_file import RecipeFile, place_recipe, with_plugins
 from waypointctl.training.recipe_references import load_recipe_to_train
 from waypointctl.training.run_folder import checkpoint_at, held, newest_checkpoint, require_checkpoint
 from waypointctl.training.selection import Selection, with_record
@@ -67,6 +67,7 @@ def train(
     run: Path | str | None = None,
     threads: int = 0,
     resume: bool = False,
+    allow_plugins: bool = False,
     on_event: OnEvent = _ignore,
     interrupted: Callable[[], bool] = lambda: False,
 ) -> TrainingResult:
@@ -81,6 +82,7 @@ def train(
         run: folder for checkpoints, progress and TensorBoard scalars; `out` by default.
         threads: of physics and of torch; 0 is the default, or those that the resumed run was trained with.
         resume: go on from the newest checkpoint in `run`.
+        allow_plugins: execute the Python files in the recipe's `plugins`.
         on_event: called with the progress of training and evaluation.
         interrupted: called before every rollout and while evaluating; True ends the training with a checkpoint.
 
@@ -91,14 +93,16 @@ def train(
         PolicyError, SuiteError: the policy to start from, or the suite to select by, does not exist or is damaged.
     """
     recipe_file = recipe if isinstance(recipe, RecipeFile) else load_recipe_to_train(Path(recipe))
+    if not recipe_file.plugins:
+        recipe_file = with_plugins(recipe_file, allowed=allow_plugins)
     out = Path(out)
     run = out if run is None else Path(run)
     refuse_unwritable_folder(out)
     with held(run):
-        state = TrainingState(recipe_file.recipe, threads)
+        state = TrainingState(recipe_file.recipe, threads, recipe_file.plugins)
         begun_s = time.monotonic() - _begin(state, recipe_file, run, resume, on_event)
         on_event(state.threads)
-        evaluator = Evaluator(recipe_file.recipe.robot_path, threads, on_event, interrupted)
+        evaluator = Evaluator(recipe_file.recipe.robot_path, threads, on_event, interrupted, recipe_file.plugins)
         selector = _selector(state, recipe_file, run, resume, evaluator, begun_s)
         complete = resume and (
             state.steps >= state.recipe.last_step or (selector is not None and selector.selection.met)

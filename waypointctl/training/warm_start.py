@@ -15,7 +15,9 @@ from waypointctl.mission.policy_name import policy_folder
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import WEIGHTS, StartRecord
 from waypointctl.robots.folder import read_description
+from waypointctl.robots.load import load_robot
 from waypointctl.task.observation import Layout, layout
+from waypointctl.task.plugins import Plugin
 from waypointctl.training.events import WarmStarted
 from waypointctl.training.learner import Learner
 from waypointctl.training.recipe import Recipe
@@ -43,7 +45,7 @@ class WarmStart:
         Raises:
             RecipeError: the policy's weights have other names or shapes.
         """
-        manifest, own = self.policy.manifest, layout(recipe_file.recipe.observation)
+        manifest, own = self.policy.manifest, _layout(recipe_file.recipe, recipe_file.plugins)
         changed = _changed_inputs(manifest.observation.names, own)
         try:
             learner.warm_start(self.weights, other_inputs=bool(changed))
@@ -76,17 +78,21 @@ def load_warm_start(recipe_file: RecipeFile) -> WarmStart | None:
         return None
     folder = policy_folder(recipe_file.recipe.warm_start, recipe_file.path.parent)
     policy = load_policy(folder)
-    for fault, hint in misfits(policy, recipe_file.recipe):
+    for fault, hint in misfits(policy, recipe_file.recipe, recipe_file.plugins):
         raise _refusal(policy, fault, recipe_file, hint)
     return WarmStart(policy, _weights(policy.files[WEIGHTS], str(folder / WEIGHTS)))
 
 
-def misfits(policy: LoadedPolicy, recipe: Recipe) -> Iterator[tuple[str, str]]:
-    """Yield each thing that keeps a training by the recipe from beginning with the policy, and how to fix it."""
+def misfits(policy: LoadedPolicy, recipe: Recipe, plugins: tuple[Plugin, ...] = ()) -> Iterator[tuple[str, str]]:
+    """Yield each thing that keeps a training by the recipe from beginning with the policy, and how to fix it.
+
+    The size of an observation is left out where it depends on plugins that are not given.
+    """
     manifest = policy.manifest
+    size = manifest.observation.size if recipe.plugins and not plugins else _layout(recipe, plugins).size
     pairs = (
         ("robot is", manifest.robot, read_description(recipe.robot_path).name),
-        ("observation size is", manifest.observation.size, layout(recipe.observation).size),
+        ("observation size is", manifest.observation.size, size),
         ("hidden layers are", list(manifest.network.hidden_sizes), list(recipe.network.hidden)),
         ("activation is", manifest.network.activation, recipe.network.activation),
     )
@@ -119,6 +125,10 @@ def _weights(content: bytes, where: str) -> dict[str, NDArray[np.generic]]:
         if array.dtype.kind != "f" or not np.isfinite(array).all():
             raise RecipeError(f"the weights cannot be used: {name} is not an array of finite numbers", where=where)
     return arrays
+
+
+def _layout(recipe: Recipe, plugins: tuple[Plugin, ...]) -> Layout:
+    return layout(recipe.observation, load_robot(recipe.robot_path), plugins)
 
 
 def _changed_inputs(names: tuple[str, ...], own: Layout) -> tuple[tuple[str, str], ...]:

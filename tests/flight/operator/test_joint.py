@@ -14,6 +14,7 @@ from waypointctl.flight.link.frames import BodyFrame
 from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import CommandKind, Event, EventKind, Mode, Stage
+from waypointctl.robots.load import load_robot
 from waypointctl.units import NS_PER_S
 
 ACTION = np.linspace(-0.5, 0.5, 8)
@@ -26,7 +27,7 @@ class Ground:
     def __init__(self, text: str = "", waypoints: str = "[[4, 0], [4, 3]]") -> None:
         self.events: list[Event] = []
         mission = mission_of(f"autonomy: joint\n{text}", waypoints)
-        self.operator = JointOperator(mission, Scripted(ACTION), np.zeros(4), self.events.append)
+        self.operator = JointOperator(mission, Scripted(ACTION), load_robot("ant"), np.zeros(4), (), self.events.append)
         assert self.operator.begin() == []
 
     def state(self, issued_ns: int, x_m: float = 0.0, y_m: float = 0.0) -> tuple[bool, list[CommandKind]]:

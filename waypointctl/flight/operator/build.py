@@ -19,7 +19,6 @@ from waypointctl.flight.operator.station import HeartbeatSender, HeartbeatUplink
 from waypointctl.flight.operator.steering import ShortRangeGoalOperator
 from waypointctl.flight.sink import Sink
 from waypointctl.mission.mission import Mission
-from waypointctl.policy.protocol import Policy
 from waypointctl.units import ns
 
 FloatArray = NDArray[np.float64]
@@ -33,8 +32,7 @@ _ACK_BYTES: Final = 64  # an acknowledgement with a reason of some words
 
 def station_for(
     mission: Mission,
-    policy: Policy,
-    noise: FloatArray,
+    joint: Callable[[], JointOperator],
     sink: Sink,
     uplink: Uplink,
     beats: HeartbeatUplink,
@@ -46,8 +44,7 @@ def station_for(
 
     Args:
         mission: what it is asked to do.
-        policy: the policy that drives the robot; on the ground where the autonomy is `joint`.
-        noise: (4,) for layouts that have some.
+        joint: makes the operator that drives the robot from the ground, for autonomy `joint`.
         sink: takes the ground's own records.
         uplink: takes a command on its way.
         beats: takes a heartbeat on its way.
@@ -59,7 +56,7 @@ def station_for(
     retry_policy = RetryPolicy(commands.acknowledged, commands.retries, answer_by, patience_ns)
     heartbeats = HeartbeatSender(beats, ns(mission.operator.heartbeat_s or 0.0))
     dispatcher = Dispatcher(uplink, retry_policy, sink)
-    operator = _operator(mission, policy, noise, sink, answer_by, leaves_ns)
+    operator = _operator(mission, joint, sink, answer_by, leaves_ns)
     return Station(operator, scheduled_requests(mission), dispatcher, heartbeats)
 
 
@@ -107,8 +104,7 @@ def leaving_time(up: Direction[Any]) -> Callable[[int], int | None]:
 
 def _operator(
     mission: Mission,
-    policy: Policy,
-    noise: FloatArray,
+    joint: Callable[[], JointOperator],
     sink: Sink,
     answer_by: Callable[[int], int | None],
     leaves_ns: Callable[[int], int | None],
@@ -116,5 +112,5 @@ def _operator(
     if mission.autonomy == "short_range_goal":
         return ShortRangeGoalOperator(mission, LegClock(answer_by, leaves_ns), sink)
     if mission.autonomy == "joint":
-        return JointOperator(mission, policy, noise, sink)
+        return joint()
     return _SCRIPTS[mission.autonomy](mission, sink)

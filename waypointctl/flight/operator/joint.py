@@ -11,7 +11,7 @@ hear of its end.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,9 +34,13 @@ from waypointctl.log.messages import (
 from waypointctl.mission.fields import Acceptance
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
+from waypointctl.robots.robot import Robot
+from waypointctl.task.batched import clip_actions
 from waypointctl.task.body import body_of
-from waypointctl.task.observation import Goals, layout
+from waypointctl.task.observation import layout
+from waypointctl.task.plugins import Plugin
 from waypointctl.task.progress import reached
+from waypointctl.task.view import SimulationView
 
 FloatArray = NDArray[np.float64]
 
@@ -46,11 +50,21 @@ class JointOperator(Operator):
 
     leads = True
 
-    def __init__(self, mission: Mission, policy: Policy, noise: FloatArray, announce: Callable[[Event], None]) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        policy: Policy,
+        robot: Robot,
+        noise: FloatArray,
+        plugins: Sequence[Plugin],
+        announce: Callable[[Event], None],
+    ) -> None:
         """Take charge of a mission. noise: (4,) for layouts that have some; `announce` takes what it decides."""
         super().__init__(mission, announce)
         self._policy = policy
-        self._layout = layout(policy.observation_layout)
+        self._robot = robot
+        self._layout = layout(policy.observation_layout, robot, plugins)
+        self._action: FloatArray = np.zeros((1, robot.num_actions))  # the latest, as clipped
         self._noise = noise[np.newaxis]
         self._skips = mission.failure_rule.then == "skip"
         self._reached: list[int] = []
@@ -88,9 +102,19 @@ class JointOperator(Operator):
         requests = self._judge(now_ns, frame)
         if self.finished or self._stands(frame):
             return None, requests
-        body = body_of(frame.qpos[np.newaxis], frame.qvel[np.newaxis])
-        observation = self._layout.observe(body, Goals(self._goals, self._noise))
+        qpos, qvel = frame.qpos[np.newaxis], frame.qvel[np.newaxis]
+        view = SimulationView(
+            robot=self._robot,
+            body=body_of(qpos, qvel),
+            qpos=qpos,
+            goals=self._goals,
+            noise=self._noise,
+            action=self._action,
+            steps=np.array([frame.issued_ns // self._robot.control_period_ns]),
+        )
+        observation = self._layout.observe(view)
         action = self._policy.act(observation)
+        self._action = clip_actions(action)
         return GroundControl(now_ns, frame.step, frame.issued_ns, observation[0], action[0]), requests
 
     def state(self) -> dict[str, object]:

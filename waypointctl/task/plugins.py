@@ -1,0 +1,209 @@
+"""Observation groups and reward terms, the built-in ones and those of a user's own Python file.
+
+    @waypointctl.reward_term(name="clearance", unit="m")
+    def clearance(view):
+        return view.foot_heights.min(axis=1)
+
+A decorated function is an object and nothing more: it is used where it is passed, in `TaskConfig.plugins`, or where its
+file was named with the permission to execute it. A bundle or a log never names a file to execute.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.errors import InputError
+from waypointctl.input_file import read_input
+
+if TYPE_CHECKING:
+    from waypointctl.robots.robot import Robot
+    from waypointctl.task.view import SimulationView
+
+FloatArray: TypeAlias = NDArray[np.float64]
+ViewFunction: TypeAlias = "Callable[[SimulationView], NDArray[Any]]"
+Fill: TypeAlias = "Callable[[SimulationView, FloatArray], None]"  # writes (n, k) into its second argument
+Components: TypeAlias = "Sequence[str] | Callable[[Robot], Sequence[str]]"
+T = TypeVar("T")
+
+PLUGIN_HINT: Final = (
+    "One of your own needs the Python file that defines it: `plugins` in a recipe, with --allow-plugins; plugins=[...] "
+    "of fly() and evaluate() in Python."
+)
+_NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,59}")
+_LARGEST: Final = 2**20  # of a plugin's file [bytes]
+
+
+@dataclass(frozen=True, slots=True)
+class ObservationGroup:
+    """Numbers of an observation that belong together.
+
+    Attributes:
+        name: in recipes and manifests.
+        function: of a view of n robots; returns (n, k), or (n,) for one component, in the unit. That of a built-in
+            group writes it into its second argument.
+        components: the name of each number, or a function of the robot that returns them.
+        units: of each number, or one for all.
+        scales: that multiply the numbers, or one for all.
+        built_in: whether it comes with waypointctl; the results of others are checked.
+    """
+
+    name: str
+    function: ViewFunction | Fill
+    components: Components
+    units: str | Sequence[str]
+    scales: float | Sequence[float] = 1.0
+    built_in: bool = False
+
+    def named(self, robot: Robot) -> tuple[tuple[str, str, float], ...]:
+        """Return (name, unit, scale) of each number for a robot."""
+        names = tuple(self.components(robot) if callable(self.components) else self.components)
+        units = (self.units,) * len(names) if isinstance(self.units, str) else tuple(self.units)
+        scales = tuple(np.broadcast_to(np.asarray(self.scales, np.float64), len(names)).tolist())
+        if not names or len(units) != len(names):
+            raise InputError(f"observation group {self.name!r}: {len(units)} units for {len(names)} components")
+        return tuple(zip(names, units, scales, strict=True))
+
+    def filler(self, size: int) -> Fill:
+        """Return what writes (n, size) numbers, before the scales."""
+        if self.built_in:
+            return cast("Fill", self.function)
+        shapes = "(n, 1) or (n,)" if size == 1 else f"(n, {size})"
+        function = _checked(cast("ViewFunction", self.function), f"observation group {self.name!r}", size, shapes)
+
+        def fill(view: SimulationView, out: FloatArray) -> None:
+            values = function(view)
+            out[:] = values if values.ndim == 2 else values[:, np.newaxis]
+
+        return fill
+
+
+@dataclass(frozen=True, slots=True)
+class RewardTerm:
+    """A term of the reward.
+
+    Attributes:
+        name: in recipes, manifests and logs.
+        function: of a view of n robots after a control period; returns (n,) in the unit.
+        unit: of what it returns.
+        factor: that multiplies the weight: -1 of a cost.
+        built_in: whether it comes with waypointctl; another one's results are checked.
+    """
+
+    name: str
+    function: ViewFunction
+    unit: str
+    factor: float = 1.0
+    built_in: bool = False
+
+    def filler(self) -> ViewFunction:
+        """Return the function that computes (n,), before the weight."""
+        return self.function if self.built_in else _checked(self.function, f"reward term {self.name!r}", 0, "(n,)")
+
+
+Plugin: TypeAlias = ObservationGroup | RewardTerm
+
+
+def observation_group(
+    *, name: str, unit: str | Sequence[str], components: Components, scale: float | Sequence[float] = 1.0
+) -> Callable[[ViewFunction], ObservationGroup]:
+    """Make an observation group of a function of a `SimulationView`.
+
+    Args:
+        name: in recipes and manifests: small letters, digits and underscores.
+        unit: of its numbers, such as "rad/s"; several if they differ.
+        components: the name of each number, or a function of the robot that returns them.
+        scale: that multiplies the numbers for the network; several if they differ.
+    """
+    return lambda function: ObservationGroup(_sound(name), function, components, unit, scale)
+
+
+def reward_term(*, name: str, unit: str) -> Callable[[ViewFunction], RewardTerm]:
+    """Make a reward term of a function of a `SimulationView`; the recipe's weight multiplies what it returns.
+
+    Args:
+        name: in recipes, manifests and logs: small letters, digits and underscores.
+        unit: of what it returns.
+    """
+    return lambda function: RewardTerm(_sound(name), function, unit)
+
+
+def load_plugins(paths: Iterable[Path]) -> tuple[Plugin, ...]:
+    """Execute Python files and return the observation groups and reward terms that they define.
+
+    Call it only for files that the user has named and allowed to be executed.
+
+    Raises:
+        InputError: a file is not there, fails, or defines none.
+    """
+    found: list[Plugin] = []
+    for path in paths:
+        module = _executed(path)
+        own = [value for value in vars(module).values() if isinstance(value, ObservationGroup | RewardTerm)]
+        if not own:
+            hint = "decorate a function with @waypointctl.observation_group(...) or @waypointctl.reward_term(...)"
+            raise InputError("defines no observation group and no reward term", where=str(path), hint=hint)
+        found += [value for value in own if all(value is not other for other in found)]
+    return tuple(found)
+
+
+def by_name(built_in: Iterable[T], plugins: Iterable[T], what: str) -> dict[str, T]:
+    """Return groups or terms by name.
+
+    Raises:
+        InputError: two have the same name.
+    """
+    found: dict[str, T] = {}
+    for one in (*built_in, *plugins):
+        name = str(getattr(one, "name", ""))
+        if name in found:
+            raise InputError(f"there are two {what}s called {name!r}", hint="give the plugin another name")
+        found[name] = one
+    return found
+
+
+def _executed(path: Path) -> ModuleType:
+    source = read_input(path, _LARGEST)
+    module = ModuleType(f"waypointctl_plugin_{path.stem}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module  # dataclasses look their module up
+    try:
+        exec(compile(source, str(path), "exec"), vars(module))  # the user has allowed it
+    except SyntaxError as error:
+        raise InputError(f"is not Python: {error.msg}", where=f"{path}:{error.lineno}") from error
+    except Exception as error:
+        raise InputError(f"{type(error).__name__}: {error}", where=str(path)) from error
+    return module
+
+
+def _sound(name: str) -> str:
+    if not _NAME.fullmatch(name):
+        raise InputError(f"{name!r} is not a name of small letters, digits and underscores that begins with a letter")
+    return name
+
+
+def _checked(function: ViewFunction, what: str, size: int, shapes: str) -> ViewFunction:
+    """Return the function with its result checked: (n, size) of finite numbers; (n,) where size is 0 or 1."""
+
+    def call(view: SimulationView) -> FloatArray:
+        try:
+            values = np.asarray(function(view), np.float64)
+        except Exception as error:
+            raise InputError(f"{what} raised {type(error).__name__}: {error}") from error
+        n = len(view.body.up)
+        if values.shape != ((n, size) if size else (n,)) and not (size == 1 and values.shape == (n,)):
+            raise InputError(f"{what} returned the shape {values.shape}, not {shapes} with n = {n}")
+        if not np.isfinite(values).all():
+            place = np.argwhere(~np.isfinite(values))[0].tolist()
+            raise InputError(f"{what} returned {values[tuple(place)]} at {place}, not a finite number")
+        return values
+
+    return call

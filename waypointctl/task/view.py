@@ -1,0 +1,120 @@
+"""What observation groups and reward terms are functions of: n robots at one moment, read-only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waypointctl.robots.robot import Robot
+from waypointctl.sim.feet import feet_of
+from waypointctl.task.body import Body
+
+FloatArray: TypeAlias = NDArray[np.float64]
+BoolArray: TypeAlias = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class SimulationView:
+    """N robots at one moment. An observation sees the state as the sensors give it; a reward sees the true state.
+
+    Attributes:
+        robot: with its joint names, joint ranges and stance.
+        body: the state that the built-in groups and terms read; the properties below are read-only views of it.
+        qpos: (n, nq) the true positions in MuJoCo's order.
+        goals: (n, 2, 2) in the world frame [m], the current waypoint and the one after it, the same again at the last.
+        noise: (n, 4) drawn once an episode, each from -1 to 1.
+        action: (n, nu) the latest, in [-1, 1], zeros before the first; in a reward what the motors held at the end.
+        steps: (n,) control periods since the episode or the flight began; in a reward, without the one that has ended.
+        approach: (n,) speed towards the current waypoint in the control period that has ended [m/s]; reward terms only.
+        fell: (n,) the control period ended in a fall; reward terms only.
+    """
+
+    robot: Robot
+    body: Body
+    qpos: FloatArray
+    goals: FloatArray
+    noise: FloatArray
+    action: FloatArray
+    steps: NDArray[np.int64]
+    approach: FloatArray | None = None
+    fell: BoolArray | None = None
+
+    @property
+    def time_s(self) -> FloatArray:
+        """Since the episode or the flight began, (n,) [s]: `steps` as a time."""
+        return self.steps.astype(np.float64) * (self.robot.control_period_ns / 1e9)
+
+    @property
+    def position(self) -> FloatArray:
+        """Of the torso in the world frame, (n, 3) [m]."""
+        return _locked(self.body.position)
+
+    @property
+    def height(self) -> FloatArray:
+        """Of the torso above the ground, (n,) [m]."""
+        return _locked(self.body.position[:, 2])
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Of the torso in the world frame, (n, 3) [m/s]."""
+        return _locked(self.body.velocity)
+
+    @property
+    def heading_velocity(self) -> FloatArray:
+        """Of the torso in its own yaw frame: ahead, left and up, (n, 3) [m/s]."""
+        velocity = np.empty_like(self.body.velocity)
+        write_heading_velocity(self.body, velocity)
+        return _locked(velocity)
+
+    @property
+    def angular_velocity(self) -> FloatArray:
+        """In the body frame, as a gyroscope gives it, (n, 3) [rad/s]."""
+        return _locked(self.body.rates)
+
+    @property
+    def orientation(self) -> FloatArray:
+        """Roll, pitch and yaw, the z-y-x Euler angles of the torso, (n, 3) [rad]."""
+        return _locked(np.stack([self.body.roll, self.body.pitch, self.body.yaw], axis=1))
+
+    @property
+    def up(self) -> FloatArray:
+        """Vertical part of the torso's upward axis, (n,): 1 upright, -1 upside down."""
+        return _locked(self.body.up)
+
+    @property
+    def joint_angles(self) -> FloatArray:
+        """In the order of `robot.joint_names`, (n, nu) [rad]."""
+        return _locked(self.body.joints)
+
+    @property
+    def joint_speeds(self) -> FloatArray:
+        """In the order of `robot.joint_names`, (n, nu) [rad/s]."""
+        return _locked(self.body.joint_rates)
+
+    @property
+    def foot_heights(self) -> FloatArray:
+        """Of the lowest point of each of `robot.feet` above the ground, (n, k) [m]."""
+        return _locked(feet_of(self.robot, self.robot.feet).heights(self.qpos))
+
+    @property
+    def contacts(self) -> BoolArray:
+        """Whether each foot touches the ground, (n, k)."""
+        return self.foot_heights < feet_of(self.robot, self.robot.feet).margins
+
+
+def write_heading_velocity(body: Body, out: FloatArray) -> None:
+    """Write the torso's velocity in its own yaw frame: ahead, left and up, (n, 3) [m/s]."""
+    cos, sin = np.cos(body.yaw), np.sin(body.yaw)
+    vx, vy = body.velocity[:, 0], body.velocity[:, 1]
+    out[:, 0] = cos * vx + sin * vy
+    out[:, 1] = cos * vy - sin * vx
+    out[:, 2] = body.velocity[:, 2]
+
+
+def _locked(array: FloatArray) -> FloatArray:
+    view = array.view()
+    view.flags.writeable = False
+    return view
