@@ -130,13 +130,13 @@ def _onboard(rng: random.Random) -> Content:
 
 def _operator(rng: random.Random, count: int) -> Content:
     operator: Content = {
-        "think_time_s": rng.choice((0.0, 0.0, 0.5, 3.0, 300.0)),
+        "think_s": rng.choice((0.0, 0.0, 0.5, 3.0, 300.0)),
         "steering": rng.choice(("move_and_wait", "continuous")),
         "lookahead_m": rng.choice((1.0, 3.0)),
         "update_rate_hz": rng.choice((0.5, 1.0, 2.0)),
     }
     if operator["steering"] == "continuous":
-        operator["think_time_s"] = rng.choice((0.0, 0.5))
+        operator["think_s"] = rng.choice((0.0, 0.5))
     if rng.random() < 0.4:
         operator["heartbeat_s"] = rng.choice((0.5, 2.0, 10.0))
     if rng.random() < 0.15:

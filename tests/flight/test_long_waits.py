@@ -24,7 +24,7 @@ def waiting(kind: str, wait_s: float) -> dict[str, Any]:
     hold = {"at_s": 1.0, "do": "hold"}
     changes: dict[str, dict[str, Any]] = {
         "hold": {"waypoints": [UNDER_FOOT | {"hold_s": wait_s}, UNDER_FOOT]},
-        "think": {"operator": {"think_time_s": wait_s}},
+        "think": {"operator": {"think_s": wait_s}},
         "late resume": {"schedule": [hold, {"at_s": 1.0 + wait_s, "do": "resume"}]},
         "kept resume": {"schedule": [hold, {"at_s": 1.5, "do": "resume", "not_before_s": 1.5 + wait_s}]},
         "contact up": {"link": {"up": LINK | {"windows": window(wait_s)}, "down": LINK}},

@@ -14,16 +14,14 @@ THREE = (UNDER_FOOT, UNDER_FOOT, UNDER_FOOT)
 @pytest.mark.parametrize("autonomy", ["mission", "waypoint", "short_range_goal"])
 def test_an_end_that_is_heard_of_twice_is_one_end(autonomy: str) -> None:
     link = {"up": {"delay_s": 0.2}, "down": {"delay_s": 0.2, "duplicate": 1.0}}
-    result, messages = flown(mission_of(*THREE, autonomy=autonomy, operator={"think_time_s": 1.0}, link=link))
+    result, messages = flown(mission_of(*THREE, autonomy=autonomy, operator={"think_s": 1.0}, link=link))
     assert (result.outcome, result.waypoints_reached) == ("success", 3)
     assert len(only(Command, messages)) == (1 if autonomy == "mission" else 3)
 
 
 def test_a_command_that_is_kept_for_later_is_not_asked_after() -> None:
     schedule = [{"at_s": 0.5, "do": "set_timeout", "timeout_s": 60.0, "not_before_s": 30.0}]
-    mission = mission_of(
-        *THREE, autonomy="waypoint", operator={"think_time_s": 12.0}, schedule=schedule, delay_ms=200.0
-    )
+    mission = mission_of(*THREE, autonomy="waypoint", operator={"think_s": 12.0}, schedule=schedule, delay_ms=200.0)
     result, messages = flown(mission)
     assert result.waypoints_reached == 3
     assert not result.reason.startswith("no acknowledgement")

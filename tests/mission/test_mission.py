@@ -239,7 +239,6 @@ def test_another_version_of_the_keys_is_refused(version: str) -> None:
         ("link: {windows_every: 4 s}", "windows_period"),
         ("link: {up: {windows_every_s: 4}}", "windows_period_s"),
         ("link: {contact_plan: {file: a, from_node: 1, to_node: 2, back: true}}", "reverse"),
-        ("operator: {think: 1 s}", "think_time"),
         ("operator: {carrot: 1 m}", "lookahead"),
         ("onboard: {slip: 1 m}", "stopped_tolerance"),
     ],

@@ -29,7 +29,7 @@ def test_a_case_is_the_route_with_its_delay_autonomy_and_seed(name: str) -> None
     assert mission.link.up.jitter_s == mission.link.down.jitter_s == 0
     assert mission.link.up.loss == mission.link.down.loss == 0
     assert (mission.seed, mission.autonomy) == (7, autonomy.level)
-    assert (mission.operator.steering, mission.operator.think_time_s) == (autonomy.steering, 1.5)
+    assert (mission.operator.steering, mission.operator.think_s) == (autonomy.steering, 1.5)
     assert [leg.x_m for leg in mission.legs()] == [leg.x_m for leg in route.legs()]
     assert type(mission).model_validate(mission.model_dump()) == mission
 

@@ -38,7 +38,7 @@ LINKS = {
     **{name: f"{{preset: {name}, loss: 1 %}}" for name in PRESETS},
 }
 REST = (
-    "commands: {retries: 5, margin: 2 s}\noperator: {think_time: 1 s, heartbeat: 5 s, lookahead: 2 m}\n"
+    "commands: {retries: 5, margin: 2 s}\noperator: {think: 1 s, heartbeat: 5 s, lookahead: 2 m}\n"
     "telemetry: {rate: 2 Hz, beacon: 30 s}\n"
     "onboard: {on_failure: {retry: 1, then: skip}, link_loss: {after: 30 s, do: hold}, stopped_tolerance: 20 cm}\n"
 )
@@ -132,7 +132,7 @@ def test_the_shipped_routes_have_nothing_but_a_delay(name: str, autonomy: str) -
     refuse_what_is_not_kept({name: load_route(name)}, RTTS_S)
     varied = mission_of(mission, DelayCase(name, autonomy, 2.56, 7))
     assert varied.link == Link.model_validate({"delay_s": 1.28})
-    assert varied.operator.think_time_s == 0.0
+    assert varied.operator.think_s == 0.0
     assert varied.expect.max_time_s is not None
     limits_s = sum(leg.timeout_s + leg.hold_s for leg in varied.legs())
     allowances_s = {leg.timeout_s - own.timeout_s for leg, own in zip(varied.legs(), mission.legs(), strict=True)}

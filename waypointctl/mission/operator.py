@@ -17,9 +17,9 @@ from waypointctl.units import bare_name
 class OperatorScript(FileModel):
     """How the scripted operator behaves."""
 
-    former_keys: ClassVar[Mapping[str, str]] = {"think": "think_time", "think_s": "think_time_s", "carrot": "lookahead"}
+    former_keys: ClassVar[Mapping[str, str]] = {"carrot": "lookahead"}
 
-    think_time_s: Annotated[float, Quantity("s", ge=0, le=DAY_S)] = Field(
+    think_s: Annotated[float, Quantity("s", ge=0, le=DAY_S)] = Field(
         0.0, description="between the telemetry that leads to a command and the command"
     )
     released: Annotated[int, Strict(), Field(ge=-1)] = Field(

@@ -101,7 +101,7 @@ def mission_of(route: Mission, case: DelayCase, think_s: float | None = None) ->
         think_s: in place of the route's own think time [s].
     """
     autonomy = AUTONOMIES[case.autonomy]
-    think_s = route.operator.think_time_s if think_s is None else think_s
+    think_s = route.operator.think_s if think_s is None else think_s
     allowance_s = _exchanges_of_a_leg(route) * (_exchange_s(route, case.rtt_s) + think_s)
     limits_s = {leg.at: min(leg.timeout_s + allowance_s, DAY_S) for leg in route.legs()}
     waypoints = [
@@ -113,7 +113,7 @@ def mission_of(route: Mission, case: DelayCase, think_s: float | None = None) ->
         update={
             "seed": case.seed,
             "autonomy": autonomy.level,
-            "operator": route.operator.model_copy(update={"steering": autonomy.steering, "think_time_s": think_s}),
+            "operator": route.operator.model_copy(update={"steering": autonomy.steering, "think_s": think_s}),
             "link": with_round_trip(route.link, case.rtt_s),
             "waypoints": tuple(waypoints),
             "expect": route.expect.model_copy(update={"max_time_s": min(longest_s, _LONGEST_S)}),

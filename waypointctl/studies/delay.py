@@ -177,7 +177,7 @@ def conclude(
                 name=name,
                 waypoints=file.mission.num_legs,
                 length_m=file.mission.path_length_m(),
-                think_s=file.mission.operator.think_time_s if inputs.think_s is None else inputs.think_s,
+                think_s=file.mission.operator.think_s if inputs.think_s is None else inputs.think_s,
             )
             for name, file in routes.items()
         ),

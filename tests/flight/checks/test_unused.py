@@ -20,7 +20,7 @@ def found(more: str) -> list[str]:
 @pytest.mark.parametrize(
     ("field", "path", "used_under"),
     [
-        ("operator: {think_time: 2 s}", "operator.think_time_s", ("waypoint", "short_range_goal")),
+        ("operator: {think: 2 s}", "operator.think_s", ("waypoint", "short_range_goal")),
         ("operator: {released: 1}", "operator.released", ("mission",)),
         ("operator: {lookahead: 2 m}", "operator.lookahead_m", ("short_range_goal",)),
         ("operator: {steering: continuous}", "operator.steering", ("short_range_goal",)),
@@ -54,9 +54,8 @@ def test_a_key_that_another_key_leaves_without_effect_is_found(more: str, path: 
 @pytest.mark.parametrize(
     "more",
     [
-        "operator: {think_time: 0 s, released: -1, lookahead: 1 m, steering: move_and_wait, update_rate: 1 Hz}\n",
-        "operator: {steering: continuous, update_rate: 3 Hz, lookahead: 3 m, think_time: 1 s}\n"
-        "autonomy: short_range_goal\n",
+        "operator: {think: 0 s, released: -1, lookahead: 1 m, steering: move_and_wait, update_rate: 1 Hz}\n",
+        "operator: {steering: continuous, update_rate: 3 Hz, lookahead: 3 m, think: 1 s}\nautonomy: short_range_goal\n",
         "operator: {heartbeat: 3 s}\nonboard: {link_loss: {after: 9 s}}\n",
         "commands: {acknowledged: false}\n",
         f"{HOME}autonomy: joint\n",  # the way home is walked on board

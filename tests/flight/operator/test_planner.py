@@ -10,7 +10,7 @@ from waypointctl.units import NS_PER_S
 
 
 def test_a_waypoint_at_a_time_with_a_thought_between() -> None:
-    operator = WaypointOperator(mission_of("operator: {think_time: 3 s}"))
+    operator = WaypointOperator(mission_of("operator: {think: 3 s}"))
     (first,) = operator.begin()
     operator.on_issued(1, first)
     assert [waypoint.name for waypoint in first.waypoints] == ["WP1"]

@@ -42,7 +42,7 @@ def test_a_short_range_goal_is_reached_within_a_quarter_of_its_distance() -> Non
 
 
 def test_move_and_wait_sends_one_at_a_time_and_thinks_first() -> None:
-    operator = steering("operator: {think_time: 2 s}")
+    operator = steering("operator: {think: 2 s}")
     operator.on_issued(1, operator.begin()[0])
     assert operator.wake_ns is None
     assert operator.on_message(0, frame(1.0, 0.0)) == []

@@ -51,7 +51,7 @@ def _least_time_s(mission: Mission, speed_mps: float, traffic: Traffic) -> float
     continuous = mission.autonomy == "short_range_goal" and mission.operator.steering == "continuous"
     exchanges = 1 if continuous else exchanges
     trip_s = seconds(traffic.round_trip_ns or 0)
-    return walking_time_s(mission, speed_mps) + exchanges * trip_s + (exchanges - 1) * mission.operator.think_time_s
+    return walking_time_s(mission, speed_mps) + exchanges * trip_s + (exchanges - 1) * mission.operator.think_s
 
 
 def _time_limit(mission: Mission, least_s: float) -> Iterator[Finding]:
@@ -66,7 +66,7 @@ def _steering(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[
     script = mission.operator
     if mission.autonomy != "short_range_goal" or script.steering != "continuous" or traffic.round_trip_ns is None:
         return
-    age_s = seconds(traffic.round_trip_ns) + script.think_time_s + 1 / script.update_rate_hz
+    age_s = seconds(traffic.round_trip_ns) + script.think_s + 1 / script.update_rate_hz
     if speed_mps * age_s > script.lookahead_m:
         text = (
             f"a goal lies {script.lookahead_m:g} m ahead of a pose that is {age_s:.2f} s old, and the robot walks "

@@ -13,7 +13,7 @@ _ON_BOARD: Final = ("mission", "waypoint", "short_range_goal")  # the robot comp
 
 # Keys that only some autonomies use.
 _USED_BY: Final[dict[tuple[str, str], tuple[str, ...]]] = {
-    ("operator", "think_time_s"): ("waypoint", "short_range_goal"),
+    ("operator", "think_s"): ("waypoint", "short_range_goal"),
     ("operator", "released"): ("mission",),
     ("operator", "steering"): ("short_range_goal",),
     ("operator", "lookahead_m"): ("short_range_goal",),

@@ -55,7 +55,7 @@ class Operator(ABC):
         self.failure = ""
         self.suspended = False  # a hold or a way home was commanded by somebody else
         self._plan = planned_waypoints(mission)
-        self._think_time_ns = ns(mission.operator.think_time_s)
+        self._think_ns = ns(mission.operator.think_s)
         self._queue: EventQueue[CommandRequest] = EventQueue()
         self._newest: dict[CommandKind, int] = {}  # the newest command of each kind
         self._kinds: dict[int, CommandKind] = {}  # of every command that has been sent, whoever sent it
@@ -141,11 +141,11 @@ class Operator(ABC):
     def _on_final(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
         """Decide what follows the end of a command."""
 
-    def _after_think_time(self, now_ns: int, request: CommandRequest) -> list[CommandRequest]:
+    def _after_think(self, now_ns: int, request: CommandRequest) -> list[CommandRequest]:
         """Send an order once it has been thought about."""
-        if not self._think_time_ns:
+        if not self._think_ns:
             return [request]
-        self._queue.add(now_ns + self._think_time_ns, request)
+        self._queue.add(now_ns + self._think_ns, request)
         return []
 
     def _announce_decision(

@@ -59,4 +59,4 @@ class WaypointOperator(Operator):
             )
         elif ack.stage is not Stage.COMPLETED:
             return self._finish(ended_by_robot(ack, self._kinds))
-        return self._after_think_time(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()
+        return self._after_think(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()

@@ -91,7 +91,7 @@ class ShortRangeGoalOperator(Operator):
         self._next_goal_ns += self._period_ns
         if self._is_out_of_time(now_ns) and not self._leg_is_over():
             return requests + self._give_up_leg(now_ns, TIMEOUT)
-        return requests + self._after_think_time(now_ns, self._lookahead_goal())
+        return requests + self._after_think(now_ns, self._lookahead_goal())
 
     def _on_final(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
         if ack.reason == FALL:
@@ -105,7 +105,7 @@ class ShortRangeGoalOperator(Operator):
                 return self._next_leg(now_ns)
             if self._clock.is_over(self._plan[self._leg].timeout_ns):
                 return self._give_up_leg(now_ns, TIMEOUT)
-            return self._unless_suspended(self._after_think_time(now_ns, self._lookahead_goal()))
+            return self._unless_suspended(self._after_think(now_ns, self._lookahead_goal()))
         return (
             self._give_up_leg(now_ns, ack.reason) if leg_failed(ack) else self._finish(ended_by_robot(ack, self._kinds))
         )
@@ -129,10 +129,8 @@ class ShortRangeGoalOperator(Operator):
             return self._finish()
         self._leg, self._at_task = self._leg + 1, False
         self._skip_missed_goals(now_ns)
-        self._clock.restart((now_ns if self._next_goal_ns is None else self._next_goal_ns) + self._think_time_ns)
-        return (
-            [] if self._continuous else self._unless_suspended(self._after_think_time(now_ns, self._lookahead_goal()))
-        )
+        self._clock.restart((now_ns if self._next_goal_ns is None else self._next_goal_ns) + self._think_ns)
+        return [] if self._continuous else self._unless_suspended(self._after_think(now_ns, self._lookahead_goal()))
 
     def _unless_suspended(self, requests: list[CommandRequest]) -> list[CommandRequest]:
         """Return what to send, or put it off until the hold is over."""
