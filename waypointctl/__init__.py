@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from waypointctl.task.config import TaskConfig
     from waypointctl.task.env import WaypointEnv
     from waypointctl.task.plugins import ObservationGroup, RewardTerm, load_plugins, observation_group, reward_term
+    from waypointctl.task.reward import RewardWeights
     from waypointctl.task.view import SimulationView
     from waypointctl.training.recipe import Recipe
     from waypointctl.training.recipe_file import RecipeFile, load_recipe
@@ -77,6 +78,7 @@ __all__ = [
     "RecipeError",
     "RecipeFile",
     "RewardTerm",
+    "RewardWeights",
     "Robot",
     "RobotError",
     "SimulationView",
@@ -136,6 +138,7 @@ _MODULES: Final = {
     "task.batched": ("BatchedWaypointEnv", "Step"),
     "task.config": ("TaskConfig",),
     "task.env": ("WaypointEnv",),
+    "task.reward": ("RewardWeights",),
     "task.plugins": ("ObservationGroup", "RewardTerm", "load_plugins", "observation_group", "reward_term"),
     "task.view": ("SimulationView",),
     "training.recipe": ("Recipe",),

@@ -132,12 +132,13 @@ class LogReader:
         return ((self.end_ns or 0) - (self.start_ns or 0)) / NS_PER_S
 
     def messages(
-        self, topics: Collection[str] | None = None, start_ns: int | None = None, end_ns: int | None = None
+        self, topics: str | Collection[str] | None = None, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[Message]:
         """Return the messages in the order they were written, equal to those, floats bit for bit.
 
         Args:
-            topics: only these; all of the flight's own records if None. The topics for viewers hold no messages.
+            topics: only these, or this one; all of the flight's own records if None. The topics for viewers hold no
+                messages.
             start_ns: only with a log time not before this.
             end_ns: only with a log time before this.
 
@@ -208,8 +209,8 @@ class LogReader:
                     raise damaged(str(self.path), place.offset, "it was changed while it was read") from None
 
 
-def _decoders(log: LogReader, names: Collection[str] | None) -> dict[int, Topic]:
-    wanted = BY_NAME.keys() if names is None else names
+def _decoders(log: LogReader, names: str | Collection[str] | None) -> dict[int, Topic]:
+    wanted = BY_NAME.keys() if names is None else (names,) if isinstance(names, str) else names
     for name in wanted:
         if name not in BY_NAME:
             raise LogError(f"no messages are read from the topic {name!r}; allowed are {', '.join(BY_NAME)}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -39,6 +39,7 @@ from waypointctl.replay.verdict import Divergence
 from waypointctl.robots.description import ROBOT_FILE
 from waypointctl.robots.load import robot_of_files
 from waypointctl.robots.robot import Robot
+from waypointctl.task.plugins import Plugin
 
 KERNELS: Final = {
     "version_numpy": "numpy",
@@ -90,7 +91,7 @@ class LogContents:
         return replace(header, metadata=metadata, library=log.index.library)
 
 
-def contents_of(log: LogReader) -> LogContents | Divergence:
+def contents_of(log: LogReader, plugins: Sequence[Plugin] = ()) -> LogContents | Divergence:
     """Return what a log carries, or the first thing that is not what its metadata says or the robot compiles to.
 
     Raises:
@@ -105,10 +106,10 @@ def contents_of(log: LogReader) -> LogContents | Divergence:
     compiled = hashlib.sha256(robot.to_mjb()).hexdigest()
     if compiled != recorded:
         return Divergence(-1, 0, "attachment", MJB, recorded, compiled)
-    return _contents(log, robot)
+    return _contents(log, robot, plugins)
 
 
-def _contents(log: LogReader, robot: Robot) -> LogContents:
+def _contents(log: LogReader, robot: Robot, plugins: Sequence[Plugin]) -> LogContents:
     attachments = log.attachments
     mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}", files_within(MISSION_FOLDER, attachments))
     seed = log.metadata.get("seed", "")
@@ -120,7 +121,8 @@ def _contents(log: LogReader, robot: Robot) -> LogContents:
         policy = PolicyNotInLog(log.metadata, robot)
     else:
         policy = load_policy_bytes(files_within(POLICY_FOLDER, attachments), f"{log.path}/{POLICY_FOLDER}")
-    refuse_misfit(policy, robot)  # as what flies it does: its manifest says how others are to read the observations
+    # As fly() does: the manifest says how others are to read the observations.
+    refuse_misfit(policy, robot, plugins)
     return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
 

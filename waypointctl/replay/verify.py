@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Self
@@ -22,18 +22,23 @@ from waypointctl.replay.flight_log import summary_of_events
 from waypointctl.replay.recorded import ACTION_TOLERANCE, RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.verdict import Divergence, Verdict, Verification
 from waypointctl.replay.whole_file import WholeFile, whole_file
+from waypointctl.task.plugins import Plugin
 
 
-def verify(path: Path | str) -> Verification:
+def verify(path: Path | str, plugins: Sequence[Plugin] = ()) -> Verification:
     """Simulate the flight of a log again, from the log alone, and compare every message and byte.
+
+    Args:
+        path: of the log.
+        plugins: observation groups and reward terms that it was flown with and that are not built in.
 
     Raises:
         LogError: the log cannot be read.
     """
-    return verify_log(open_log(Path(path)))
+    return verify_log(open_log(Path(path)), plugins)
 
 
-def verify_log(log: LogReader) -> Verification:
+def verify_log(log: LogReader, plugins: Sequence[Plugin] = ()) -> Verification:
     """Fly the flight of a log again and compare the whole log.
 
     Everything comes from the log: mission, model, policy, seed. Physics is driven by the logged actions, each of
@@ -49,16 +54,16 @@ def verify_log(log: LogReader) -> Verification:
     if reason := unverifiable(log):
         return Verification(Verdict.UNVERIFIABLE, 0, None, reason, ())
     try:
-        contents = contents_of(log)
+        contents = contents_of(log, plugins)
     except InputError as error:
         return Verification(Verdict.UNVERIFIABLE, 0, None, f"what the log carries cannot be used: {error}", ())
     if isinstance(contents, Divergence):
         reason = f"diverged before the flight: {contents.component} is not what was recorded"
         return Verification(Verdict.DIVERGED, 0, contents, reason, ())
-    return _fly_again(log, contents)
+    return _fly_again(log, contents, plugins)
 
 
-def _fly_again(log: LogReader, contents: LogContents) -> Verification:
+def _fly_again(log: LogReader, contents: LogContents, plugins: Sequence[Plugin]) -> Verification:
     other_kernels = platform_differences(log, KERNELS)
     comparator = LogComparator(log.encoded_messages(), bitwise=not other_kernels)
     policy = RecordedPolicy(contents.policy, comparator, bitwise=not other_kernels)
@@ -77,6 +82,7 @@ def _fly_again(log: LogReader, contents: LogContents) -> Verification:
                 robot=contents.robot,
                 interrupted=by_hand.interrupted,
                 console=by_hand,
+                plugins=plugins,
             )
             if comparator.upcoming is not None:
                 raise comparator.diverged("/event", "end", type(comparator.upcoming).__name__, "the flight is over")
