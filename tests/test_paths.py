@@ -131,14 +131,14 @@ def test_a_file_whose_name_cannot_be_is_refused_and_a_device_is_written_to(tmp_p
 def test_a_folder_that_cannot_be_looked_up_is_refused(tmp_path: Path) -> None:
     refuse_unwritable_folder(tmp_path / "a" / "b")
     assert not list(tmp_path.iterdir())
-    with pytest.raises(OutputError, match="the folder cannot be made: File name too long"):
+    with pytest.raises(OutputError, match="the folder cannot be created: File name too long"):
         refuse_unwritable_folder(tmp_path / TOO_LONG)
 
 
 @pytest.mark.parametrize("place", ["/proc/x", "/proc"])
 def test_a_folder_that_permissions_allow_and_the_system_does_not_is_refused(place: str) -> None:
     with pytest.raises(
-        OutputError, match=rf"{place}: the folder cannot be written: (nothing can be made|no permission)"
+        OutputError, match=rf"{place}: the folder cannot be written: (nothing can be created|no permission)"
     ):
         refuse_unwritable_folder(Path(place))
 

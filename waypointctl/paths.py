@@ -41,7 +41,7 @@ def folder_fault(path: Path) -> str | None:
 def command_for_log(path: str) -> str:
     """Return what to say where a log was given for something else."""
     log = shell_word(path)
-    return f"this is a log: `waypointctl replay {log}` shows it, `waypointctl run --resume {log}` goes on with it"
+    return f"this is a log: `waypointctl replay {log}` shows it, `waypointctl run --resume {log}` continues it"
 
 
 def command_for_plan(path: str) -> str:
@@ -205,7 +205,7 @@ def refuse_unwritable_folder(folder: Path) -> None:
     try:
         nearest = next(path for path in (folder, *folder.parents) if path.exists())
     except OSError as error:
-        problem = f"the folder cannot be made: {error.strerror}"
+        problem = f"the folder cannot be created: {error.strerror}"
         raise OutputError(problem, where=str(folder), hint=_FOLDER_MEND) from error
     if not nearest.is_dir():
         problem = "this is a file" if nearest == folder else f"{str(nearest)!r} is a file"
@@ -243,7 +243,7 @@ def _trial_fault(make: Callable[[], None], remove: Callable[[], None]) -> str | 
     except PermissionError:
         return "no permission"
     except FileNotFoundError:
-        return "nothing can be made there"  # as in /proc
+        return "nothing can be created there"  # as in /proc
     except OSError as error:
         return str(error.strerror)
     return None

@@ -40,8 +40,8 @@ def test_what_is_impossible_is_answered_with_what_is_allowed_and_not_sent(capsys
     ]
     assert capsys.readouterr().err.splitlines() == [
         "not sent: tolerance: -1 m is not more than 0 m and at most 100 m; type tolerance 0.5 m, for instance",
-        "not sent: goto: (30, 0) is outside keep-in; the robot takes no goal there, the mission's geofence says so",
-        "not sent: release: -2 is no number of waypoints; type 0 or more, or -1 for all",
+        "not sent: goto: (30, 0) is outside keep-in; the mission's geofence allows no goal there",
+        "not sent: release: -2 is not a number of waypoints; type 0 or more, or -1 for all",
     ]
 
 

@@ -19,7 +19,7 @@ from waypointctl.replay.summary_json import summary_json
 from waypointctl.units import NS_PER_S
 
 SETTING = MissionSetting(home=replace(NEAR, x_m=0.0, y_m=0.0))
-BEGUN = event(4, EventKind.RETURN_STARTED, "walking home: timeout")
+BEGUN = event(4, EventKind.RETURN_STARTED, "returning home: timeout")
 REACHED = event(4.8, EventKind.HOME_REACHED, "home reached")
 RETURNING = replace(frame(2, 4.2, 6.1, (0,)), mode=Mode.RETURNING)
 STANDING = replace(frame(3, 4.9, 6.2, (0,)), mode=Mode.SAFE)
@@ -105,7 +105,7 @@ def test_the_live_view_tells_how_the_link_is() -> None:
     assert "link up    closed until 10.00 s" in panels(list(flight()), MissionSetting(up=pass_))
     over = ContactWindows(np.array([0]), np.array([3 * NS_PER_S]))
     assert "link       closed from now on" in panels(list(flight()), MissionSetting(up=over, down=over))
-    lost_spans = event(5, EventKind.LINK_LOST, "nothing heard for 4 s: hold")
+    lost_spans = event(5, EventKind.LINK_LOST, "link lost after 4 s without a message: hold")
     picture = panels([*flight(), lost("up"), lost("down"), lost("down"), lost_spans], MissionSetting())
     assert "losses     1 up, 2 down" in picture
     assert "link lost  on board, at 5.00 s" in picture

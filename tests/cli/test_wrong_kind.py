@@ -11,7 +11,7 @@ from tests.cli.flying import Program
 from tests.log.fake_flight import flight, header
 from waypointctl.log.writer import LogWriter
 
-LOG = "this is a log: `waypointctl replay {0}` shows it, `waypointctl run --resume {0}` goes on with it"
+LOG = "this is a log: `waypointctl replay {0}` shows it, `waypointctl run --resume {0}` continues it"
 PLAN = "this is {1}; import it first: `waypointctl import {0} --out {2}`"
 MISSION = "`waypointctl run {0}` flies a mission and writes its log, `waypointctl validate {0}` checks it."
 

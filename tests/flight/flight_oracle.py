@@ -220,7 +220,7 @@ def _wrong_outcome(mission: Mission, result: FlightResult, told: Told) -> Iterat
     for command_id in told.done:
         if f"the end of command {command_id} " in result.reason:
             yield f"given up for the end of command {command_id}, which was known"
-    gave_up = "no acknowledgement" in result.reason or "was not heard of" in result.reason
+    gave_up = "no acknowledgement" in result.reason or "no final stage received" in result.reason
     if gave_up and len(known) >= wanted and mission.expect.max_time_s is None:
         yield "given up, and all that was expected is known to be reached"
 

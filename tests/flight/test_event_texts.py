@@ -30,13 +30,13 @@ def test_a_failed_leg_is_followed_by_the_rule_that_acted(autonomy: str, then: st
     failed = texts(messages, K.PLAN_FAILED)
     assert skipped == (["far skipped: timeout"] if then == "skip" else [])
     if then == "abort":
-        assert failed == ["plan given up at far: timeout" if autonomy == "mission" else f"{goal} given up: timeout"]
+        assert failed == ["plan aborted at far: timeout" if autonomy == "mission" else f"{goal} aborted: timeout"]
     elif then == "skip":  # led from the ground, the goal is given up on board, and the ground goes on with the next
-        assert failed == ([] if autonomy == "mission" else [f"{goal} given up: timeout"])
+        assert failed == ([] if autonomy == "mission" else [f"{goal} aborted: timeout"])
     else:
         assert failed == []
-    assert texts(messages, K.SAFE_HOLD_STARTED) == ([f"standing: leg failed: {goal} timeout"] if then == "hold" else [])
-    assert texts(messages, K.RETURN_STARTED) == (["walking home: timeout"] if then == "return_home" else [])
+    assert texts(messages, K.SAFE_HOLD_STARTED) == ([f"stopped: leg failed: {goal} timeout"] if then == "hold" else [])
+    assert texts(messages, K.RETURN_STARTED) == (["returning home: timeout"] if then == "return_home" else [])
 
 
 @pytest.mark.parametrize("autonomy", ["waypoint", "short_range_goal"])
@@ -55,12 +55,12 @@ def test_a_command_that_skips_is_named() -> None:
 @pytest.mark.parametrize(
     ("do", "schedule", "lost"),
     [
-        ("hold", [], "nothing heard for 2 s: hold"),
-        ("return_home", [], "nothing heard for 2 s: return_home"),
-        ("finish", [], "nothing heard for 2 s: finish"),
-        ("hold", [{"at_s": 1.0, "do": "hold"}], "nothing heard for 2 s"),
-        ("return_home", [{"at_s": 1.0, "do": "return_home"}], "nothing heard for 2 s"),
-        ("finish", [{"at_s": 1.0, "do": "abort"}], "nothing heard for 2 s"),
+        ("hold", [], "link lost after 2 s without a message: hold"),
+        ("return_home", [], "link lost after 2 s without a message: return_home"),
+        ("finish", [], "link lost after 2 s without a message: finish"),
+        ("hold", [{"at_s": 1.0, "do": "hold"}], "link lost after 2 s without a message"),
+        ("return_home", [{"at_s": 1.0, "do": "return_home"}], "link lost after 2 s without a message"),
+        ("finish", [{"at_s": 1.0, "do": "abort"}], "link lost after 2 s without a message"),
     ],
 )
 def test_a_lost_link_names_its_rule_where_the_rule_changes_something(do: str, schedule: Any, lost: str) -> None:
@@ -80,9 +80,9 @@ def test_a_breach_of_the_fence_is_followed_by_its_rule(do: str, then: EventKind)
     assert (
         said
         == {
-            "hold": "standing: geofence: the robot is inside keep-out rock",
-            "abort": "plan given up at far: geofence",
-            "return_home": "walking home: geofence",
+            "hold": "stopped: geofence: the robot is inside keep-out rock",
+            "abort": "plan aborted at far: geofence",
+            "return_home": "returning home: geofence",
         }[do]
     )
     assert [event.kind for event in only(Event, messages) if event.text == said] == [then]
@@ -91,5 +91,5 @@ def test_a_breach_of_the_fence_is_followed_by_its_rule(do: str, then: EventKind)
 def test_a_way_home_that_fails_is_no_plan() -> None:
     onboard = {"home": {"position_m": [300.0, 0.0], "timeout_s": 1.0}}
     _, messages = flown(mission_of(FAR, on_failure="return_home", onboard=onboard))
-    assert texts(messages, K.RETURN_FAILED) == ["way home given up: timeout"]
+    assert texts(messages, K.RETURN_FAILED) == ["return home aborted: timeout"]
     assert texts(messages, K.PLAN_FAILED) == []

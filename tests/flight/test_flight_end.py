@@ -45,7 +45,7 @@ def test_a_way_home_by_a_rule_is_waited_for_until_it_is_given_up(
     result, messages = flown(mission)
     (began,) = [event for event in only(Event, messages) if event.kind is EventKind.RETURN_STARTED]
     (ended,) = times_ns(EventKind.RETURN_FAILED, messages)
-    assert began.text == f"walking home: {cause}"
+    assert began.text == f"returning home: {cause}"
     assert ended == began.time_ns + 4 * NS_PER_S
     assert result.sim_time_ns >= ended + DELAY_MS * 1e6, "the operator has heard of it"
     assert only(Telemetry, messages)[-1].mode is Mode.FAILED

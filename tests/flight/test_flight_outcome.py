@@ -88,7 +88,7 @@ def test_a_mission_that_takes_too_long_is_ended() -> None:
     mission = mission_of(OUT_OF_REACH | {"timeout_s": 60.0}, expect={"max_time_s": 2.0})
     result, messages = flown(mission)
     assert result.outcome == "failure"
-    assert result.reason.startswith("longer than 2 s: 0 of 1")
+    assert result.reason.startswith("the mission took longer than 2 s: 0 of 1")
     assert only(State, messages)[-1].time_ns == 2020 * MS
 
 
@@ -103,7 +103,7 @@ def test_success_that_is_heard_of_too_late_is_no_success() -> None:
     ("expect", "said"),
     [
         ({}, "timeout: 1 of 2 waypoints reached, 2 expected; "),
-        ({"max_time_s": 3.0}, "longer than 3 s: 1 of 2 waypoints reached; "),
+        ({"max_time_s": 3.0}, "the mission took longer than 3 s: 1 of 2 waypoints reached; "),
     ],
 )
 def test_a_flight_that_goes_on_after_its_plan_names_both_times(expect: dict[str, Any], said: str) -> None:
@@ -112,5 +112,5 @@ def test_a_flight_that_goes_on_after_its_plan_names_both_times(expect: dict[str,
     result, _ = flown(mission_of(UNDER_FOOT, OUT_OF_REACH, expect=expect, **then))
     known_s, ended_s = result.known_ns / 1e9, result.sim_time_ns / 1e9
     assert ended_s > known_s + 1.0
-    times = f"the end of the plan was known at {known_s:.2f} s, the flight ended at {ended_s:.2f} s"
+    times = f"the operator received the end of the plan at {known_s:.2f} s; the flight ended at {ended_s:.2f} s"
     assert result.reason.startswith(said + times)

@@ -54,7 +54,7 @@ def test_the_reason_says_what_was_heard_where_only_the_end_is_missing() -> None:
     windows = [{"from_s": 0.0, "to_s": 0.55}]
     mission = over({}, {"windows": windows}, 1, 0).model_copy(update={"waypoints": mission_of(OUT_OF_REACH).waypoints})
     result, _ = flown(mission)
-    said = "the end of command 1 (upload_plan WP1) was not heard of, only that it was started: 0 of 1 waypoints"
+    said = "no final stage received for command 1 (upload_plan WP1); its last known stage is started: 0 of 1 waypoints"
     assert result.reason.startswith(said)
 
 

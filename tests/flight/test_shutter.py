@@ -91,7 +91,7 @@ def test_a_camera_that_cannot_draw_says_why_once_and_takes_none(monkeypatch: pyt
         fly(mission, Scripted(STILL), with_pictures(messages.append, camera))
     assert not only(Picture, messages)
     assert (camera.taken, camera.renderer) == (0, "")
-    assert camera.trouble == "MUJOCO_GL=disable says so\n  Unset MUJOCO_GL to have pictures."
+    assert camera.trouble == "MUJOCO_GL=disable turns rendering off\n  Unset MUJOCO_GL to have pictures."
 
 
 def test_the_camera_names_the_waypoint_and_itself(tmp_path: Path) -> None:

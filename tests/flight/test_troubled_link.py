@@ -62,7 +62,7 @@ def test_the_longest_time_ends_a_flight_while_physics_sleeps() -> None:
         schedule=[{"at_s": 60.0, "do": "resume"}],
     )
     result, _ = flown(mission)
-    assert result.reason.startswith("longer than 25 s")
+    assert result.reason.startswith("the mission took longer than 25 s")
     assert result.sim_time_ns <= 25 * NS_PER_S + 2 * 20_000_000
 
 

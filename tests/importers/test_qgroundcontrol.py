@@ -76,7 +76,7 @@ def changed(*path: str | int, to: Any) -> dict[str, Any]:
         ),
         (changed("mission", "items", to=[]), "has no waypoint to go to"),
         (changed("mission", "items", to=[item(22, frame=3)]), "has no waypoint to go to"),
-        (changed("mission", "items", to=[there(22, 0, 0)]), "has no waypoint to go to"),
+        (changed("mission", "items", to=[there(22, 0, 0)]), "has no waypoint besides the start"),
         (changed("mission", "items", to=[A] * 20_001), "items: has 20,001 entries; at most 20,000 are read"),
         (changed("mission", "items", to=[A] * 1001), "items: leads to more than the 1,000 waypoints"),
         (changed("mission", "items", 0, "type", to="ComplexItem"), r"items\[0\]: is a ComplexItem \(of no type\) with"),

@@ -108,8 +108,8 @@ def test_small_files_that_would_take_much_memory_are_refused() -> None:
 @pytest.mark.parametrize(
     ("pickled", "message"),
     [
-        (b"]r\xff\xff\xff\x7f.", "it remembers something as number 2147483647"),
-        (b"]p2147483647\n.", "it remembers something as number 2147483647"),
+        (b"]r\xff\xff\xff\x7f.", "it uses the memo index 2147483647"),
+        (b"]p2147483647\n.", "it uses the memo index 2147483647"),
         (b"\x80\x02" + b"]0" * 200_000 + b"].", "it does more than 200,000 operations"),
         (b"B\xff\xff\xff\x7f.", "it is not a pickle"),
         (b"\x80\x04\x8e\xff\xff\xff\xff\xff\xff\xff\x7f.", "it is not a pickle"),

@@ -114,16 +114,16 @@ def test_contacts_are_put_in_the_order_of_time_and_ranges_may_follow_on_each_oth
     [
         (
             "a contact +0 +10 1 2",
-            "1:1: has 4 values; wanted are start time, stop time, source node, destination node, rate in bytes/s",
+            "1:1: has 4 values; expected are start time, stop time, source node, destination node, rate in bytes/s",
         ),
         (
             "a range +0 +10 1 2 1 1",
-            "1:1: has 6 values; wanted are start time, stop time, one node, other node, light time in s",
+            "1:1: has 6 values; expected are start time, stop time, one node, other node, light time in s",
         ),
         ("a contact 1 +10 1 2 1", "1:11: '1' is not a time: write +seconds"),
         (
             "a contact 0 +10 1 2 1",
-            "1:1: this contact is hypothetical (a time is 0): it does not say when; mission start is +0",
+            "1:1: this contact is hypothetical (a time is 0): it has no time; mission start is +0",
         ),
         ("a contact +x +10 1 2 1", "1:11: '+x' is not a number: time"),
         ("a contact +nan +10 1 2 1", "1:11: +nan is not from 0 to 1e+09: time"),
@@ -137,7 +137,7 @@ def test_contacts_are_put_in_the_order_of_time_and_ranges_may_follow_on_each_oth
             "c contact +0 1 2 5",
             "1:1: 'c contact' would change the plan; write the plan as it is to be, with 'a contact'",
         ),
-        ("@", "1:1: '@' wants a time"),
+        ("@", "1:1: '@' needs a time"),
         (
             "a contact 2027/01/01-00:00:00 +10 1 2 1",
             "1:11: 2027/01/01-00:00:00 is an absolute time, and the mission has no date; write +seconds after mission "
@@ -214,7 +214,7 @@ def test_what_does_not_say_when_the_two_nodes_can_talk_is_passed_over(line: str)
 def test_another_kind_of_file_is_named_in_one_problem(source: bytes, kind: str) -> None:
     (plan,) = read_contact_plan(source, "plan", (1, 2))[1]
     assert str(plan).startswith(f"plan: {kind}")
-    assert re.search(r"(, not|; wanted is) a contact plan in ION's terms \('a contact \.\.\.'\)$", str(plan))
+    assert re.search(r"(, not|; expected is) a contact plan in ION's terms \('a contact \.\.\.'\)$", str(plan))
     (jitter,) = read_jitter(source, "j")[1]
     assert str(jitter).startswith(f"j: {kind}")
 
@@ -254,7 +254,7 @@ def test_jitter_is_one_number_a_line() -> None:
     [
         (b"0.1\n0,2", "j:2:1: '0,2' is not a number of seconds"),
         (b"0.1\n1_0", "j:2:1: '1_0' is not a number of seconds"),
-        (b"0.1 0.2", "j:1:5: '0.2' follows the number; one number of seconds stands on a line"),
+        (b"0.1 0.2", "j:1:5: '0.2' follows the number; write one number of seconds a line"),
         (b"nan", "j:1:1: nan is not between -86400 and 86400 s"),
         (b"  1e6", "j:1:3: 1e6 is not between -86400 and 86400 s"),
         (b"# none", "j:1:1: holds no number; a file of jitter has one number of seconds a line"),

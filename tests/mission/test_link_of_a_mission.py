@@ -152,12 +152,12 @@ def test_any_link_is_dumped_and_read_back(text: str) -> None:
         ),
         (
             "{windows: [{from: 0 s, to: 5 s}], windows_period: 4 s}",
-            "4:57: link.windows_period: 4 s is over before the last window ends, at 5 s",
+            "4:57: link.windows_period: 4 s ends before the last window, which ends at 5 s",
         ),
-        ("{windows_period: 4 s}", "4:24: link.windows_period: there are no 'windows' that could recur"),
+        ("{windows_period: 4 s}", "4:24: link.windows_period: needs 'windows'"),
         (
             "{delay: 1 s, delay_table: [{at: 0 s, delay: 1 s}]}",
-            "4:33: link.delay_table: 'delay_table' is there, and 'delay' too: keep one",
+            "4:33: link.delay_table: 'delay_table' and 'delay' are both given: keep one",
         ),
         (
             "{delay_table: [{at: 3 s, delay: 1 s}, {at: 3 s, delay: 1 s}]}",
@@ -169,11 +169,11 @@ def test_any_link_is_dumped_and_read_back(text: str) -> None:
         ),
         (
             "{delay: 1 s, jitter: 1 s, jitter_file: j/rtt.txt}",
-            "4:46: link.jitter_file: 'jitter_file' is there, and 'jitter' too: keep one",
+            "4:46: link.jitter_file: 'jitter_file' and 'jitter' are both given: keep one",
         ),
         (
             "{contact_plan: {file: plan.ionrc, from_node: 1, to_node: 2}, rate: 1 bit/s}",
-            "4:74: link.rate: 'rate' is there, and 'contact_plan' too: keep one",
+            "4:74: link.rate: 'rate' and 'contact_plan' are both given: keep one",
         ),
         (
             "{contact_plan: {file: /etc/plan, from_node: 1, to_node: 2}}",
@@ -184,7 +184,7 @@ def test_any_link_is_dumped_and_read_back(text: str) -> None:
             "{contact_plan: {file: plan.ionrc, from_node: 1, to_node: 2, reference: today}}",
             "4:78: link.contact_plan.reference: 'today' is not a moment of the form 2027/01/31-12:00:00",
         ),
-        ("{jitter_file: no.txt}", "4:21: link.jitter_file: no.txt is not there"),
+        ("{jitter_file: no.txt}", "4:21: link.jitter_file: no.txt does not exist"),
     ],
 )
 def test_a_wrong_link_says_what_where_and_what_is_allowed(text: str, problem: str) -> None:
@@ -206,7 +206,7 @@ def test_mistakes_in_the_mission_and_in_its_files_are_told_together(tmp_path: Pa
     assert str(caught.value).splitlines() == [
         f"{path}: 4 problems",
         f"{path}:4:1: sead: unknown key; did you mean 'seed'?",
-        f"{path}:7:23: link.down.jitter_file: {tmp_path / 'gone.txt'} is not there",
+        f"{path}:7:23: link.down.jitter_file: {tmp_path / 'gone.txt'} does not exist",
         f"{tmp_path / 'j.txt'}:3:1: 'many' is not a number of seconds",
         f"{tmp_path / 'plans' / 'p.ionrc'}:1:22: 'fast' is not a number: rate in bytes/s",
     ]

@@ -189,7 +189,7 @@ def test_a_mission_cannot_be_changed() -> None:
         (MINIMAL + "start: {heading: 400 deg}", "4:18: start.heading: 400 deg is not <= 360 deg"),
         (MINIMAL + "defaults: {timeout: 2 d}", "4:21: defaults.timeout: 2 d is not <= 86400 s"),
         (MINIMAL + "waypoint: []", "4:1: waypoint: unknown key; did you mean 'waypoints'?"),
-        (MINIMAL + "name: m", "4:1: name: is there twice, first in line 1"),
+        (MINIMAL + "name: m", "4:1: name: duplicate key, first in line 1"),
         (
             MINIMAL.replace("name: n", "name: ../n"),
             "1:7: name: '../n' is not a name of letters, digits, '.', '_', '-' and spaces between them",

@@ -55,7 +55,7 @@ def test_a_waypoint_is_observed_if_it_or_the_defaults_say_so() -> None:
         ("on_failure: {retry: -1}", "4:21: on_failure.retry: -1 is not >= 0"),
         (
             "on_failure: skip\nonboard: {on_failure: hold}",
-            "5:10: onboard: has an 'on_failure', and the mission has one too: keep one",
+            "5:10: onboard: 'on_failure' is also given at the top of the mission: keep one",
         ),
         ("onboard: {stopped_tolerance: -1 m}", "4:30: onboard.stopped_tolerance: -1 m is not >= 0 m"),
         ("onboard: {stuck: {for: 0 s}}", "4:24: onboard.stuck.for: 0 s is not > 0 s"),

@@ -73,7 +73,7 @@ def test_all_problems_are_listed_in_the_order_of_the_file() -> None:
     assert problems(source, Outer) == [
         "f.yaml:1:19: named.x.rate: 0 is not > 0",
         "f.yaml:2:8: many[0].rate: is missing",
-        "f.yaml:3:1: named: is there twice, first in line 1",
+        "f.yaml:3:1: named: duplicate key, first in line 1",
         "f.yaml:4:13: one.rate: nan is not > 0",
         "f.yaml:4:25: one.kind: 3 is not 'a' or 'b'",
     ]

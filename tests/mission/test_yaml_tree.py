@@ -108,7 +108,7 @@ def test_a_second_key_is_listed_and_the_first_value_kept() -> None:
         (b"---\n", 1, 1, "is empty"),
         (b"a: [1,", 1, 7, "is not YAML"),
         (b"a: b: c", 1, 5, "mapping values are not allowed here"),
-        (b"a: 1\n\tb: 2", 2, 1, "is indented with a tab: YAML wants spaces"),
+        (b"a: 1\n\tb: 2", 2, 1, "is indented with a tab: YAML needs spaces"),
         (b'a: "\\U00110000"', 1, 5, "is not a character"),
         (b'a: "\\ud800"', 1, 4, "half of a surrogate pair"),
         (b"a: 1\nb: \xff", 2, 4, "is not UTF-8 text: byte 0xff"),
@@ -118,7 +118,7 @@ def test_a_second_key_is_listed_and_the_first_value_kept() -> None:
         (b"a: *x", 1, 4, "the alias *x is not allowed"),
         (b"a: !!python/name:os.system x", 1, 4, "is not allowed: leave it out"),
         (b"a: 1\n---\nb: 1", 2, 1, "a second document"),
-        (b"%YAML 1.1\n---\na: 1", 2, 1, "another YAML than 1.2"),
+        (b"%YAML 1.1\n---\na: 1", 2, 1, "only YAML 1.2"),
         (b"? [a]\n: b", 1, 3, "cannot be a key"),
     ],
 )
@@ -184,7 +184,7 @@ def test_any_bytes_are_read_or_refused(source: bytes) -> None:
 
 @pytest.mark.parametrize("source", [b"a:\n\t- 1\n", b"a:\n  b: 1\n\tc: 2\n"])
 def test_a_tab_that_indents_is_named(source: bytes) -> None:
-    with pytest.raises(YamlFault, match="is indented with a tab: YAML wants spaces") as caught:
+    with pytest.raises(YamlFault, match="is indented with a tab: YAML needs spaces") as caught:
         read_tree(source)
     assert caught.value.mark is not None
     assert source.decode().splitlines()[caught.value.mark.line - 1][caught.value.mark.column - 1] == "\t"

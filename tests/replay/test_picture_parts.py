@@ -199,8 +199,8 @@ def lost(way: str, time_s: float) -> LinkRecord:
 
 
 def test_what_there_is_of_home_zones_and_link_is_drawn_and_named() -> None:
-    home = (event(4, EventKind.RETURN_STARTED, "walking home: timeout"), event(4.8, EventKind.HOME_REACHED, "home"))
-    lost_spans = event(3, EventKind.LINK_LOST, "nothing heard")
+    home = (event(4, EventKind.RETURN_STARTED, "returning home: timeout"), event(4.8, EventKind.HOME_REACHED, "home"))
+    lost_spans = event(3, EventKind.LINK_LOST, "link lost")
     summary = summarize(
         [*flight(), *home, lost_spans, lost("up", 1), lost("down", 2), lost("down", 3)], (NEAR, FAR), SETTING
     )
@@ -263,7 +263,7 @@ def test_legends_name_only_what_is_drawn() -> None:
 
 @pytest.mark.parametrize("count", [1, 30, 200])
 def test_a_long_headline_is_broken_between_words(count: int) -> None:
-    text = _wrapped("failure: " + "the robot stands at (4.19, -11.25) m; " * count)
+    text = _wrapped("failure: " + "the robot is at (4.19, -11.25) m; " * count)
     lines = text.split("\n")
     assert len(lines) == min(count, 2)
     assert max(map(len, lines)) <= 170

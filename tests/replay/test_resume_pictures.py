@@ -76,7 +76,7 @@ def test_what_nothing_can_draw_again_is_kept_and_no_more_is_taken(
     assert kept(part) == 1
     monkeypatch.setenv("MUJOCO_GL", "disable")
     result = resumed(part)
-    assert (result.pictures, result.no_pictures.splitlines()[0]) == (1, "MUJOCO_GL=disable says so")
+    assert (result.pictures, result.no_pictures.splitlines()[0]) == (1, "MUJOCO_GL=disable turns rendering off")
     found = [it for it in open_log(tmp_path / "flight.mcap").messages() if isinstance(it, Picture)]
     assert found == [next(it for it in survey.flown.messages if isinstance(it, Picture))]
 

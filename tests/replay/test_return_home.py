@@ -19,8 +19,8 @@ from waypointctl.replay.return_home import ReturnEnding, ReturnHome
 from waypointctl.replay.summary_builder import summarize
 from waypointctl.units import ns
 
-BY_RULE = event(4, EventKind.RETURN_STARTED, "walking home: timeout", command_id=-1)
-BY_COMMAND = event(4, EventKind.RETURN_STARTED, "walking home", command_id=7)
+BY_RULE = event(4, EventKind.RETURN_STARTED, "returning home: timeout", command_id=-1)
+BY_COMMAND = event(4, EventKind.RETURN_STARTED, "returning home", command_id=7)
 REACHED = event(9, EventKind.HOME_REACHED, "home reached")
 
 
@@ -38,11 +38,14 @@ def command(command_id: int, kind: CommandKind) -> Command:
         ([], ReturnEnding.OPEN, None),
         ([REACHED], ReturnEnding.REACHED, 9),
         ([REACHED, event(12, EventKind.FALL, "")], ReturnEnding.REACHED, 9),
-        ([event(6, EventKind.PLAN_FAILED, "plan given up")], ReturnEnding.FAILED, 6),
+        ([event(6, EventKind.PLAN_FAILED, "plan aborted")], ReturnEnding.FAILED, 6),
         ([event(6, EventKind.FALL, "the robot has fallen")], ReturnEnding.FALLEN, 6),
-        ([event(6, EventKind.LEG_STARTED, "walking to near", waypoint=0)], ReturnEnding.CALLED_OFF, 6),
+        ([event(6, EventKind.LEG_STARTED, "driving to near", waypoint=0)], ReturnEnding.CALLED_OFF, 6),
         (
-            [event(6, EventKind.NAVIGATION_PAUSED, "standing"), event(8, EventKind.NAVIGATION_RESUMED, "going on")],
+            [
+                event(6, EventKind.NAVIGATION_PAUSED, "stopped"),
+                event(8, EventKind.NAVIGATION_RESUMED, "navigation resumed"),
+            ],
             ReturnEnding.OPEN,
             None,
         ),

@@ -141,7 +141,7 @@ def test_a_fall_ends_the_leg_and_the_command() -> None:
         event(0, EventKind.COMMAND_SENT, "command 1 sent: go_to near", Clock.OPERATOR, command_id=1),
         Command(1, CommandKind.GO_TO, (NEAR,), "abort", 0, ns(1.0)),
         event(1, EventKind.COMMAND_RECEIVED, "received", command_id=1),
-        event(1, EventKind.LEG_STARTED, "walking to near", waypoint=0, command_id=1),
+        event(1, EventKind.LEG_STARTED, "driving to near", waypoint=0, command_id=1),
         event(3, EventKind.FALL, "the robot has fallen", command_id=1),
         stage(3, Stage.FAILED, reason="fall"),
     ]
@@ -164,7 +164,7 @@ def test_a_fall_ends_the_leg_and_the_command() -> None:
     ],
 )
 def test_a_leg_ends_when_the_robot_does_something_else(kind: EventKind, ends: bool) -> None:
-    begun = event(1, EventKind.LEG_STARTED, "walking to near", waypoint=0)
+    begun = event(1, EventKind.LEG_STARTED, "driving to near", waypoint=0)
     summary = summarize([begun, event(3, kind, "", waypoint=1)], (NEAR, FAR))
     assert summary.waypoints[0].ended_ns == (ns(3.0) if ends else None)
 

@@ -103,7 +103,7 @@ def test_where_nothing_can_draw_the_rest_is_proved(survey: Flown, monkeypatch: p
     monkeypatch.setenv("MUJOCO_GL", "disable")
     found = verify(survey.path)
     assert found.verdict is Verdict.EQUIVALENT
-    assert found.not_compared == ("2 pictures: nothing can draw here: MUJOCO_GL=disable says so",)
+    assert found.not_compared == ("2 pictures: nothing can draw here: MUJOCO_GL=disable turns rendering off",)
 
 
 def test_what_a_log_says_of_its_program_lets_no_picture_be_changed(survey: Flown, tmp_path: Path) -> None:

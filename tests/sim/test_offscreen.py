@@ -16,9 +16,9 @@ from waypointctl.sim.offscreen import NoRendering, OffscreenContext
 @pytest.mark.parametrize(
     ("value", "problem"),
     [
-        ("disable", "MUJOCO_GL=disable says so\n  Unset MUJOCO_GL"),
-        ("OFF", "MUJOCO_GL=off says so"),
-        ("vulkan", "MUJOCO_GL=vulkan is none of egl, osmesa, glfw, disable"),
+        ("disable", "MUJOCO_GL=disable turns rendering off\n  Unset MUJOCO_GL"),
+        ("OFF", "MUJOCO_GL=off turns rendering off"),
+        ("vulkan", "MUJOCO_GL=vulkan is not one of egl, osmesa, glfw, disable"),
     ],
 )
 def test_what_the_environment_says_is_done(monkeypatch: pytest.MonkeyPatch, value: str, problem: str) -> None:

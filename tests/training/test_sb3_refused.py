@@ -181,11 +181,11 @@ def test_a_normaliser_that_is_none_is_refused(tmp_path: Path) -> None:
         (saved_state(state | {"obs_rms": {"a": 1}}), "no mean and variance of observations that are one array"),
         (saved_state(state | {"epsilon": 0.0}), "is not what it can be"),
         (saved_state(state | {"clip_obs": float("nan")}), "is not what it can be"),
-        (saved_state(state | {"clip_obs": "10"}), "str is no array of numbers"),
+        (saved_state(state | {"clip_obs": "10"}), "str is not an array of numbers"),
         (saved_state(state | {"clip_obs": np.array([1.0, 2.0])}), "not a file of VecNormalize"),
         (saved_state(state | {"epsilon": 10**400}), "not a file of VecNormalize"),
         (saved_state(state | {"epsilon": 1e300}), "is not what it can be"),
-        (b"]r\xff\xff\xff\x7f.", "not a file of VecNormalize: it is not a pickle: it remembers something"),
+        (b"]r\xff\xff\xff\x7f.", "not a file of VecNormalize: it is not a pickle: it uses the memo index"),
     ):
         path.write_bytes(content)
         with pytest.raises(PolicyError, match=message):

@@ -61,7 +61,7 @@ class PolicyNotInLog(Policy):
         try:
             self._weights = _WEIGHTS.validate_json(metadata.get(REWARD_WEIGHTS, ""))
         except ValidationError as error:
-            raise LogError(f"metadata: {REWARD_WEIGHTS} are no numbers by name") from error
+            raise LogError(f"metadata: {REWARD_WEIGHTS}: expected a mapping of names to numbers") from error
 
     @property
     def name(self) -> str:

@@ -15,7 +15,7 @@ from waypointctl.log.messages import Mode, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.units import ns, seconds
 
-SILENT: Final = "the robot rests, and nothing is left that the operator could hear or send"
+SILENT: Final = "the robot is at rest, and the operator has nothing left to send or to receive"
 NO_COMMAND_FOLLOWED: Final = ", and no command followed"
 _CUT_SHORT: Final = (GEOFENCE, LINK_LOST)  # by these a plan fails of which every waypoint may have been reached
 
@@ -86,7 +86,7 @@ def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: 
     goes_on = late or station.reported.went_home or reached < total
     if told == ended or not goes_on:
         return f"{reached} of {total} waypoints reached in {told}{expected}"
-    times = f"the end of the plan was known at {told}, the flight ended at {ended}"
+    times = f"the operator received the end of the plan at {told}; the flight ended at {ended}"
     return f"{reached} of {total} waypoints reached{expected}; {times}"
 
 
@@ -97,7 +97,7 @@ def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) ->
     stands = standing_reason(mission, frame)
     if late:
         why = stands or (station.missing if station.dispatcher.unanswered and not over else "")
-        return f"longer than {mission.expect.max_time_s:g} s" + (f"; {why}" if why else ""), ""
+        return f"the mission took longer than {mission.expect.max_time_s:g} s" + (f"; {why}" if why else ""), ""
     expected = f", {wanted} expected"
     if station.failure == FALL or (frame is not None and frame.mode is Mode.FALLEN):
         return FALL, expected
@@ -129,14 +129,14 @@ def standing_reason(mission: Mission, frame: Telemetry | None) -> str:
 def _why_safe(mission: Mission, frame: Telemetry) -> str:
     """Return which rule on board made the robot stand."""
     if frame.cause.startswith(AT_HOME):
-        return f"the robot is at home, where a rule on board has sent it ({frame.cause.removeprefix(AT_HOME)})"
+        return f"a rule on board sent the robot home ({frame.cause.removeprefix(AT_HOME)})"
     if frame.cause.startswith(LEG_FAILED):
         return f"the robot holds after a failed leg at {_next_name(mission, frame)}"
     if frame.cause.startswith(GEOFENCE):
         return f"the robot holds by its {frame.cause}"
     if frame.cause == LINK_LOST:
-        return "the robot holds because it hears nothing from the ground"
-    return "the robot stands by a rule on board"
+        return "the robot holds because the link is lost"
+    return "the robot holds because of a rule on board"
 
 
 def last_known_place(mission: Mission, frame: Telemetry | None, *, went_home: bool) -> str:
@@ -153,11 +153,11 @@ def last_known_place(mission: Mission, frame: Telemetry | None, *, went_home: bo
     if frame.mode is Mode.FALLEN:
         return f"the robot has fallen {place}"
     if frame.mode in POLICY_MODES:
-        return f"the robot walks{' home' * (frame.mode is Mode.RETURNING)}, {place}"
+        return f"the robot is {'returning home' if frame.mode is Mode.RETURNING else 'moving'}, {place}"
     home = home_of(mission)
     away_m = math.dist((frame.x_m, frame.y_m), (home.x_m, home.y_m))
     is_home = frame.cause.startswith(AT_HOME) or (went_home and away_m <= _NEARLY * home.tolerance_m)
-    return f"the robot is at home, {place}" if is_home else f"the robot stands {place}"
+    return f"the robot is at home, {place}" if is_home else f"the robot is {place}"
 
 
 def _next_name(mission: Mission, frame: Telemetry) -> str:

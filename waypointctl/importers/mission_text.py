@@ -41,7 +41,7 @@ def mission_text(
     """
     ground = placed(imported, where, origin, body or BODIES[imported.body])
     if not ground.stops:
-        raise MissionError("has no waypoint to go to: all it holds is where the robot starts", where=where)
+        raise MissionError("has no waypoint besides the start", where=where)
     text = "".join(f"{line}\n" for line in _lines(imported.name, ground, where, policy))
     parse_mission(text.encode(), f"{where} as a mission")
     return text, ground

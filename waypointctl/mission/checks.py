@@ -160,9 +160,9 @@ def windows_within(every_s: float | None, windows: Sequence[Window] | None) -> N
         ValueError: they do not, or there are none.
     """
     if every_s is not None and windows is None:
-        raise ValueError("there are no 'windows' that could recur")
+        raise ValueError("needs 'windows'")
     if every_s is not None and windows and windows[-1].to_s > every_s:
-        raise ValueError(f"{every_s:g} s is over before the last window ends, at {windows[-1].to_s:g} s")
+        raise ValueError(f"{every_s:g} s ends before the last window, which ends at {windows[-1].to_s:g} s")
 
 
 def alone(name: str, given: object, others: dict[str, object]) -> None:
@@ -178,7 +178,7 @@ def alone(name: str, given: object, others: dict[str, object]) -> None:
     """
     also = [other for other, value in others.items() if value]
     if given and also:
-        raise ValueError(f"'{name}' is there, and '{also[0]}' too: keep one")
+        raise ValueError(f"'{name}' and '{also[0]}' are both given: keep one")
 
 
 def _raise(title: str, errors: list[InitErrorDetails]) -> None:

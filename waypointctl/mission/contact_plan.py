@@ -77,7 +77,7 @@ def read_contact_plan(
     """
     if kind := kind_of(source):
         is_json = kind in (FileKind.JSON, FileKind.HDTN_PLAN)
-        wanted = ", not" if is_json else "; wanted is"
+        wanted = ", not" if is_json else "; expected is"
         text = f"{kind.value}{wanted} a contact plan in ION's terms ('a contact ...')"
         return Passage((), ()), (Problem(where, 0, 0, "", text),)
     plan = _Plan(TextReport(where), way, _moment(reference) if reference else None)
@@ -133,7 +133,7 @@ class _Plan:
             if len(rest) == 1:
                 self._offset_s = self._time(rest[0])
             else:
-                self.report.add(command, "'@' wants a time")
+                self.report.add(command, "'@' needs a time")
             return
         kind = rest[0].text if rest else ""
         if kind not in ("contact", "range") or command.text not in ("a", "c", "d"):
@@ -185,7 +185,7 @@ class _Plan:
                 self._hypothetical,
                 f"has no contact from node {source} to node {destination}; its contacts are {known}"
                 if self._hypothetical is None
-                else "this contact is hypothetical (a time is 0): it does not say when; mission start is +0",
+                else "this contact is hypothetical (a time is 0): it has no time; mission start is +0",
             )
         for contact in contacts if ranges is not None else ():
             gap_s = _gap(contact, ranges or ())
@@ -222,7 +222,7 @@ class _Plan:
         """Return what the words of a line say, or None after reporting what is wrong with them."""
         before = len(self.report.problems)
         if len(words) != len(wanted):
-            self.report.add(command, f"has {len(words)} values; wanted are {', '.join(wanted)}")
+            self.report.add(command, f"has {len(words)} values; expected are {', '.join(wanted)}")
             return None
         begin_s, end_s = self._time(words[0]), self._time(words[1])
         one, other = self._node(words[2]), self._node(words[3])

@@ -83,7 +83,7 @@ class TelemetryRate(FileModel):
 
     rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(5.0, description="frames a second")
     beacon_s: Annotated[float, Quantity("s", ge=1, le=DAY_S)] = Field(
-        60.0, description="between frames while the robot stands still and nothing happens"
+        60.0, description="between frames while the robot is at rest"
     )
 
 
@@ -102,13 +102,13 @@ class Mission(FileModel):
     """A mission."""
 
     schema_version: Annotated[Literal[2], BeforeValidator(known_version)] = Field(
-        SCHEMA_VERSION, description="of the keys in the file"
+        SCHEMA_VERSION, description="version of the file format"
     )
     name: Annotated[str, Field(min_length=1, max_length=80), AfterValidator(file_name)] = Field(
         description="letters, digits, '.', '_', '-' and spaces: it names the log"
     )
-    description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
-    seed: Annotated[int, Strict(), Field(ge=0, lt=2**63)] = Field(0, description="of everything that is random")
+    description: Annotated[str, Field(max_length=4000)] = Field("", description="free text for readers")
+    seed: Annotated[int, Strict(), Field(ge=0, lt=2**63)] = Field(0, description="seed of all random draws")
     robot: RobotName = Field(
         "ant",
         description="a robot that comes with waypointctl, or a folder (./NAME), relative to this file",
@@ -120,9 +120,9 @@ class Mission(FileModel):
     start: Start = Start()
     autonomy: Literal["mission", "waypoint", "short_range_goal", "joint"] = Field(
         "mission",
-        description="mission: the whole plan is sent at once; waypoint: each when the last was heard of; "
-        "short_range_goal: short-range goals from the pose last heard of; joint: every action, from the "
-        "state last heard of",
+        description="mission: the whole plan is sent at once; waypoint: one at a time, once the last has ended; "
+        "short_range_goal: short-range goals, from the last reported pose; joint: every action, from the last "
+        "reported state",
     )
     operator: OperatorScript = OperatorScript()
     commands: Commanding = Commanding()
@@ -167,7 +167,7 @@ class Mission(FileModel):
     @classmethod
     def _one_failure_rule(cls, onboard: Onboard, info: ValidationInfo) -> Onboard:
         if onboard.on_failure is not None and info.data.get("on_failure") is not None:
-            raise ValueError("has an 'on_failure', and the mission has one too: keep one")
+            raise ValueError("'on_failure' is also given at the top of the mission: keep one")
         return onboard
 
     @field_validator("repeat")
@@ -183,7 +183,7 @@ class Mission(FileModel):
     def _one_of_the_waypoints(cls, start_at: str | None, info: ValidationInfo) -> str | None:
         names = [name_of(index, waypoint) for index, waypoint in enumerate(info.data.get("waypoints", ()))]
         if start_at is not None and names and start_at not in names:
-            raise ValueError(f"{start_at!r} is no waypoint; there are {', '.join(names)}")
+            raise ValueError(f"{start_at!r} is not a waypoint; waypoints are {', '.join(names)}")
         return start_at
 
     @field_validator("expect")

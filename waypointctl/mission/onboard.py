@@ -27,7 +27,9 @@ class OnFailure(FileModel):
 class Stuck(FileModel):
     """When a robot counts as getting no closer to its waypoint."""
 
-    within_m: Annotated[float, Quantity("m", gt=0, le=100)] = Field(0.1, description="less than this is no progress")
+    within_m: Annotated[float, Quantity("m", gt=0, le=100)] = Field(
+        0.1, description="a smaller decrease of the distance is not progress"
+    )
     for_s: Annotated[float, Quantity("s", gt=0, le=DAY_S)] = Field(5.0, description="for this long")
 
 
@@ -35,7 +37,7 @@ class LinkLoss(FileModel):
     """What the robot does when nothing arrives from the operator."""
 
     after_s: Annotated[float, Quantity("s", gt=0, le=10 * DAY_S)] = Field(
-        description="since the last command or heartbeat; before the first there is no link to lose"
+        description="since the last command or heartbeat; the timer starts with the first"
     )
     do: Literal["finish", "hold", "return_home"] = Field(
         "finish", description="finish: complete the released waypoints; hold: stop until something arrives"
@@ -55,7 +57,7 @@ class Onboard(FileModel):
 
     former_keys: ClassVar[Mapping[str, str]] = {"slip": "stopped_tolerance", "slip_m": "stopped_tolerance_m"}
 
-    on_failure: OnFailure | None = Field(None, description="when a leg fails; may stand at the mission's top too")
+    on_failure: OnFailure | None = Field(None, description="when a leg fails; may also be a top-level key")
     stopped_tolerance_m: Annotated[float, Quantity("m", ge=0, le=100)] = Field(
         0.0, description="a waypoint this near counts as reached once the robot gets no closer; 0: never"
     )

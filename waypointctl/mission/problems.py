@@ -28,7 +28,7 @@ _EXPECTED: Final = {
     "float_parsing": "a number",
     "int_type": "a whole number",
     "int_parsing": "a whole number",
-    "int_parsing_size": "a whole number of a usual size",
+    "int_parsing_size": "a whole number of at most 4,300 digits",
     "int_from_float": "a whole number",
     "bool_type": "true or false",
     "bool_parsing": "true or false",
@@ -97,7 +97,7 @@ def problems_of(error: ValidationError, tree: Tree, where: str, model: type[Base
 def duplicate_problems(tree: Tree, where: str) -> list[Problem]:
     """Return a problem for each key that a mapping has twice."""
     return [
-        Problem(where, mark.line, mark.column, path_text(path), f"is there twice, first in line {tree.keys[path].line}")
+        Problem(where, mark.line, mark.column, path_text(path), f"duplicate key, first in line {tree.keys[path].line}")
         for path, mark in tree.duplicates
     ]
 

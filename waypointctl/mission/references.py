@@ -90,7 +90,7 @@ def _with_reference(problem: Problem, tree: Tree, where: str) -> Problem:
 
 
 def _as_predicate(problem: str) -> str:
-    return "is not there" if problem == NOT_THERE else problem
+    return "does not exist" if problem == NOT_THERE else problem
 
 
 def _references(tree: Tree) -> Iterator[tuple[DataPath, str]]:

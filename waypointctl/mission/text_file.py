@@ -73,7 +73,7 @@ def read_jitter(
     for word, *others in report.lines(source):
         value = _seconds(word, report, least_delay_s)
         if others:
-            report.add(others[0], f"'{others[0].text}' follows the number; one number of seconds stands on a line")
+            report.add(others[0], f"'{others[0].text}' follows the number; write one number of seconds a line")
         if value is not None:
             samples.append(value)
     if not samples and not report.problems:

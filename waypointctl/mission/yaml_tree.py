@@ -161,7 +161,7 @@ class _Builder:
         if self._documents > 1:
             raise YamlFault("a second document starts here; a file holds one", self.last)
         if event.version is not None and tuple(event.version) != (1, 2):
-            raise YamlFault("the file asks for another YAML than 1.2: leave the %YAML line out", self.last)
+            raise YamlFault("only YAML 1.2 is read: remove the %YAML line", self.last)
 
     def _take_node(self, event: NodeEvent) -> None:
         if event.anchor is not None:
@@ -245,7 +245,7 @@ def _escape_fault(text: str, begin: int) -> YamlFault | None:
 def _syntax_fault(error: MarkedYAMLError) -> YamlFault:
     mark = error.problem_mark or error.context_mark
     if error.problem and "'\\t'" in error.problem:
-        return YamlFault("is indented with a tab: YAML wants spaces", None if mark is None else _mark(mark))
+        return YamlFault("is indented with a tab: YAML needs spaces", None if mark is None else _mark(mark))
     found = ", ".join(part for part in (error.context, error.problem) if part)
     return YamlFault(f"is not YAML: {_first_line(found)}", None if mark is None else _mark(mark))
 

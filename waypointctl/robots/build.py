@@ -102,7 +102,9 @@ class _Builder:
         for index in np.flatnonzero(outside).tolist():
             low, high = np.rad2deg([self._low[index], self._high[index]]).tolist()
             name = self._names[index]
-            text = f"{name} stands at {degrees[index]:g} deg, and its range is {low:g} to {high:g} deg"
+            text = (
+                f"the nominal angle of {name} is {degrees[index]:g} deg, outside its range of {low:g} to {high:g} deg"
+            )
             self.problems.append((("nominal", "joints_deg", name), text))
         return nominal
 
@@ -123,7 +125,7 @@ class _Builder:
             if fault := self._fill_action(actuator, self._description.actions[number]):
                 self.problems.append((("actions", number, "kind"), fault))
         if missing := [name for i, name in enumerate(self._actuators.joints) if i not in groups]:
-            self.problems.append((("actions",), f"no entry is for {_listed(missing)}"))
+            self.problems.append((("actions",), f"no entry covers {_listed(missing)}"))
 
     def _fill_action(self, actuator: int, group: ActionGroup) -> str:
         """Return why a group cannot be that of an actuator, nothing where it is filled in."""
@@ -131,7 +133,7 @@ class _Builder:
         low, high = float(self._actuators.low[actuator]), float(self._actuators.high[actuator])
         joint = self._index[name]
         if servo != _SERVOS[type(group)]:
-            return f"{group.kind} is for a {_SERVOS[type(group)]} actuator, and that of {name} is a {servo} one"
+            return f"{group.kind} needs a {_SERVOS[type(group)]} actuator; {name} has a {servo} actuator"
         nominal = float(self.nominal[joint])
         match group:
             case TorqueFraction():
@@ -186,9 +188,9 @@ class _Builder:
         if unknown := [name for name in (*images, *images.values()) if name not in self._index]:
             return self._no_joint(unknown[0])
         if missing := set(self._names) - set(images):
-            return f"does not say what {_listed(sorted(missing))} becomes"
+            return f"has no image for {_listed(sorted(missing))}"
         if twice := [name for name in images.values() if list(images.values()).count(name) > 1]:
-            return f"two joints become {twice[0]}"
+            return f"two joints map to {twice[0]}"
         driven = set(self._actuators.joints)
         if mixed := [name for name, image in images.items() if (name in driven) != (image in driven)]:
             return f"{mixed[0]} and {images[mixed[0]]} do not both have an actuator"

@@ -30,7 +30,7 @@ Length: TypeAlias = Annotated[float, Quantity("m", ge=-100, le=100)]
 Angle: TypeAlias = Annotated[float, Quantity("deg", ge=-36_000, le=36_000)]
 Speed: TypeAlias = Annotated[float, Strict(), Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
 
-_JOINTS_TEXT: Final = "the joints that it is for: names, in which * stands for any text"
+_JOINTS_TEXT: Final = "names of the joints of this group; * matches any text"
 
 
 class TorqueFraction(FileModel):
@@ -98,7 +98,9 @@ class Camera(FileModel):
     position_m: tuple[Length, Length, Length] = Field(
         (0.0, 0.0, 0.3), description="from the base's origin: ahead, to the left, up"
     )
-    pitch_deg: Annotated[float, Quantity("deg", ge=-90, le=90)] = Field(0.0, description="below 0 it looks down")
+    pitch_deg: Annotated[float, Quantity("deg", ge=-90, le=90)] = Field(
+        0.0, description="below 0 the camera points down"
+    )
 
 
 class SymmetryMap(FileModel):
@@ -107,7 +109,7 @@ class SymmetryMap(FileModel):
     mirror: Annotated[bool, Strict()] = Field(False, description="left and right change places: y becomes -y")
     turn_deg: Angle = Field(0.0, description="then turned about the base's z axis, to the left")
     joints: Annotated[dict[JointName, JointName], Field(max_length=_MOST_JOINTS)] = Field(
-        description="the joint that each joint becomes; '-name' where its angle changes sign"
+        description="the joint that each joint maps to; '-name' where its angle changes sign"
     )
 
 
@@ -115,9 +117,9 @@ class RobotDescription(FileModel):
     """robot.yaml: what an MJCF does not say of a robot."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)] = Field(
-        description="what policies are made for"
+        description="robot name that a policy's manifest refers to"
     )
-    description: Annotated[str, Field(max_length=4000)] = Field("", description="for people")
+    description: Annotated[str, Field(max_length=4000)] = Field("", description="free text for readers")
     mjcf: Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_file_name)] = Field(
         description="the MJCF, a file of this folder; it has one floating base and the ground"
     )
@@ -127,7 +129,7 @@ class RobotDescription(FileModel):
     actions: Annotated[tuple[ActionGroup, ...], Field(min_length=1, max_length=_MOST_JOINTS)] = Field(
         description="what the numbers of an action mean; every actuator belongs to one entry"
     )
-    nominal: NominalPose = Field(description="how the robot stands")
+    nominal: NominalPose = Field(description="pose of the robot at the start and at a hold")
     stance: StanceGains = StanceGains()
     termination: Termination = Field(description="when the robot has fallen")
     feet: Annotated[tuple[JointName, ...], Field(max_length=_MOST_JOINTS)] = Field(

@@ -68,7 +68,7 @@ _PNG: Final = b"\x89PNG\r\n\x1a\n"
 _REFUSED: Final = {  # and why
     ("rangefinder", "camera"): "is not read: it casts a ray for each pixel",
     ("mesh", "builtin"): "is not read: give the mesh as a file or its vertices",
-    **{("size", name): "is not read; 'memory' says how much there is" for name in ("njmax", "nconmax", "nstack")},
+    **{("size", name): "is not read; use 'memory' instead" for name in ("njmax", "nconmax", "nstack")},
 }
 _COUNT: Final = re.compile(r"-1|[0-9]{1,9}")
 _KINDS: Final = ("dyntype", "gaintype", "biastype")

@@ -79,10 +79,10 @@ def _in_words(error: Exception) -> str:
 def _backend(asked: str) -> str:
     """Return which of mujoco's modules makes the context."""
     if asked in _OFF:
-        raise NoRendering(f"{VARIABLE}={asked} says so", hint=f"Unset {VARIABLE} to have pictures.")
+        raise NoRendering(f"{VARIABLE}={asked} turns rendering off", hint=f"Unset {VARIABLE} to have pictures.")
     if asked:
         if asked not in _ALLOWED:
-            raise NoRendering(f"{VARIABLE}={asked} is none of {', '.join(_ALLOWED)}", hint=f"Unset {VARIABLE}.")
+            raise NoRendering(f"{VARIABLE}={asked} is not one of {', '.join(_ALLOWED)}", hint=f"Unset {VARIABLE}.")
         return asked
     for backend, names in _LIBRARIES.items():
         if any(_loads(name) for name in names):

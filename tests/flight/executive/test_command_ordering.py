@@ -45,7 +45,7 @@ def test_an_abort_is_not_undone_by_what_was_issued_before_it(order: tuple[int, .
 def test_a_plan_that_comes_after_its_hold_stands_until_it_is_resumed() -> None:
     rig = arrived([Sent(GO_TO, (A,)), Sent(HOLD)], (2, 1))
     assert (rig.executive.mode, rig.executive.target, rig.stage(1)) == (Mode.PAUSED, A, Stage.STARTED)
-    assert rig.events[-1].text == "standing: by command 2"
+    assert rig.events[-1].text == "stopped: by command 2"
     rig.send(50.0, RESUME, id=3)
     assert rig.sense(51.0, "start") is Mode.NAVIGATING
     assert rig.sense(52.0, "a") is Mode.DONE

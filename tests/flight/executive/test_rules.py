@@ -32,7 +32,7 @@ def test_a_leg_is_begun_again_as_often_as_the_rule_says() -> None:
     assert rig.sense(29.98, "start") is Mode.NAVIGATING
     assert rig.sense(30.0, "start") is Mode.FAILED
     retried = [event.text for event in rig.events if event.kind is EventKind.LEG_RETRIED]
-    assert retried == ["a not reached within 10 s: try 2 of 3", "a not reached within 10 s: try 3 of 3"]
+    assert retried == ["a not reached within 10 s: attempt 2 of 3", "a not reached within 10 s: attempt 3 of 3"]
     assert rig.kinds.count(EventKind.WAYPOINT_TIMEOUT) == 1
 
 
@@ -99,7 +99,7 @@ def test_a_robot_that_gets_no_closer_is_stuck() -> None:
     assert rig.sense(5.98, (2.08, 0.0)) is Mode.NAVIGATING
     assert rig.sense(6.0, (2.08, 0.0)) is Mode.FAILED
     assert rig.ended(1) == (Stage.FAILED, "stuck")
-    assert event_of(rig, EventKind.WAYPOINT_STUCK).text == "a not reached, and no closer for 5 s"
+    assert event_of(rig, EventKind.WAYPOINT_STUCK).text == "a not reached: no progress for 5 s"
 
 
 def test_a_robot_that_gets_closer_is_not_stuck() -> None:
@@ -120,7 +120,7 @@ def test_a_near_miss_is_accepted_once_it_gets_no_closer() -> None:
     rig.sense(6.0, (4.2, 0.0))
     assert rig.executive.reached == (0,)
     assert event_of(rig, EventKind.WAYPOINT_REACHED).text == (
-        "a reached within the slip: 0.80 m away and no closer for 5 s"
+        "a reached within the stopped tolerance: 0.80 m away, no progress for 5 s"
     )
 
 

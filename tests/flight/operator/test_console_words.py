@@ -37,7 +37,7 @@ def test_each_command_becomes_its_order() -> None:
         ("goto a b", "goto takes X m Y m, not 'a b'"),
         ("goto nan 1", "goto takes X m Y m"),
         ("goto 1e9 0", "further than 10000 m"),
-        ("hold 3", "hold takes nothing after it"),
+        ("hold 3", "hold takes no argument"),
         ("hold 5 s", "`goto X m Y m hold 5 s` holds at a place"),
         ("goto 3 s 4 m", "has the unit 's'; allowed are mm, cm, m, km"),
         ("goto 3 m 4 m 5 m", "goto takes X m Y m, not '3 m 4 m 5 m'"),
@@ -101,8 +101,8 @@ YARD = mission_of("onboard: {geofence: {keep_in: [{center: [0 m, 0 m], radius: 2
         ("tolerance 101", "tolerance: 101 m is not"),
         ("timeout 0", "timeout: 0 s is not more than 0 s and at most 86400 s"),
         ("timeout 1e6", "timeout: 1e+06 s is not"),
-        ("release -2", "release: -2 is no number of waypoints; type 0 or more, or -1 for all"),
-        ("goto 30 0", "goto: (30, 0) is outside keep-in; the robot takes no goal there"),
+        ("release -2", "release: -2 is not a number of waypoints; type 0 or more, or -1 for all"),
+        ("goto 30 0", "goto: (30, 0) is outside keep-in; the mission's geofence allows no goal there"),
     ],
 )
 def test_what_can_never_be_obeyed_is_not_sent(line: str, said: str) -> None:
@@ -112,7 +112,7 @@ def test_what_can_never_be_obeyed_is_not_sent(line: str, said: str) -> None:
 
 
 def test_a_command_that_never_was_is_not_cancelled() -> None:
-    said = "cancel: 0 is no command; their ids count from 1"
+    said = "cancel: 0 is not a command id; ids count from 1"
     assert impossible(request_from("cancel 0", MISSION), MISSION).startswith(said)
     assert impossible(request_from("cancel 1", MISSION), MISSION) == ""
 

@@ -57,7 +57,10 @@ def test_a_lost_command_is_sent_again_under_its_id_and_the_loss_is_on_the_links_
     assert (lost.clock, lost.reason) == (Clock.LINK, NOISE)
     assert [(one.id, one.attempt) for one in channel.arrived] == [(1, 2)]
     texts = [one.text for one in told if isinstance(one, Event)]
-    assert texts == ["command 1 sent: hold", "command 1 sent again (sending 2): sending 1 was not acknowledged"]
+    assert texts == [
+        "command 1 sent: hold",
+        "command 1 sent again (transmission 2): transmission 1 was not acknowledged",
+    ]
 
 
 def test_a_command_is_given_up_after_its_retries() -> None:

@@ -34,19 +34,21 @@ def test_so_is_one_that_waits_or_was_told_to_hold() -> None:
 def test_a_mission_whose_time_is_over_first_says_it_too() -> None:
     late = {"max_time_s": 4.0}
     result, _ = flown(mission_of(FAR, on_failure={"then": "hold"}, expect=late))
-    assert result.reason.startswith("longer than 4 s; the robot holds after a failed leg at far: 0 of 1 waypoints")
+    assert result.reason.startswith(
+        "the mission took longer than 4 s; the robot holds after a failed leg at far: 0 of 1 waypoints"
+    )
     result, _ = flown(mission_of(FAR | {"timeout_s": 60.0}, expect=late))
-    assert result.reason.startswith("longer than 4 s: 0 of 1 waypoints")
+    assert result.reason.startswith("the mission took longer than 4 s: 0 of 1 waypoints")
 
 
 @pytest.mark.parametrize(
     ("cause", "said"),
     [
         ("geofence: the robot is outside keep-in", "the robot holds by its geofence: the robot is outside keep-in"),
-        ("link lost", "the robot holds because it hears nothing from the ground"),
+        ("link lost", "the robot holds because the link is lost"),
         ("leg failed: far timeout", "the robot holds after a failed leg at far"),
-        ("at home: stuck", "the robot is at home, where a rule on board has sent it (stuck)"),
-        ("", "the robot stands by a rule on board"),
+        ("at home: stuck", "a rule on board sent the robot home (stuck)"),
+        ("", "the robot holds because of a rule on board"),
     ],
 )
 def test_each_rule_has_its_words(cause: str, said: str) -> None:
@@ -61,7 +63,7 @@ def test_each_rule_has_its_words(cause: str, said: str) -> None:
         (
             {"onboard": {"link_loss": {"after_s": 0.5, "do": "hold"}}},
             "link lost",
-            "the robot holds because it hears nothing from the ground, and no command followed",
+            "the robot holds because the link is lost, and no command followed",
         ),
         (
             {"onboard": {"link_loss": {"after_s": 0.5, "do": "return_home"}}},
@@ -91,12 +93,12 @@ def test_one_that_has_nothing_to_go_on_with_needs_no_words(mode: Mode) -> None:
     ("mode", "place", "cause", "went_home", "said"),
     [
         (Mode.FALLEN, (1.0, 2.0), "", True, "the robot has fallen at (1.00, 2.00) m"),
-        (Mode.NAVIGATING, (1.0, 2.0), "", False, "the robot walks, at (1.00, 2.00) m"),
-        (Mode.RETURNING, (1.0, 2.0), "timeout", True, "the robot walks home, at (1.00, 2.00) m"),
+        (Mode.NAVIGATING, (1.0, 2.0), "", False, "the robot is moving, at (1.00, 2.00) m"),
+        (Mode.RETURNING, (1.0, 2.0), "timeout", True, "the robot is returning home, at (1.00, 2.00) m"),
         (Mode.SAFE, (0.6, 0.1), "at home: stuck", True, "the robot is at home, at (0.60, 0.10) m"),
         (Mode.IDLE, (0.6, 0.1), "", True, "the robot is at home, at (0.60, 0.10) m"),
-        (Mode.IDLE, (0.6, 0.1), "", False, "the robot stands at (0.60, 0.10) m"),
-        (Mode.PAUSED, (9.0, 0.1), "by command 3", True, "the robot stands at (9.00, 0.10) m"),
+        (Mode.IDLE, (0.6, 0.1), "", False, "the robot is at (0.60, 0.10) m"),
+        (Mode.PAUSED, (9.0, 0.1), "by command 3", True, "the robot is at (9.00, 0.10) m"),
     ],
 )
 def test_the_ground_says_where_the_robot_is(

@@ -61,7 +61,7 @@ def test_a_command_is_unknown_after_its_last_retry_until_anything_is_heard_of_it
     assert dispatcher.missing(1) == "no acknowledgement of command 1 (hold)"
     dispatcher.on_message(9100, late)
     assert dispatcher.unanswered == ()
-    assert dispatcher.missing(1) == "the end of command 1 (hold) was not heard of, only that it was started"
+    assert dispatcher.missing(1) == "no final stage received for command 1 (hold); its last known stage is started"
     dispatcher.on_message(9200, ack(Stage.COMPLETED))
     assert dispatcher.missing(1) == ""
 

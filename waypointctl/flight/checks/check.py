@@ -69,8 +69,8 @@ def _steering(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[
     age_s = seconds(traffic.round_trip_ns) + script.think_s + 1 / script.update_rate_hz
     if speed_mps * age_s > script.lookahead_m:
         text = (
-            f"a goal lies {script.lookahead_m:g} m ahead of a pose that is {age_s:.2f} s old, and the robot walks "
-            f"{speed_mps * age_s:.1f} m in that time: it stands and waits between goals"
+            f"a goal lies {script.lookahead_m:g} m ahead of a pose that is {age_s:.2f} s old, and the robot moves "
+            f"{speed_mps * age_s:.1f} m in that time: it stops and waits between goals"
         )
         yield Finding("steering", ("operator", "lookahead_m"), text)
 

@@ -21,8 +21,8 @@ JOINT_FALLS_FROM_S: Final = 0.04
 _WAYS: Final = ("up", "down")
 _ALL_LOST: Final = {
     ("up",): "every message up is lost: no command ever arrives",
-    ("down",): "every message down is lost: nothing is ever heard of the robot",
-    _WAYS: "every message is lost, both ways: no command ever arrives, and nothing is ever heard of the robot",
+    ("down",): "every message down is lost: no telemetry ever arrives",
+    _WAYS: "every message is lost, both ways: no command and no telemetry ever arrives",
 }
 
 
@@ -78,7 +78,7 @@ def _contacts(mission: Mission, way: str, contacts: Contacts, sizes: Mapping[str
     path = ("link", way, "windows" if getattr(mission.link, way).contact_plan is None else "contact_plan")
     if never := [(name, size) for name, size in sizes.items() if contacts.place(0, size) is None]:
         what, size = never[0]
-        text = f"{what} ({size} bytes) fits in no contact {way}: none will ever arrive"
+        text = f"{what} ({size} bytes) is larger than any contact {way} can carry: it never arrives"
         yield Finding("contact", path, text, prevents=len(never) == len(sizes))
         return
     what, size = max(sizes.items(), key=itemgetter(1))
@@ -86,8 +86,8 @@ def _contacts(mission: Mission, way: str, contacts: Contacts, sizes: Mapping[str
     if short := [each for each in windows if airtime_ns(size, each.rate_bps) > each.end_ns - each.begin_ns]:
         first = short[0]
         text = (
-            f"{what} ({size} bytes) takes {seconds(airtime_ns(size, first.rate_bps)):.3g} s, and {len(short)} of "
-            f"{len(windows)} contacts {way} are shorter, the one at {seconds(first.begin_ns):g} s first"
+            f"{what} ({size} bytes) takes {seconds(airtime_ns(size, first.rate_bps)):.3g} s to send; {len(short)} of "
+            f"{len(windows)} contacts {way} are shorter, first the one at {seconds(first.begin_ns):g} s"
         )
         yield Finding("contact", path, text)
 
@@ -101,8 +101,8 @@ def _queue(way: str, direction: Direction[Any], sizes: Mapping[str, int], *, is_
     too_large = [f"{what} has {size}" for what, size in sizes.items() if size > direction.queue_bytes]
     if is_waiting and too_large:
         text = (
-            f"the queue has room for {direction.queue_bytes} bytes; {', '.join(too_large)}: what has to wait, for a "
-            "contact or for what is being sent, is lost"
+            f"the queue has room for {direction.queue_bytes} bytes; {', '.join(too_large)}: a message that has "
+            "to wait, for a contact or for another message, is lost"
         )
         yield Finding("queue", ("link", way, "queue_bytes"), text)
 
@@ -111,7 +111,7 @@ def _telemetry_rate(traffic: Traffic) -> Iterator[Finding]:
     needed_bps, has_bps = traffic.telemetry_bps, traffic.down.contacts.mean_rate_bps
     if has_bps is not None and needed_bps > has_bps:
         text = (
-            f"telemetry comes to {needed_bps:.0f} bit/s, and the link down carries {has_bps:.0f}: telemetry waits, and "
+            f"telemetry needs {needed_bps:.0f} bit/s, and the link down carries {has_bps:.0f}: telemetry waits, and "
             "acknowledgements behind it; once the queue is full they are lost"
         )
         yield Finding("rate", ("link", "down", "rate_bps"), text)

@@ -105,7 +105,7 @@ def _nearness(mission: Mission) -> Iterator[Finding]:
         if distance_m < before.tolerance_m + leg.tolerance_m:
             text = (
                 f"{leg.name} is {distance_m:.2f} m from {before.name}, and their tolerances are {leg.tolerance_m:g} m "
-                f"and {before.tolerance_m:g} m: one place can be both"
+                f"and {before.tolerance_m:g} m: one place can satisfy both"
             )
             yield Finding("near", ("waypoints", leg.at), text)
 
@@ -134,7 +134,7 @@ def _tolerances(mission: Mission) -> Iterator[Finding]:
     for path, what, tolerance_m in given:
         if tolerance_m < SMALLEST_M:
             text = (
-                f"{what}: with a tolerance of {tolerance_m:g} m the robot may circle the place until its time is out; "
+                f"{what}: with a tolerance of {tolerance_m:g} m the robot may circle the place until its timeout; "
                 f"give {SMALLEST_M:g} m or more, or set onboard.stopped_tolerance so that a near miss counts"
             )
             yield Finding("tolerance", path, text)

@@ -57,7 +57,7 @@ def _through_the_fence(rules: Rules, places: Sequence[tuple[str, Point]], *, by_
     breaches = [(name, rules.fence.breach_between(place, home)) for place, name in reversed(inside.items())]
     name, breach = next(((name, breach) for name, breach in breaches if breach), ("", ""))
     if breach and (by_rule or all(breach for _, breach in breaches)):
-        follows = "the robot walks on" if rules.on_breach == "return_home" else "it will not be completed"
+        follows = "the robot continues to home" if rules.on_breach == "return_home" else "it will not be completed"
         text = f"the straight way home from {name} {crosses(breach)}: {follows}"
         yield Finding("fence", ("onboard", "geofence"), text)
 
@@ -70,7 +70,7 @@ def _stuck(mission: Mission, speed_mps: float) -> Iterator[Finding]:
     needed_s = SETTING_OUT_S + stuck.within_m / speed_mps
     if needed_s > stuck.for_s:
         text = (
-            f"{stuck.within_m:g} m in {stuck.for_s:g} s: a standing robot needs about {needed_s:.1f} s for that, at "
-            f"{speed_mps:.2f} m/s, and counts as stuck where it starts"
+            f"{stuck.within_m:g} m in {stuck.for_s:g} s: a robot that starts from rest needs "
+            f"about {needed_s:.1f} s for that, at {speed_mps:.2f} m/s, and counts as stuck where it starts"
         )
         yield Finding("stuck", ("onboard", "stuck"), text)

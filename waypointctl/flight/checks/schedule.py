@@ -26,12 +26,12 @@ _WITHOUT_EFFECT: Final[dict[tuple[str, str], str]] = {
     ("joint", "set_timeout"): _NO_PLAN,
     ("joint", "abort"): "the next action takes the motors again; hold stops it",
 }
-_LASTING: Final = ("go_to", "return_home")  # the others are over as soon as they are obeyed
+_LASTING: Final = ("go_to", "return_home")  # the others are completed as soon as they are executed
 _ENDING: Final = ("go_to", "return_home", "abort", "cancel", "skip")  # these end the plan, or a part of it
 
 
 def schedule_findings(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
-    """Yield scheduled commands that the robot does not obey, and a plan that is never released to its end."""
+    """Yield scheduled commands that the robot does not execute, and a plan that is never released to its end."""
     fence = fence_of(mission)
     for place, command in enumerate(mission.schedule):
         path = ("schedule", place)
@@ -64,11 +64,14 @@ def _too_late(mission: Mission, traffic: Traffic, command: ScheduledCommand) -> 
         return None  # that is said of the link
     if command.expires_s is not None and command.expires_s < arrives_s:
         text = f"{command.do} expires at {command.expires_s:g} s and arrives at about {arrives_s:.2f} s"
-        return "expires_s", f"{text}: it is not obeyed"
-    obeyed_s = max(arrives_s, command.not_before_s or 0.0)
-    if limit_s is not None and obeyed_s > limit_s:
-        field, when = ("not_before_s", "is kept until") if obeyed_s > arrives_s else ("at_s", "arrives at about")
-        return field, f"{command.do} {when} {obeyed_s:.2f} s, and the flight ends at {limit_s:g} s, its expect.max_time"
+        return "expires_s", f"{text}: it is not executed"
+    executed_s = max(arrives_s, command.not_before_s or 0.0)
+    if limit_s is not None and executed_s > limit_s:
+        field, when = ("not_before_s", "is kept until") if executed_s > arrives_s else ("at_s", "arrives at about")
+        return (
+            field,
+            f"{command.do} {when} {executed_s:.2f} s, and the flight ends at {limit_s:g} s, its expect.max_time",
+        )
     return None
 
 
@@ -78,7 +81,7 @@ def _without_effect(mission: Mission, command: ScheduledCommand) -> tuple[str, s
 
 
 def _over_already(mission: Mission) -> Iterator[Finding]:
-    """Yield what cancels a command that is over as soon as it is obeyed, where all numbers are known."""
+    """Yield what cancels a command that is completed as soon as it is executed, where all numbers are known."""
     if mission.autonomy != "mission":
         return
     in_turn = sorted(mission.schedule, key=lambda command: command.at_s)
@@ -87,7 +90,7 @@ def _over_already(mission: Mission) -> Iterator[Finding]:
             continue
         meant = in_turn[command.command - 2]
         if meant.do not in _LASTING and (meant.not_before_s or 0.0) <= command.at_s:
-            text = f"command {command.command} is the {meant.do} of {meant.at_s:g} s, which is over once it is obeyed"
+            text = f"command {command.command} is the {meant.do} of {meant.at_s:g} s, which completes at once"
             yield Finding("schedule", ("schedule", place, "command"), text)
 
 

@@ -64,7 +64,7 @@ def _rules_on_board(mission: Mission) -> Iterator[Finding]:
     if rule.retry:
         yield _unused((*place, "retry"), mission, _ON_BOARD)
     if rule.then == "return_home":
-        text = "does nothing under autonomy joint: the robot holds when a leg's time is out"
+        text = "does nothing under autonomy joint: the robot holds when a leg times out"
         yield Finding("unused", (*place, "then"), text)
 
 

@@ -110,7 +110,7 @@ class Executive:
         if (self.mode, Signal.TELEOPERATE) in TRANSITIONS:
             self._execution.clear()  # nothing is added to a plan that the ground has steered away from
             self._execution.machine.signal(Signal.TELEOPERATE)
-            self._execution.emit(now_ns, EventKind.TELEOPERATION_STARTED, "the ground has the motors")
+            self._execution.emit(now_ns, EventKind.TELEOPERATION_STARTED, "teleoperation started")
 
     def execute(self, now_ns: int, command: Command) -> None:
         """Take a command that has arrived. Each id is executed once."""

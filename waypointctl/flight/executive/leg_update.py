@@ -44,7 +44,7 @@ def _update_leg(execution: PlanExecution, now_ns: int, position: FloatArray) -> 
         missed = ""
         if verdict is LegStatus.NEAR_MISS:
             distance, stall = leg.distance_m(position), seconds(execution.rules.stall_ns)
-            missed = f" within the slip: {distance:.2f} m away and no closer for {stall:g} s"
+            missed = f" within the stopped tolerance: {distance:.2f} m away, no progress for {stall:g} s"
         if item is None:
             _come_home(execution, now_ns, missed)
         else:
@@ -106,10 +106,10 @@ def _fail_leg(execution: PlanExecution, now_ns: int, leg: Leg, code: str) -> Non
     name, item, tries = leg.waypoint.name, execution.plan.current, execution.rules.retries + 1
     why = f"not reached within {seconds(leg.waypoint.timeout_ns):g} s"
     if code == STUCK:
-        why = f"not reached, and no closer for {seconds(execution.rules.stall_ns):g} s"
+        why = f"not reached: no progress for {seconds(execution.rules.stall_ns):g} s"
     if leg.tries < tries:
         leg.begin_again(now_ns)
-        text = f"{name} {why}: try {leg.tries} of {tries}"
+        text = f"{name} {why}: attempt {leg.tries} of {tries}"
         execution.emit(now_ns, EventKind.LEG_RETRIED, text, item, Severity.WARNING)
         return
     kind = EventKind.WAYPOINT_STUCK if code == STUCK else EventKind.WAYPOINT_TIMEOUT

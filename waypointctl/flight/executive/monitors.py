@@ -32,7 +32,7 @@ class LinkMonitor:
         if not self.lost:
             return
         self.lost = False
-        execution.emit(now_ns, EventKind.LINK_RESTORED, "the ground is heard again")
+        execution.emit(now_ns, EventKind.LINK_RESTORED, "link restored: a message has arrived")
         if self.resumes_on_contact(execution):
             execution.resume(now_ns)
         elif execution.mode is Mode.SAFE and execution.cause in (LINK_LOST, AT_HOME + LINK_LOST):
@@ -49,7 +49,7 @@ class LinkMonitor:
             return
         self.lost = True
         does = _done_on_loss(execution)
-        text = f"nothing heard for {seconds(execution.rules.link_loss_ns):g} s{': ' * bool(does)}{does}"
+        text = f"link lost after {seconds(execution.rules.link_loss_ns):g} s without a message{': ' * bool(does)}{does}"
         execution.emit(now_ns, EventKind.LINK_LOST, text, severity=Severity.WARNING)
         if does == "hold":
             execution.suspend(now_ns, Signal.SAFE_HOLD, LINK_LOST)

@@ -95,7 +95,7 @@ class PlanExecution:
             return
         self.machine.signal(Signal.START_LEG)
         self.leg = Leg(item.waypoint, self.plan.following or item.waypoint, now_ns, best_ns=now_ns)
-        self.emit(now_ns, EventKind.LEG_STARTED, f"walking to {item.waypoint.name}", item)
+        self.emit(now_ns, EventKind.LEG_STARTED, f"driving to {item.waypoint.name}", item)
 
     def suspend(self, now_ns: int, signal: Signal, cause: str) -> None:
         """Stand, and keep what was under way for later; from a stand for one reason into one for another."""
@@ -106,11 +106,11 @@ class PlanExecution:
         paused = signal is Signal.PAUSE
         kind = EventKind.NAVIGATION_PAUSED if paused else EventKind.SAFE_HOLD_STARTED
         severity = Severity.INFO if paused else Severity.WARNING
-        self.emit(now_ns, kind, f"standing: {cause}", self.plan.current, severity)
+        self.emit(now_ns, kind, f"stopped: {cause}", self.plan.current, severity)
 
     def resume(self, now_ns: int) -> None:
         """Go on with what a pause kept it from; its clocks stood still meanwhile."""
-        self.emit(now_ns, EventKind.NAVIGATION_RESUMED, "going on", self.plan.current)
+        self.emit(now_ns, EventKind.NAVIGATION_RESUMED, "navigation resumed", self.plan.current)
         signal = None if self.suspended is None else RESUME_SIGNALS.get(self.suspended)
         self.cause = "" if self.home_id is None else self.home_cause
         if signal is None:  # it waited for a release, or what was under way is over
@@ -206,17 +206,17 @@ class PlanExecution:
         self.home_id = self.command_id = command_id
         self.cause = self.home_cause = cause
         self.leg = Leg(self.rules.home, self.rules.home, now_ns, best_ns=now_ns)
-        self.emit(now_ns, EventKind.RETURN_STARTED, f"walking home: {cause}" if cause else "walking home")
+        self.emit(now_ns, EventKind.RETURN_STARTED, f"returning home: {cause}" if cause else "returning home")
 
     def fail(self, now_ns: int, code: str) -> None:
         """End what is under way as failed: the plan, a single goal, or the way home."""
         self.machine.signal(Signal.FAIL)
         item = self.plan.current
-        kind, what = EventKind.PLAN_FAILED, "plan given up at {}"
+        kind, what = EventKind.PLAN_FAILED, "plan aborted at {}"
         if item is None:
-            kind, what = EventKind.RETURN_FAILED, "way home given up"
+            kind, what = EventKind.RETURN_FAILED, "return home aborted"
         elif item.alone:  # what follows is for the ground to decide, which has the rest of the plan
-            what = "{} given up"
+            what = "{} aborted"
         text = f"{what.format(item.waypoint.name if item else '')}: {code}"
         self.emit(now_ns, kind, text, item, Severity.ERROR)
         self.fail_all(now_ns, code)

@@ -91,7 +91,7 @@ def request_from(line: str, mission: Mission) -> CommandRequest:
     if word in _WORDS:
         if rest:
             also = "; `goto X m Y m hold 5 s` holds at a place" if word == "hold" else ""
-            raise ValueError(f"{word} takes nothing after it, not {rest!r}{also}")
+            raise ValueError(f"{word} takes no argument; found {rest!r}{also}")
         return CommandRequest(_WORDS[word])
     if word == "goto":
         return CommandRequest(CommandKind.GO_TO, (_place(rest, mission),))
@@ -172,13 +172,13 @@ def impossible(request: CommandRequest, mission: Mission) -> str:
         case CommandKind.SET_TIMEOUT if not is_timeout(request.value):
             return f"timeout: {request.value:g} s is not {_range(Timeout)}; type timeout 30 s, for instance"
         case CommandKind.RELEASE if request.released < -1:
-            return f"release: {request.released} is no number of waypoints; type 0 or more, or -1 for all"
+            return f"release: {request.released} is not a number of waypoints; type 0 or more, or -1 for all"
         case CommandKind.CANCEL if request.target_id < 1:
-            return f"cancel: {request.target_id} is no command; their ids count from 1, and `status` lists them"
+            return f"cancel: {request.target_id} is not a command id; ids count from 1, and `status` lists them"
     fence = fence_of(mission)
     breaches = ((place, fence.breach(place.x_m, place.y_m)) for place in request.waypoints)
     outside = next((f"({place.x_m:g}, {place.y_m:g}) {breach}" for place, breach in breaches if breach), "")
-    return f"goto: {outside}; the robot takes no goal there, the mission's geofence says so" if outside else ""
+    return f"goto: {outside}; the mission's geofence allows no goal there" if outside else ""
 
 
 def _range(field: object) -> str:

@@ -120,7 +120,7 @@ class Dispatcher:
         command = f"command {command_id} ({sent.request.words})"
         if sent.known.stage not in ONBOARD:
             return f"{UNANSWERED} of {command}"
-        return f"the end of {command} was not heard of, only that it was {sent.known.stage}"
+        return f"no final stage received for {command}; its last known stage is {sent.known.stage}"
 
     def issue(self, now_ns: int, request: CommandRequest) -> int:
         """Send a request; return the id that it has from now on."""
@@ -225,14 +225,14 @@ class Dispatcher:
             if not heard:
                 self._unanswered[command_id] = self._open.pop(command_id)
             return
-        why = f"sending {sent.attempt} was not acknowledged"
+        why = f"transmission {sent.attempt} was not acknowledged"
         if heard:
-            why = f"its end was not heard of, only that it was {sent.known.stage}"
+            why = f"no final stage received; its last known stage is {sent.known.stage}"
         self._announce(
             now_ns,
             EventKind.COMMAND_SENT,
             command_id,
-            f"sent again (sending {sent.attempt + 1}): {why}",
+            f"sent again (transmission {sent.attempt + 1}): {why}",
             Severity.WARNING,
         )
         self._send(now_ns, command_id)

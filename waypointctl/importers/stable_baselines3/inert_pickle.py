@@ -108,7 +108,7 @@ def _refuse_excess(pickled: bytes) -> None:
             raise ValueError(f"it does more than {MOST_OPERATIONS:,} operations")
         # The unpickler makes a table as long as the largest number that something is remembered under.
         if operation.name.endswith("PUT") and not (isinstance(argument, int) and 0 <= argument <= MOST_OPERATIONS):
-            raise ValueError(f"it remembers something as number {argument}")
+            raise ValueError(f"it uses the memo index {argument}")
 
 
 def array_of(value: object) -> FloatArray:
@@ -126,7 +126,7 @@ def array_of(value: object) -> FloatArray:
             function = origin.rpartition(".")[2]
             if origin.startswith("numpy"):
                 return _numpy_array(function, args, state)
-    raise ValueError(f"{value.origin if isinstance(value, Inert) else type(value).__name__} is no array of numbers")
+    raise ValueError(f"{value.origin if isinstance(value, Inert) else type(value).__name__} is not an array of numbers")
 
 
 def _numpy_array(function: str, args: tuple[Any, ...], state: Any) -> FloatArray:
@@ -138,7 +138,7 @@ def _numpy_array(function: str, args: tuple[Any, ...], state: Any) -> FloatArray
         case "scalar", (Inert() as dtype, bytes(content)), None:
             shape, order = (), "C"
         case _:
-            raise ValueError(f"numpy's {function} is no array of numbers")
+            raise ValueError(f"numpy's {function} is not an array of numbers")
     if not all(type(size) is int and size >= 0 for size in shape) or order not in ("C", "F"):
         raise ValueError("an array has a shape that cannot be")
     numbers = np.frombuffer(content, _dtype(dtype))
@@ -151,4 +151,4 @@ def _dtype(inert: Inert) -> np.dtype[Any]:
             _PLAIN_NUMBER.fullmatch(kind) and byte_order in _BYTE_ORDERS
         ):
             return np.dtype(byte_order + kind)
-    raise ValueError("an array's numbers are of no plain kind")
+    raise ValueError("an array has an unsupported number type")
