@@ -20,11 +20,15 @@ TEXT = """\
 
 <!-- Written by `python docs/executive.py` from waypointctl/flight/executive/state_machine.py: do not edit. -->
 
-The robot is in one mode at a time. A signal changes it; a mode that has no row for a signal cannot get it, and
-the program stops on one that it does, for that is a bug. What each command does is in [commands.md](commands.md); what
-the robot does by itself is in a mission's `onboard` block.
+The robot is in one mode at a time, and a signal changes the mode. Telemetry, the log and the run's display show the mode:
 
-`upright` stands for every mode but fallen: from each of them the arrow is there.
+```console
+$ waypointctl run missions/hold-and-resume.yaml
+```
+
+[commands.md](commands.md) describes what each command does, and the rules that a mission's `onboard` block sets. In the
+diagram `upright` stands for every mode except `fallen`. A signal that a mode has no transition for is a bug: the program
+stops with an error.
 
 ```mermaid
 stateDiagram-v2

@@ -42,7 +42,7 @@ class Stage(StrEnum):
     SENT = "sent"  # its first bit has left
     LOST = "lost"  # it will not arrive; nobody is told
     RECEIVED = "received"
-    REJECTED = "rejected"  # final: it cannot be obeyed
+    REJECTED = "rejected"  # final: it cannot be executed
     ACCEPTED = "accepted"
     STARTED = "started"
     COMPLETED = "completed"  # final
@@ -71,14 +71,14 @@ class Mode(StrEnum):
     """What the executive on board is doing."""
 
     IDLE = "idle"  # standing, no plan yet
-    NAVIGATING = "navigating"  # the policy has the motors
+    NAVIGATING = "navigating"  # the policy drives the motors
     HOLDING = "holding"  # standing at a waypoint for its hold time
     OBSERVING = "observing"  # standing at a waypoint and taking a picture
     WAITING = "waiting"  # standing before a waypoint that is not released yet
-    PAUSED = "paused"  # standing because it was told to hold
-    SAFE = "safe"  # standing because of the link's loss, a fence, or because it got no further
-    RETURNING = "returning"  # the policy has the motors, on the way home
-    TELEOPERATED = "teleoperated"  # the ground has the motors
+    PAUSED = "paused"  # standing by a hold command
+    SAFE = "safe"  # standing by a rule: link loss, geofence, no progress
+    RETURNING = "returning"  # the policy drives the motors, on the way home
+    TELEOPERATED = "teleoperated"  # the operator drives the motors
     DONE = "done"  # standing, the plan is finished
     FAILED = "failed"  # standing, the plan was given up
     FALLEN = "fallen"  # motors off
@@ -128,7 +128,7 @@ class EventKind(StrEnum):
     GEOFENCE_BREACHED = "geofence_breached"  # robot
     LINK_LOST = "link_lost"  # robot: nothing has arrived for too long
     LINK_RESTORED = "link_restored"  # robot
-    TELEOPERATION_STARTED = "teleoperation_started"  # robot: the ground has the motors
+    TELEOPERATION_STARTED = "teleoperation_started"  # robot: the operator drives the motors
     REST_STARTED = "rest_started"  # robot: it stands so still that physics sleeps until something happens
     REST_ENDED = "rest_ended"  # robot
     FALL = "fall"  # robot

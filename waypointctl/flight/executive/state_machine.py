@@ -19,17 +19,17 @@ class Signal(StrEnum):
 
     START_LEG = "start_leg"  # a leg begins
     AWAIT_RELEASE = "await_release"  # the next waypoint is not released
-    START_HOLD = "start_hold"  # a waypoint is reached that has a hold time
-    START_OBSERVATION = "start_observation"  # a waypoint is reached, or its hold over, that is to be observed
+    START_HOLD = "start_hold"  # a waypoint with a hold time is reached
+    START_OBSERVATION = "start_observation"  # a waypoint with an observation is reached, or its hold is over
     PAUSE = "pause"  # a hold is commanded
-    SAFE_HOLD = "safe_hold"  # a rule wants it to stand
-    RESUME_LEG = "resume_leg"  # the leg that was interrupted goes on
-    RESUME_HOLD = "resume_hold"  # the hold that was interrupted goes on
-    RESUME_OBSERVATION = "resume_observation"  # the observation that was interrupted goes on
-    RESUME_RETURN = "resume_return"  # the way home that was interrupted goes on
-    GO_HOME = "go_home"  # a command or a rule sends it home
-    COMPLETE = "complete"  # the plan, or the way home, is over
-    FAIL = "fail"  # the plan, or the way home, has failed
+    SAFE_HOLD = "safe_hold"  # a rule on board stops the robot
+    RESUME_LEG = "resume_leg"  # the leg that was interrupted continues
+    RESUME_HOLD = "resume_hold"  # the hold that was interrupted continues
+    RESUME_OBSERVATION = "resume_observation"  # the observation that was interrupted continues
+    RESUME_RETURN = "resume_return"  # the way home that was interrupted continues
+    GO_HOME = "go_home"  # a command or a rule starts the return home
+    COMPLETE = "complete"  # the plan, or the return home, is over
+    FAIL = "fail"  # the plan, or the return home, has failed
     TELEOPERATE = "teleoperate"  # an action arrives from the ground
     CLEAR = "clear"  # no command is left: cancelled, expired or aborted
     FALL = "fall"  # the robot has fallen
@@ -38,7 +38,7 @@ class Signal(StrEnum):
 UPRIGHT: Final = frozenset(Mode) - {Mode.FALLEN}
 UNDER_WAY: Final = frozenset({Mode.NAVIGATING, Mode.HOLDING, Mode.OBSERVING, Mode.WAITING, Mode.RETURNING})
 AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED})  # nothing is under way
-SUSPENDED: Final = frozenset({Mode.PAUSED, Mode.SAFE})  # what was under way may go on
+SUSPENDED: Final = frozenset({Mode.PAUSED, Mode.SAFE})  # what was under way can be resumed
 POLICY_MODES: Final = frozenset({Mode.NAVIGATING, Mode.RETURNING})  # the policy has the motors
 BUSY: Final = POLICY_MODES | {
     Mode.HOLDING,
