@@ -20,15 +20,15 @@ TEXT = """\
 
 <!-- Written by `python docs/executive.py` from waypointctl/flight/executive/state_machine.py: do not edit. -->
 
-The robot is in one mode at a time, and a signal changes the mode. Telemetry, the log and the run's display show the mode:
+The robot is in one mode at a time, and a signal changes the mode. Telemetry, the log and the display show the mode:
 
 ```console
 $ waypointctl run missions/hold-and-resume.yaml
 ```
 
 [commands.md](commands.md) describes what each command does, and the rules that a mission's `onboard` block sets. In the
-diagram `upright` stands for every mode except `fallen`. A signal that a mode has no transition for is a bug: the program
-stops with an error.
+diagram `upright` stands for every mode except `fallen`. A signal that a mode has no transition for is a bug: the
+program stops with an error.
 
 ```mermaid
 stateDiagram-v2

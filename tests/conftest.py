@@ -24,6 +24,7 @@ from waypointctl.policy.manifest import (
 )
 from waypointctl.policy.write import write_bundle
 from waypointctl.robots.load import load_robot
+from waypointctl.robots.robot import Robot
 from waypointctl.task.observation import layout
 from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
 
@@ -64,17 +65,22 @@ def random_network(sizes: tuple[int, ...], seed: int = 0, gain: float = 1.0) -> 
     return RandomNetwork(layers, 0.1 * rng.normal(size=sizes[0]), rng.uniform(0.5, 2.0, sizes[0]))
 
 
+def observation_of(robot: Robot) -> ObservationSpec:
+    """Return the egocentric layout of a robot, as a manifest has it."""
+    seen = layout("egocentric", robot)
+    names, units, scales = (tuple(column) for column in zip(*seen.components, strict=True))
+    return ObservationSpec(
+        layout="egocentric", groups=seen.groups, size=seen.size, names=names, units=units, scales=scales
+    )
+
+
 def describe(**changes: object) -> PolicyDescription:
     """Describe a policy for the ant in the egocentric layout, but for `changes`."""
-    seen = layout("egocentric", load_robot("ant"))
-    names, units, scales = (tuple(column) for column in zip(*seen.components, strict=True))
     description = PolicyDescription(
         name="tiny",
         robot="ant",
         control_period_ns=20_000_000,
-        observation=ObservationSpec(
-            layout="egocentric", groups=seen.groups, size=seen.size, names=names, units=units, scales=scales
-        ),
+        observation=observation_of(load_robot("ant")),
         action=ActionSpec(size=8, meaning="motor torque as a fraction of full torque", limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=(8, 8), activation="elu"),
         reward={"progress": 1.0, "fall": 200.0},

@@ -110,8 +110,8 @@ HOSTILE: dict[str, tuple[bytes, str]] = {
     ),
     "Tile": (network(node("Tile", "x s", "c"), LAST, s=sized(2**30, 1)), "the operator 'Tile'"),
     "Pad": (network(node("Pad", "x s", "c"), LAST, s=sized(0, 0, 0, 2**40)), "the operator 'Pad'"),
-    "tuple[float, float]": (
-        network(node("tuple[float, float]", "a b c", "d"), LAST, a=0.0, b=1e12, c=1.0),
+    "Range": (
+        network(node("Range", "a b c", "d"), LAST, a=0.0, b=1e12, c=1.0),
         "numbers that are not|the operator 'Ran",
     ),
     "OneHot": (network(node("OneHot", "a b c", "d"), LAST, a=sized(1), b=sized(2**40), c=sized(0, 1)), "'OneHot'"),

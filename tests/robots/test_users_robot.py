@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from tests.conftest import observation_of
 from tests.robots.folders import write_folder
 from waypointctl.cli.app import app
 from waypointctl.evaluation.evaluate import evaluate
@@ -68,7 +69,8 @@ def work(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., Lo
     robot = load_robot(write_folder(folder / "robots" / "beetle", beetle()))
     (folder / "missions").mkdir()
     (folder / "missions" / "stroll.yaml").write_text(MISSION)
-    return Work(folder, robot, make_policy(folder / "policy", seed=3, robot="beetle"))
+    policy = make_policy(folder / "policy", seed=3, robot="beetle", observation=observation_of(robot))
+    return Work(folder, robot, policy)
 
 
 @pytest.fixture(scope="module")

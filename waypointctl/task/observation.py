@@ -6,7 +6,7 @@ same in the robot's own yaw frame, so that what is learnt in one direction holds
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -70,6 +70,11 @@ def _actions(robot: Robot) -> Sequence[str]:
     return [f"{robot.joint_names[joint]}.action" for joint in robot.actuated]
 
 
+def _base(*parts: str) -> Callable[[Robot], Sequence[str]]:
+    """Return what names parts of the base's state after the robot's base."""
+    return lambda robot: [f"{robot.base}.{part}" for part in parts]
+
+
 def _feet(robot: Robot) -> Sequence[str]:
     return [f"{name}.contact" for name in robot.feet]
 
@@ -127,21 +132,21 @@ GROUPS: Final = (
     _group("joint_angles", "rad", _angles, _copied(lambda view: view.body.joints)),
     _group("joint_speeds", "rad/s", _speeds, _copied(lambda view: view.body.joint_rates)),
     _group("joint_speeds_scaled", "rad/s", _speeds, _copied(lambda view: view.body.joint_rates), JOINT_RATE_SCALE),
-    _group("position", "m", ("torso.x", "torso.y", "torso.z"), _copied(lambda view: view.body.position)),
-    _group("height", "m", ("torso.z",), _copied(lambda view: view.body.position[:, 2:3])),
-    _group("velocity", "m/s", ("torso.vx", "torso.vy", "torso.vz"), _copied(lambda view: view.body.velocity)),
+    _group("position", "m", _base("x", "y", "z"), _copied(lambda view: view.body.position)),
+    _group("height", "m", _base("z"), _copied(lambda view: view.body.position[:, 2:3])),
+    _group("velocity", "m/s", _base("vx", "vy", "vz"), _copied(lambda view: view.body.velocity)),
     _group(
         "heading_velocity",
         "m/s",
-        ("torso.v_ahead", "torso.v_left", "torso.v_up"),
+        _base("v_ahead", "v_left", "v_up"),
         _heading_velocity,
     ),
-    _group("orientation", "rad", ("torso.roll", "torso.pitch", "torso.yaw"), _orientation),
-    _group("roll_pitch", "rad", ("torso.roll", "torso.pitch"), _roll_pitch),
+    _group("orientation", "rad", _base("roll", "pitch", "yaw"), _orientation),
+    _group("roll_pitch", "rad", _base("roll", "pitch"), _roll_pitch),
     _group(
         "angular_velocity",
         "rad/s",
-        ("torso.rate_x", "torso.rate_y", "torso.rate_z"),
+        _base("rate_x", "rate_y", "rate_z"),
         _copied(lambda view: view.body.rates),
     ),
     _group("waypoints", "m", _GOALS, _copied(lambda view: view.goals.reshape(-1, 4))),
