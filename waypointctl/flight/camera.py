@@ -18,11 +18,11 @@ FORMAT: Final = "png"
 
 
 class OnboardCamera:
-    """A robot's camera. It is set up at the first picture: a flight without one pays nothing; use it in `with`.
+    """A robot's camera, set up at the first picture. Use it in `with`.
 
     Attributes:
         taken: how many pictures it has taken.
-        trouble: why it takes none, and how to fix that; empty where it can, or has not been asked to.
+        trouble: why it takes no pictures, and how to fix that; empty where it can, or no picture was requested.
     """
 
     def __init__(self, robot: Robot, waypoints: Iterable[PlannedWaypoint]) -> None:

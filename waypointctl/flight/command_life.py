@@ -39,7 +39,7 @@ class StageReport:
     Attributes:
         stage: of it.
         reason: empty, or why it was rejected or failed.
-        time_ns: on the clock of the end at which the command came to this stage.
+        time_ns: on the clock of the side that recorded the stage.
     """
 
     stage: Stage

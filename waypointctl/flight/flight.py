@@ -70,7 +70,7 @@ class Flight:
         self._vehicle.place(*draw_start(mission.start, robot, stream(seed, "start", 0)), noise)
         self._now_ns = 0
         self._checkpoint_ns = 0
-        self._ground_ns = 0  # when the operator last heard or did anything
+        self._ground_ns = 0  # when the operator was last active
         self._known_ns: int | None = None  # when the operator ended the mission
 
     @property
@@ -105,7 +105,7 @@ class Flight:
             self._note_end()
 
     def exchange(self) -> None:
-        """Let the ground live up to now, and the robot execute what has arrived, until there is silence."""
+        """Run the operator up to now and let the robot execute what has arrived, until nothing is due."""
         while not self._end_condition.is_done(self._now_ns):
             at_ns = self._next_on_ground_ns
             if at_ns is not None and at_ns <= self._now_ns:
@@ -128,14 +128,14 @@ class Flight:
 
     @property
     def _next_on_ground_ns(self) -> int | None:
-        """When the ground hears something or wants to act [ns]; None for never."""
+        """When the next message arrives on the ground or the operator acts [ns]; None for never."""
         arrival_ns, wake_ns = self._downlink.direction.next_arrival_ns, self._station.wake_ns
         if arrival_ns is None or wake_ns is None:
             return wake_ns if arrival_ns is None else arrival_ns
         return min(arrival_ns, wake_ns)
 
     def _step_ground(self, at_ns: int) -> None:
-        """Let the ground hear what arrives at this moment; if nothing does, let it do what it has planned."""
+        """Deliver what arrives on the ground at this moment; if nothing does, run what is due there."""
         self._ground_ns = at_ns
         on_contact = next(self._downlink.due(at_ns), None)
         if on_contact is None:
@@ -153,7 +153,7 @@ class Flight:
             )
 
     def sense(self) -> None:
-        """Let the robot look at where it is."""
+        """Update the robot's state."""
         self._vehicle.sense(self._now_ns)
 
     def act(self) -> None:
@@ -187,17 +187,15 @@ class Flight:
         return self._now_ns + max(steps, 1) * self._period_ns
 
     def end(self) -> FlightResult:
-        """Close the flight with the outcome that the operator's belief gives it."""
+        """Close the flight with the outcome that follows from the operator's knowledge."""
         done = self._end_condition.is_done(self._now_ns)
-        on_contact = (
-            done and self._now_ns - self._ground_ns < self._period_ns
-        )  # what was waited for has just been heard
+        on_contact = done and self._now_ns - self._ground_ns < self._period_ns  # the awaited report has just arrived
         ended_ns = self._ground_ns if on_contact else self._now_ns
         late = self._out_of_time and not done
         return self._close(result_of(self._mission, self._station, ended_ns, self._known_ns, late=late))
 
     def interrupt(self) -> FlightResult:
-        """Close the flight because somebody asked for it."""
+        """Close the flight on request."""
         reached, total, now_ns = len(self._station.reached), self._mission.num_legs, self._now_ns
         facts = f"{reached} of {total} waypoints known to be reached"
         return self._close(FlightResult("interrupted", facts, reached, total, now_ns, now_ns, self._mission.seed))

@@ -1,4 +1,4 @@
-"""What a flight's log says before its first message: everything that replay needs, and where it came from."""
+"""The header of a flight's log: everything that replay needs, and its provenance."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ ROBOT_FILE_HASH: Final = "sha256_robot/"
 MJB: Final = "model.mjb"
 POLICY_FOLDER: Final = "policy/"
 NAVIGATOR_CLASS: Final = "navigator_class"  # of a navigator of the caller's own: the log does not carry it
-POLICY_CLASS: Final = "policy_class"  # of a policy that is no bundle: the log does not carry it
+POLICY_CLASS: Final = "policy_class"  # of a policy that is not a bundle: the log does not carry it
 REWARD_WEIGHTS: Final = "reward_weights"  # of such a policy, JSON
 _WEIGHTS: Final = TypeAdapter(dict[str, float])
 _DECISIVE_PARTS: Final = ("mission", "sim", "robots", "task", "policy", "flight", "log", "seeding.py", "units.py")
@@ -50,10 +50,10 @@ class PolicyNotInLog(Policy):
     """A policy that a log names and does not carry: its class, and what a replay needs besides its actions."""
 
     def __init__(self, metadata: Mapping[str, str], robot: Robot) -> None:
-        """Take what a log says of the policy that drove `robot`.
+        """Read from a log's header which policy drove `robot`.
 
         Raises:
-            LogError: the weights of its reward are no numbers by name.
+            LogError: its reward weights are not a mapping of names to numbers.
         """
         self.class_name = metadata.get(POLICY_CLASS, "")
         self._metadata = metadata
@@ -198,7 +198,7 @@ def _processor() -> str:
         return platform.processor()
     facts = (line.partition(":")[2].strip() for line in lines if line.startswith(("model name", "flags")))
     name, flags = next(facts, ""), next(facts, "")
-    # Float kernels are chosen by the processor's features, so the name alone says too little; numpy's can be switched.
+    # Float kernels are chosen by the processor's features, so the name alone is not enough; numpy's can be switched.
     features = f"{flags} {np.show_config(mode='dicts')['SIMD Extensions']}"
     return f"{name} ({hashlib.sha256(features.encode()).hexdigest()[:8]})"
 

@@ -27,7 +27,7 @@ class FlightResult:
     Attributes:
         outcome: "success", "failure" or "interrupted".
         reason: why, in a few words.
-        waypoints_reached: that the operator has heard of.
+        waypoints_reached: known to the operator.
         waypoints_total: in the mission.
         sim_time_ns: when the flight ended, on the operator's clock, from mission start.
         known_ns: when the operator knew how the mission had gone; what was begun on board may have gone on.
@@ -60,7 +60,7 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     """Return how a flight ended.
 
     Args:
-        mission: what was asked.
+        mission: the mission.
         station: the ground at the end.
         ended_ns: when it ended [ns].
         known_ns: when the operator had ended the mission [ns]; None where it has not.
@@ -91,7 +91,7 @@ def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: 
 
 
 def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) -> tuple[str, str]:
-    """Return why a mission failed, empty if it did not, and what was expected of it, where that says why."""
+    """Return why a mission failed, empty if it did not, and what was expected of it, where that explains it."""
     total, reached, frame = mission.num_legs, len(station.reached), station.reported.telemetry
     wanted = total if mission.expect.reached == "all" else mission.expect.reached
     stands = standing_reason(mission, frame)
@@ -112,11 +112,11 @@ def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) ->
     return "", ""
 
 
-_NEARLY: Final = 1.5  # times home's tolerance: the robot stands a little way on from where it stopped
+_NEARLY: Final = 1.5  # times home's tolerance: the robot moves on a little after it stops driving
 
 
 def standing_reason(mission: Mission, frame: Telemetry | None) -> str:
-    """Return what a robot waits for that stands with something left to do; empty for one that does not."""
+    """Return what a stopped robot with open commands waits for; empty for any other."""
     if frame is None:
         return ""
     if frame.mode is Mode.PAUSED:
@@ -127,7 +127,7 @@ def standing_reason(mission: Mission, frame: Telemetry | None) -> str:
 
 
 def _why_safe(mission: Mission, frame: Telemetry) -> str:
-    """Return which rule on board made the robot stand."""
+    """Return which rule on board stopped the robot."""
     if frame.cause.startswith(AT_HOME):
         return f"a rule on board sent the robot home ({frame.cause.removeprefix(AT_HOME)})"
     if frame.cause.startswith(LEG_FAILED):
@@ -140,12 +140,12 @@ def _why_safe(mission: Mission, frame: Telemetry) -> str:
 
 
 def last_known_place(mission: Mission, frame: Telemetry | None, *, went_home: bool) -> str:
-    """Return where the robot is, as far as the ground knows; empty where it has heard nothing.
+    """Return where the robot is, as far as the ground knows; empty without telemetry.
 
     Args:
-        mission: what was asked.
+        mission: the mission.
         frame: the newest that has arrived.
-        went_home: whether the ground has heard of a way home.
+        went_home: whether the ground knows of a return home.
     """
     if frame is None:
         return ""
@@ -161,7 +161,7 @@ def last_known_place(mission: Mission, frame: Telemetry | None, *, went_home: bo
 
 
 def _next_name(mission: Mission, frame: Telemetry) -> str:
-    """Return the waypoint that the robot is about; where it does not say so, the first that it has not reached."""
+    """Return the robot's target waypoint; without one in the frame, the first that it has not reached."""
     names = {leg.index: leg.name for leg in mission.legs()}
     if frame.target in names:
         return names[frame.target]

@@ -1,4 +1,4 @@
-"""What the robot reports of itself: frames at a rate, acknowledgements, and every state where a pilot flies it."""
+"""Telemetry of the robot: frames at a rate, acknowledgements, and every state under teleoperation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _Standing: TypeAlias = tuple[Mode, int, int, tuple[CommandStatus, ...], str]
 
 @dataclass(slots=True)
 class TelemetryChanges:
-    """Keeps the number of the first frame that tells what the newest frame sent tells, apart from where it is.
+    """Keeps the number of the first frame with the content of the newest frame sent, apart from the pose.
 
     Attributes:
         first: the number of that frame.
@@ -31,20 +31,20 @@ class TelemetryChanges:
     _standing: _Standing | None = None
 
     def sent(self, frame: Telemetry) -> None:
-        """Take note of a frame that is sent; `first` changes with what it tells."""
+        """Record a frame that is sent; `first` changes with its content."""
         self.newest = frame.frame
         standing = frame.mode, frame.target, len(frame.reached), frame.commands, frame.cause
         if standing != self._standing:
             self.first, self._standing = frame.frame, standing
 
     def unreported(self, executive: Executive) -> bool:
-        """Return whether no frame has told yet how the robot stands."""
+        """Return whether no frame has reported the current state yet."""
         target = -1 if executive.target is None else executive.target.index
         reached = executive.num_reached
         return self._standing != (executive.mode, target, reached, executive.statuses, executive.cause)
 
     def reported_in(self, frame: Telemetry | None) -> bool:
-        """Return whether a frame that has arrived tells how the robot stands now; None for no frame yet."""
+        """Return whether a frame that has arrived reports the current state; None for no frame yet."""
         return frame is not None and frame.frame >= self.first
 
 
@@ -52,12 +52,12 @@ Downlink: TypeAlias = LoggedDirection[Ack | Telemetry | BodyFrame]
 
 
 class Reporter:
-    """Sends down what the ground is to know.
+    """Sends telemetry and acknowledgements.
 
     Attributes:
         next_ns: when the next frame is due [ns].
         frames: how many have been sent.
-        news: which frame was the first to tell how the robot stands.
+        changes: which frame was the first with the robot's current state.
     """
 
     def __init__(self, downlink: Downlink, period_ns: int, beacon_ns: int, *, every_state: bool) -> None:
@@ -115,7 +115,7 @@ class Reporter:
         self._downlink.send(now_ns, lambda arrives_ns: Ack(it.command_id, it.stage, it.reason, now_ns, arrives_ns))
 
     def state(self, now_ns: int, step: int, plant: SingleRobot) -> None:
-        """Send the state of the body, where every one is asked for."""
+        """Send the state of the body, where every state is reported."""
         if not self.every_state:
             return
         qpos, qvel = plant.qpos[0].copy(), plant.qvel[0].copy()

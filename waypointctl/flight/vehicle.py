@@ -78,7 +78,7 @@ class Vehicle:
         self.step = 0
         self._policy = policy
         self._navigator = navigator or DirectNavigator()
-        self._goals: FloatArray = np.zeros((1, 2, 2))  # that the policy walks to
+        self._goals: FloatArray = np.zeros((1, 2, 2))  # the policy's goals
         self._layout = layout(policy.observation_layout, robot, plugins)
         self._reward = RewardFunction(reward_weights(policy, plugins), plugins)
         self._no_reward: FloatArray = np.zeros((1, len(self._reward.names)))
@@ -117,7 +117,7 @@ class Vehicle:
         self._reporter.frame(now_ns, self.executive, self._body)
 
     def sense(self, now_ns: int) -> None:
-        """Let the executive look at the world; report at the telemetry rate and whenever how it stands changes."""
+        """Update the executive with the robot's state; report at the telemetry rate and on changes."""
         if self.executive.mode is Mode.TELEOPERATED and now_ns - self._control_ns >= TELEOPERATION_TIMEOUT_NS:
             self.executive.release()
         self.executive.sense(now_ns, self._body.position, self._fell, float(self._body.yaw[0]))
@@ -148,7 +148,7 @@ class Vehicle:
     def is_still(self, now_ns: int) -> bool:
         """Return the same, without recording it."""
         if self._reporter.every_state and now_ns - self._control_ns < TELEOPERATION_TIMEOUT_NS:
-            return False  # a pilot lives on the states that it is sent
+            return False  # teleoperation needs every state
         return not self._driven and now_ns - self._moved_ns >= REST_AFTER_NS
 
     @property
@@ -162,7 +162,7 @@ class Vehicle:
         return self._reporter.next_ns if due_ns is None else min(due_ns, self._reporter.next_ns)
 
     def act(self, now_ns: int) -> None:
-        """Log what is, choose an action, apply it for one control period, log what it was paid."""
+        """Log the state, choose an action, apply it for one control period, log its reward."""
         self.log_state(now_ns)
         source, commanded = self._choose(now_ns)
         applied = clip_actions(commanded)
@@ -177,7 +177,7 @@ class Vehicle:
             self._moved_ns = now_ns + self.robot.control_period_ns
 
     def close(self, now_ns: int) -> None:
-        """End, in the log, what is still open at the end of the flight; nobody is told any more."""
+        """Log the end of every command still open at the end of the flight; no acknowledgement is sent."""
         self._closed = True
         self.executive.close(now_ns)
 

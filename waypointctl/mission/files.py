@@ -58,7 +58,7 @@ def parse_mission(source: bytes, where: str, files: Mapping[str, bytes] | None =
     Args:
         source: the text.
         where: names it in messages.
-        files: what stands in the files that it refers to, by their names in it.
+        files: the contents of the files that it refers to, by their names in it.
 
     Raises:
         MissionError: it is not a mission; everything wrong with it is listed with line and column.

@@ -62,7 +62,7 @@ def _time_limit(mission: Mission, least_s: float) -> Iterator[Finding]:
 
 
 def _steering(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
-    """Yield short-range goals that the robot reaches before the next one arrives, steered continuously."""
+    """Yield short-range goals that the robot reaches before the next one arrives, under continuous steering."""
     script = mission.operator
     if mission.autonomy != "short_range_goal" or script.steering != "continuous" or traffic.round_trip_ns is None:
         return

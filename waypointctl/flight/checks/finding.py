@@ -1,4 +1,4 @@
-"""What may go wrong in a mission, and where its file says so."""
+"""A finding: what may go wrong in a mission, and where in its file."""
 
 from __future__ import annotations
 

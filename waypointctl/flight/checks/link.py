@@ -14,7 +14,7 @@ from waypointctl.mission.link import Bursts, Link, Loss
 from waypointctl.mission.mission import Mission
 from waypointctl.units import seconds
 
-# From this round trip on nobody balances the ant from the ground: 0 of 20 flights of each route, against 19 and 13 of
+# From this round trip on the ant cannot be balanced remotely: 0 of 20 flights of each route, against 19 and 13 of
 # 20 at 0.02 s (docs/delay.md, "joint, by round trip").
 JOINT_FALLS_FROM_S: Final = 0.04
 

@@ -15,7 +15,7 @@ from waypointctl.mission.mission import Leg, Mission
 from waypointctl.units import seconds
 
 # The evaluations go down to 0.2 m. Within 0.05 m the shipped policy reaches a waypoint in the same time; within 0.02 m
-# it walks around it, 1.6 times as long, within 0.001 m until its time is out (six flights each).
+# it circles around it, 1.6 times as long, within 0.001 m until its time is out (six flights each).
 SMALLEST_M: Final = 0.05
 
 _REJECTED: Final = {
@@ -35,7 +35,7 @@ def route_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
 
 
 def walking_time_s(mission: Mission, speed_mps: float) -> float:
-    """Return how long the robot walks and stands at least, its legs' timeouts considered [s]."""
+    """Return the least time for the robot's legs and holds, its legs' timeouts considered [s]."""
     tries = 1 + mission.failure_rule.retry
     walked_s = (min(way_m / speed_mps, leg.timeout_s * tries) for leg, _, way_m in _ways(mission))
     stands_s = (leg.hold_s + leg.observe * seconds(OBSERVATION_NS) for leg in mission.legs())
@@ -111,7 +111,7 @@ def _nearness(mission: Mission) -> Iterator[Finding]:
 
 
 def _timeouts(mission: Mission, speed_mps: float) -> Iterator[Finding]:
-    """Yield legs whose time is out before they can be walked."""
+    """Yield legs whose timeout is shorter than the drive."""
     tries = 1 + mission.failure_rule.retry
     for leg, _, way_m in _ways(mission):
         needed_s = way_m / speed_mps
@@ -122,7 +122,7 @@ def _timeouts(mission: Mission, speed_mps: float) -> Iterator[Finding]:
 
 
 def _tolerances(mission: Mission) -> Iterator[Finding]:
-    """Yield tolerances that are finer than a policy walks, where a near miss does not count."""
+    """Yield tolerances that are finer than the policy reaches, where a near miss does not count."""
     if mission.onboard.stopped_tolerance_m >= SMALLEST_M:
         return
     given = [(("waypoints", leg.at, "tolerance_m"), leg.name, leg.tolerance_m) for leg in mission.legs()]

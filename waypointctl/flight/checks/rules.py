@@ -52,7 +52,7 @@ def _through_the_fence(rules: Rules, places: Sequence[tuple[str, Point]], *, by_
     """Yield a straight way home that breaks the fence: from any of the places, or, not by a rule, from all of them."""
     home = (rules.home.x_m, rules.home.y_m)
     if rules.fence.breach(*home):
-        return  # that is said of home itself
+        return  # reported for home itself
     inside = {place: name for name, place in reversed(places) if not rules.fence.breach(*place)}
     breaches = [(name, rules.fence.breach_between(place, home)) for place, name in reversed(inside.items())]
     name, breach = next(((name, breach) for name, breach in breaches if breach), ("", ""))
@@ -63,7 +63,7 @@ def _through_the_fence(rules: Rules, places: Sequence[tuple[str, Point]], *, by_
 
 
 def _stuck(mission: Mission, speed_mps: float) -> Iterator[Finding]:
-    """Yield a rule by which a robot that walks at the policy's speed counts as stuck."""
+    """Yield a rule by which a robot that moves at the policy's speed counts as stuck."""
     stuck = mission.onboard.stuck
     if stuck is None or mission.autonomy == "joint":
         return

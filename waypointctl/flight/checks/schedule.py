@@ -61,7 +61,7 @@ def _too_late(mission: Mission, traffic: Traffic, command: ScheduledCommand) -> 
         return "at_s", f"{command.do} is never sent: no contact up has room for it from {command.at_s:g} s on"
     arrives_s = seconds(arrives_ns)
     if loses_all(mission.link.up.loss):
-        return None  # that is said of the link
+        return None  # reported for the link
     if command.expires_s is not None and command.expires_s < arrives_s:
         text = f"{command.do} expires at {command.expires_s:g} s and arrives at about {arrives_s:.2f} s"
         return "expires_s", f"{text}: it is not executed"

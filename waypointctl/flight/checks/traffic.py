@@ -42,7 +42,7 @@ class Traffic:
 
     @property
     def telemetry_bps(self) -> float:
-        """What the robot's telemetry comes to while it walks [bit/s]."""
+        """Rate of the robot's telemetry while it moves [bit/s]."""
         return self.frame_bytes * BITS_PER_BYTE * self._mission.telemetry.rate_hz
 
     def arrival_ns(self, scheduled: ScheduledCommand, sent_ns: int) -> int | None:

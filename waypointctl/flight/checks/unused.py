@@ -1,4 +1,4 @@
-"""Findings on what a mission says without effect: keys that its autonomy, or another key, leaves unused."""
+"""Findings on keys without effect: those that the autonomy, or another key, leaves unused."""
 
 from __future__ import annotations
 

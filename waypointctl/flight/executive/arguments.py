@@ -1,4 +1,4 @@
-"""What a command has to be before the robot looks at its own standing: the arguments, within a mission's bounds."""
+"""Checks of a command's arguments, independent of the robot's state: within a mission's bounds."""
 
 from __future__ import annotations
 

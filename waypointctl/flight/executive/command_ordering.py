@@ -6,11 +6,11 @@ link may bring an older command after a newer one: because its jitter keeps no o
 and sent again. A newer command that was executed *follows* such an older one, unless the older one's `not_before` is
 later than the newer one's start. An abort follows every older command, for it ends those too that wait. Then
 
-- an older command that a newer one which follows it had done with is dropped (SKIPPED, "overtaken by command 7"):
-  `_DONE_WITH_BY` says which kind does that to which. The newer one's `do` was executed already; the older one must not
-  undo it. An abort that is dropped itself has still done with all that is older.
+- an older command is dropped if a newer one that follows it made it obsolete (SKIPPED, "overtaken by command 7"):
+  `_OBSOLETED_BY` lists which kinds do that. The newer command was executed already; the older one must not undo it. An
+  abort that is dropped still makes all older commands obsolete.
 - a newer command that changes how one that it follows is carried out (hold, release, tolerance, time-out, cancel) is
-  remembered for those that are still to come.
+  stored for those that are still to arrive.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from waypointctl.log.messages import Command, CommandKind
 _FOR_EVER_NS: Final = 2**63 - 1
 _ALL: Final = 2**31
 
-# They put an end to all that was under way.
+# They end everything that is under way.
 ENDING: Final = frozenset(
     {CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME, CommandKind.ABORT},
 )
-_DONE_WITH_BY: Final = {kind: ENDING for kind in CommandKind if kind is not CommandKind.CANCEL} | {
-    CommandKind.CANCEL: frozenset[CommandKind](),  # it names what it is about
+_OBSOLETED_BY: Final = {kind: ENDING for kind in CommandKind if kind is not CommandKind.CANCEL} | {
+    CommandKind.CANCEL: frozenset[CommandKind](),  # it names its target
     CommandKind.HOLD: ENDING | {CommandKind.RESUME},
     CommandKind.RESUME: ENDING | {CommandKind.HOLD},
     CommandKind.SET_TOLERANCE: ENDING | {CommandKind.SET_TOLERANCE},
@@ -39,12 +39,12 @@ _DONE_WITH_BY: Final = {kind: ENDING for kind in CommandKind if kind is not Comm
 
 @dataclass(frozen=True, slots=True)
 class _Mark:
-    """What is remembered of a command that was executed.
+    """What is stored about a command that was executed.
 
     Attributes:
         start_ns: when it was to start; an abort's is later than any.
         command_id: of it.
-        released: how many waypoints it released, counted from the plan's first; 0 where it is no release.
+        released: how many waypoints it released, counted from the plan's first; 0 for other kinds.
         value: the tolerance [m] or the time-out [s] that it set.
     """
 
@@ -57,15 +57,15 @@ class _Mark:
         """Return whether it is newer than another, and was not to start before it."""
         return self.command_id > command.id and self.start_ns >= command.not_before_ns
 
-    def says_all_of(self, other: _Mark) -> bool:
-        """Return whether another need not be remembered: what that one follows, this one follows after it."""
+    def covers(self, other: _Mark) -> bool:
+        """Return whether the other mark is redundant: this one follows every command that the other follows."""
         newer = self.command_id >= other.command_id and self.start_ns >= other.start_ns
         return newer and self.released >= other.released
 
 
 @dataclass(slots=True)
-class Sequence:
-    """What has been executed, as far as it matters for older commands that are still to come.
+class CommandOrdering:
+    """The executed commands, as far as they affect older commands that are still to arrive.
 
     Attributes:
         kept: every command has come in its turn so far: ids 1, 2, 3, ... Then all of this follows from them.
@@ -73,7 +73,7 @@ class Sequence:
 
     kept: bool = True
     _newest: int = 0
-    _obeyed: dict[CommandKind, list[_Mark]] = field(default_factory=dict)
+    _executed: dict[CommandKind, list[_Mark]] = field(default_factory=dict)
     # What has not arrived yet: by which command, and when that one was to start [ns].
     _cancelled: dict[int, tuple[int, int]] = field(default_factory=dict)
 
@@ -89,19 +89,19 @@ class Sequence:
             start_ns = _FOR_EVER_NS
         elif kind is CommandKind.RELEASE:
             released = _ALL if command.released < 0 else command.released
-        new, marks = _Mark(start_ns, command.id, released, command.value), self._obeyed.setdefault(kind, [])
-        if not any(mark.says_all_of(new) for mark in marks):
-            marks[:] = [*(mark for mark in marks if not new.says_all_of(mark)), new]
+        new, marks = _Mark(start_ns, command.id, released, command.value), self._executed.setdefault(kind, [])
+        if not any(mark.covers(new) for mark in marks):
+            marks[:] = [*(mark for mark in marks if not new.covers(mark)), new]
 
     def overtaking(self, command: Command) -> int | None:
-        """Return the newest command that an older one comes too late for; None if it does not."""
-        marks = self._following(command, _DONE_WITH_BY[command.kind])
+        """Return the newest command that makes an older one obsolete; None if there is none."""
+        marks = self._following(command, _OBSOLETED_BY[command.kind])
         return max((mark.command_id for mark in marks), default=None)
 
     def held_by(self, command: Command) -> int | None:
-        """Return the hold that a command has to stand still for although it comes after it; None if there is none."""
+        """Return the newer hold that applies to a command although it was executed before; None if there is none."""
         last = self._last(command, CommandKind.HOLD, CommandKind.RESUME)
-        return None if last is None or last not in self._obeyed.get(CommandKind.HOLD, ()) else last.command_id
+        return None if last is None or last not in self._executed.get(CommandKind.HOLD, ()) else last.command_id
 
     def released_for(self, command: Command) -> int:
         """Return how many waypoints newer commands have released, counted from the plan's first; -1 for all."""
@@ -114,7 +114,7 @@ class Sequence:
         return None if last is None else last.value
 
     def cancel(self, target_id: int, by_id: int, start_ns: int) -> None:
-        """Remember that a command which has not arrived yet is not wanted any more, from some time on [ns]."""
+        """Store that a command which has not arrived yet is cancelled from a time on [ns]."""
         self._cancelled.setdefault(target_id, (by_id, start_ns))
 
     def take_cancel(self, command: Command) -> tuple[int, bool] | None:
@@ -130,20 +130,21 @@ class Sequence:
         settings = (CommandKind.SET_TOLERANCE, CommandKind.SET_TIMEOUT)
         return {
             "executed": {
-                kind.value: [[mark.command_id, mark.start_ns] for mark in marks] for kind, marks in self._obeyed.items()
+                kind.value: [[mark.command_id, mark.start_ns] for mark in marks]
+                for kind, marks in self._executed.items()
             },
-            "released": [[mark.command_id, mark.released] for mark in self._obeyed.get(CommandKind.RELEASE, ())],
+            "released": [[mark.command_id, mark.released] for mark in self._executed.get(CommandKind.RELEASE, ())],
             "values": {
-                kind.value: [[mark.command_id, mark.value] for mark in self._obeyed[kind]]
+                kind.value: [[mark.command_id, mark.value] for mark in self._executed[kind]]
                 for kind in settings
-                if kind in self._obeyed
+                if kind in self._executed
             },
             "cancelled": [[target_id, *cancel] for target_id, cancel in self._cancelled.items()],
         }
 
     def _following(self, command: Command, kinds: Iterable[CommandKind]) -> list[_Mark]:
         """Return what was executed of some kinds that follows a command."""
-        return [mark for kind in kinds for mark in self._obeyed.get(kind, ()) if mark.follows(command)]
+        return [mark for kind in kinds for mark in self._executed.get(kind, ()) if mark.follows(command)]
 
     def _last(self, command: Command, *kinds: CommandKind) -> _Mark | None:
         """Return the last of what was executed of some kinds that follows a command."""

@@ -13,13 +13,13 @@ from typing import Final
 from waypointctl.flight.command_life import NOT_STARTED, may_follow
 from waypointctl.log.messages import FINAL_STAGES, Clock, Command, CommandStage, CommandStatus, Stage
 
-_IN_A_FRAME: Final = 3  # commands whose stage a frame of telemetry tells
+_IN_A_FRAME: Final = 3  # commands whose stage a frame of telemetry carries
 _REMEMBERED: Final = 256  # of the commands that have ended, in a checkpoint: its size is not to grow with the flight
 
 
 @dataclass(slots=True)
 class Record:
-    """Where a command stands.
+    """The state of a command on board.
 
     Attributes:
         stage: the last it has come to.
@@ -127,12 +127,12 @@ class CommandTracker:
 
     @property
     def statuses(self) -> tuple[CommandStatus, ...]:
-        """What a frame of telemetry tells of commands: the newest that have not ended, and those that ended last."""
+        """Command statuses in a frame of telemetry: the newest open commands, and those that ended last."""
         if self._statuses is None:
-            told = list(islice(reversed(self._open), _IN_A_FRAME - 1))
-            told += list(islice(reversed(self._ended), _IN_A_FRAME - len(told)))
+            reported = list(islice(reversed(self._open), _IN_A_FRAME - 1))
+            reported += list(islice(reversed(self._ended), _IN_A_FRAME - len(reported)))
             of = self.records
-            self._statuses = tuple(CommandStatus(i, of[i].stage, of[i].reason) for i in sorted(told))
+            self._statuses = tuple(CommandStatus(i, of[i].stage, of[i].reason) for i in sorted(reported))
         return self._statuses
 
     def expired(self, now_ns: int) -> list[int]:
@@ -154,8 +154,8 @@ class CommandTracker:
     def state(self) -> dict[str, object]:
         """Return it as plain data; of commands that ended long ago, which may be thousands, only how many they are."""
         newest = list(islice(reversed(self.records), _REMEMBERED))[::-1]
-        told = dict.fromkeys([*sorted(self._open.keys() - set(newest)), *newest])
-        records: dict[str, object] = {str(command_id): asdict(self.records[command_id]) for command_id in told}
+        listed = dict.fromkeys([*sorted(self._open.keys() - set(newest)), *newest])
+        records: dict[str, object] = {str(command_id): asdict(self.records[command_id]) for command_id in listed}
         older = {"older": len(self.records) - len(records)} if len(records) < len(self.records) else {}
         pending = [{**asdict(command), "waypoints": [asdict(w) for w in command.waypoints]} for command in self.pending]
         return {"records": records, "pending": pending, **older}

@@ -1,6 +1,6 @@
-"""What each kind of command does on board; start.py says when it comes to that.
+"""What each kind of command does on board; start.py decides when it is executed.
 
-docs/commands.md is the table of this for people.
+docs/commands.md has this as a table for users.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ class Behaviour:
 
     Attributes:
         do: does it, at a time [ns].
-        objection: says why it cannot be executed now; empty if it can.
-        lateness: says why it is of no use any more; empty if it is.
-        lasts: whether it goes on until waypoints are over; the others are completed when they are done.
+        objection: returns why it cannot be executed now; empty if it can.
+        lateness: returns why it is too late to be of use; empty if it is not.
+        lasts: whether it runs until its waypoints are over; the others complete at once.
         waits: whether it is STARTED by the plan, when its turn comes.
     """
 
@@ -45,7 +45,7 @@ def by(command_id: int) -> str:
 
 
 def names_of(command: Command) -> str:
-    """Return what a command is about, for people."""
+    """Return what a command refers to, for messages."""
     match command.kind:
         case CommandKind.CANCEL:
             return f"{command.target_id}"
@@ -131,7 +131,7 @@ def _hold(execution: PlanExecution, now_ns: int, command: Command) -> None:
 
 
 def _resume(execution: PlanExecution, now_ns: int, command: Command) -> None:
-    if execution.can_go_on:  # else what it resumes after is still to come
+    if execution.can_go_on:  # else the hold that it ends is still to arrive
         execution.resume(now_ns)
 
 
@@ -172,7 +172,7 @@ def _cancel(execution: PlanExecution, now_ns: int, command: Command) -> None:
 
 
 def end_command(execution: PlanExecution, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
-    """End an open command, under way or not; the robot goes on with what other commands want, or stands."""
+    """End an open command, under way or not; the robot continues with other commands, or stops."""
     if command_id in execution.under_way:
         execution.remove_command(now_ns, command_id, stage, reason)
     else:

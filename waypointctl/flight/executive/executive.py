@@ -52,7 +52,7 @@ class Executive:
             report: takes each stage of a command at its moment.
             announce: takes every event.
             remind: takes the stage that a command is in when it arrives once more.
-            rules: what the robot does by itself; without them it gives a plan up when a leg fails, and no more.
+            rules: what the robot does by itself; without them it only aborts a plan when a leg fails.
         """
         self._announce = announce
         self._tracker = CommandTracker(report, remind)
@@ -92,12 +92,12 @@ class Executive:
 
     @property
     def goals(self) -> FloatArray:
-        """The waypoint it walks to and the next, (1, 2, 2) [m]; zeros while there is none."""
+        """The current waypoint and the next, (1, 2, 2) [m]; zeros while there is none."""
         return self._execution.goals
 
     @property
     def target(self) -> PlannedWaypoint | None:
-        """The waypoint it walks to, stands at, or goes on with after a pause."""
+        """The waypoint it drives to, holds at, or resumes after a pause."""
         return self._execution.target
 
     def on_contact(self, now_ns: int) -> None:
@@ -108,7 +108,7 @@ class Executive:
         """Take note that an action has arrived from the ground; it gets the motors if nothing is under way on board."""
         self.on_contact(now_ns)
         if (self.mode, Signal.TELEOPERATE) in TRANSITIONS:
-            self._execution.clear()  # nothing is added to a plan that the ground has steered away from
+            self._execution.clear()  # teleoperation ends the plan
             self._execution.machine.signal(Signal.TELEOPERATE)
             self._execution.emit(now_ns, EventKind.TELEOPERATION_STARTED, "teleoperation started")
 
@@ -188,18 +188,18 @@ class Executive:
 
     @property
     def plans(self) -> bool:
-        """Whether it does something more by itself, now or later, while the link is no worse than it is."""
+        """Whether it does something by itself, now or later, provided that the link does not get worse."""
         pending = self._tracker.pending and not self._link.blocks_commands(self._execution)
         return bool(pending) or self.mode in BUSY or self._tracker.next_expiry_ns is not None
 
     @property
     def waits_for_ground(self) -> bool:
-        """Whether it goes on as soon as anything is heard from the ground: a rule made it stand when nothing was."""
+        """Whether it resumes with the next message from the ground: it holds because of a link loss."""
         return self._link.lost and (bool(self._tracker.pending) or self._link.resumes_on_contact(self._execution))
 
     @property
     def gives_up_ns(self) -> int | None:
-        """Until when something has to be heard, or it gives up what it stands with and walks home [ns]; None: never."""
+        """Until when a message has to arrive before it aborts what it holds and returns home [ns]; None: never."""
         execution = self._execution
         goes_home = (
             execution.rules.on_link_loss == "return_home" and execution.home_id is None and bool(execution.under_way)
@@ -208,12 +208,12 @@ class Executive:
 
     @property
     def cause(self) -> str:
-        """Why it stands or walks home, where a rule or a command says so."""
+        """The rule or command because of which it is stopped or returning home."""
         return self._execution.cause
 
     @property
     def statuses(self) -> tuple[CommandStatus, ...]:
-        """What a frame of telemetry tells of its commands."""
+        """The command statuses in a frame of telemetry."""
         return self._tracker.statuses
 
     def release(self) -> None:
@@ -226,9 +226,9 @@ class Executive:
             self._tracker.advance(now_ns, command_id, Stage.CANCELLED, FLIGHT_ENDED)
 
     def next_ns(self, now_ns: int) -> int | None:
-        """Return when something is due by itself while the robot stands; None if nothing is.
+        """Return when the next action is due by itself while the robot is stopped; None if none is.
 
-        That is a time to look at the world again, not before `now_ns`; one that moves always has something to look at.
+        At that time the executive has to be updated, not before `now_ns`; a moving robot is always updated.
         """
         if self.policy_active or self.mode is Mode.TELEOPERATED:
             return now_ns
@@ -244,7 +244,7 @@ class Executive:
         return max(now_ns, min(times)) if times and self.mode is not Mode.FALLEN else None
 
     def state(self) -> dict[str, object]:
-        """Return all that a replay needs to go on from here, as plain data."""
+        """Return all that a replay needs to continue from here, as plain data."""
         watches = {"link": asdict(self._link), "fence": asdict(self._fence)}
         # While every command has come in its turn, the sequence follows from the commands themselves.
         ordering = {} if self._execution.ordering.kept else {"sequence": self._execution.ordering.state()}

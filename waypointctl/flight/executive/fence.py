@@ -1,7 +1,7 @@
 """The geofence: areas that the robot is to stay in, and areas that it is to stay out of.
 
 A border belongs to its area. With several areas to stay in, being in one of them is enough, or all of them are required
-where the fence says so; every area to stay out of counts for itself.
+as `keep_in_match` sets; every area to stay out of counts for itself.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ class Fence:
 
 
 def crosses(breach: str) -> str:
-    """Return what a way does on which a place breaks the fence, as `breach` says: "crosses keep-out 1"."""
+    """Return what a path that breaks the fence does, from the text of `breach`: "crosses keep-out 1"."""
     return breach.replace("is inside", "crosses").replace("is outside", "leaves")
 
 

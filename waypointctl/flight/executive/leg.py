@@ -18,11 +18,11 @@ FloatArray = NDArray[np.float64]
 
 
 class LegStatus(Enum):
-    """How a leg stands."""
+    """Status of a leg."""
 
     ON_THE_WAY = auto()
     REACHED = auto()
-    NEAR_MISS = auto()  # within the slip, and getting no closer
+    NEAR_MISS = auto()  # within the stopped tolerance, without progress
     STUCK = auto()
     OUT_OF_TIME = auto()
 
@@ -33,7 +33,7 @@ class Leg:
 
     Attributes:
         waypoint: where to.
-        following: where to after that; the waypoint itself where there is nothing after it.
+        following: the waypoint after that; the waypoint itself where it is the last.
         since_ns: when its clock began.
         tries: how often it has been begun.
         best_m: the smallest distance that counted as progress.
@@ -77,7 +77,7 @@ class Leg:
     def assess(self, now_ns: int, position: FloatArray, rules: Rules) -> LegStatus:
         """Look at where the robot is, position (1, >= 2) [m]."""
         if now_ns == self.since_ns:
-            return LegStatus.ON_THE_WAY  # a leg is judged after its first control period, as in training
+            return LegStatus.ON_THE_WAY  # a leg is assessed after its first control period, as in training
         if reached(self._acceptance, position, self.goals[:, 0])[0]:
             return LegStatus.REACHED
         if rules.watches_progress and self._stalled(now_ns, position, rules):

@@ -1,4 +1,4 @@
-"""What the robot's place and time make of the walk: waypoints reached, held and observed, and legs that fail."""
+"""Update the plan's execution with the robot's position and time: waypoints reached, held, observed; legs that fail."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from waypointctl.units import NS_PER_S, seconds
 FloatArray = NDArray[np.float64]
 
 OBSERVE: Final = "observe"
-OBSERVATION_NS: Final = NS_PER_S  # how long the robot stands for a picture
+OBSERVATION_NS: Final = NS_PER_S  # how long the robot stops for a picture
 
 _CODES: Final = {LegStatus.OUT_OF_TIME: TIMEOUT, LegStatus.STUCK: STUCK}
 

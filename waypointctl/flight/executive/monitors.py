@@ -1,4 +1,4 @@
-"""What the robot watches while it does something else: the link to the ground, and the fence."""
+"""Monitors on board: the link to the ground, and the geofence."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from waypointctl.units import seconds
 
 @dataclass(slots=True)
 class LinkMonitor:
-    """Whether the ground is still heard.
+    """Detects the loss of the link.
 
-    What follows when it is heard again: a robot that stands because of the loss goes on with what it was kept from;
-    one that went home because of it is idle there, or walks on until it is, for its plan has been given up.
+    When the link is restored, a robot that holds because of the loss resumes what was interrupted. One that returned
+    home because of it is idle there, or continues home, because its plan has been aborted.
 
     Attributes:
-        heard_ns: when anything last arrived; None before the first, when there is no link to lose yet.
+        last_ns: when a message last arrived; None before the first.
         lost: whether that is too long ago.
     """
 
-    heard_ns: int | None = None
+    last_ns: int | None = None
     lost: bool = False
 
     def on_contact(self, execution: PlanExecution, now_ns: int) -> None:
         """Take note that something has arrived."""
-        self.heard_ns = now_ns
+        self.last_ns = now_ns
         if not self.lost:
             return
         self.lost = False
@@ -39,11 +39,11 @@ class LinkMonitor:
             execution.stand_idle()
 
     def resumes_on_contact(self, execution: PlanExecution) -> bool:
-        """Return whether the robot stands because of the loss, and has something to go on with."""
+        """Return whether the robot holds because of the loss, and has something to resume."""
         return execution.mode is Mode.SAFE and execution.cause == LINK_LOST and execution.can_go_on
 
     def check(self, execution: PlanExecution, now_ns: int) -> None:
-        """Do what the rules say once nothing has arrived for too long."""
+        """Apply the rule for link loss once nothing has arrived for too long."""
         deadline_ns = self.deadline_ns(execution)
         if deadline_ns is None or now_ns <= deadline_ns:
             return
@@ -59,9 +59,9 @@ class LinkMonitor:
 
     def deadline_ns(self, execution: PlanExecution) -> int | None:
         """Return until when something has to arrive; None if nothing has to."""
-        if self.lost or self.heard_ns is None or not execution.rules.link_loss_ns:
+        if self.lost or self.last_ns is None or not execution.rules.link_loss_ns:
             return None
-        return self.heard_ns + execution.rules.link_loss_ns
+        return self.last_ns + execution.rules.link_loss_ns
 
     def blocks_commands(self, execution: PlanExecution) -> bool:
         """Return whether commands that were kept for later have to wait for the link."""
@@ -69,7 +69,7 @@ class LinkMonitor:
 
 
 def _done_on_loss(execution: PlanExecution) -> str:
-    """Return which rule changes what the robot does now that the link is lost; empty where it goes on as it is."""
+    """Return the rule that changes what the robot does when the link is lost; empty where nothing changes."""
     rule = execution.rules.on_link_loss
     if rule == "hold":
         return rule if (execution.mode, Signal.SAFE_HOLD) in TRANSITIONS else ""
@@ -80,21 +80,21 @@ def _done_on_loss(execution: PlanExecution) -> str:
 
 @dataclass(slots=True)
 class FenceMonitor:
-    """Whether the robot has walked out of its fence. One that walks back in from outside is left alone.
+    """Detects that the robot leaves its geofence. Coming back in from outside has no effect.
 
     Attributes:
-        outside: whether it was out when it last walked.
+        outside: whether it was outside when it last moved.
     """
 
     outside: bool = False
 
     def check(self, execution: PlanExecution, now_ns: int, x_m: float, y_m: float) -> None:
-        """Do what the rules say when a robot that moves crosses the fence.
+        """Apply the rule for a breach when a moving robot crosses the fence.
 
-        One that the ground steers has no plan to abort: it stands until a command, not an action, says otherwise.
+        A teleoperated robot has no plan to abort: it holds until a command, not an action, arrives.
         """
-        steered = execution.mode is Mode.TELEOPERATED
-        if execution.mode not in POLICY_MODES and not steered:
+        teleoperated = execution.mode is Mode.TELEOPERATED
+        if execution.mode not in POLICY_MODES and not teleoperated:
             return
         breach = execution.rules.fence.breach(x_m, y_m)
         was_outside, self.outside = self.outside, bool(breach)
@@ -102,7 +102,7 @@ class FenceMonitor:
             return
         text = f"the robot at ({x_m:.2f}, {y_m:.2f}) {breach}"
         execution.emit(now_ns, EventKind.GEOFENCE_BREACHED, text, execution.plan.current, Severity.ERROR)
-        if execution.rules.on_breach == "hold" or (execution.rules.on_breach == "abort" and steered):
+        if execution.rules.on_breach == "hold" or (execution.rules.on_breach == "abort" and teleoperated):
             execution.suspend(now_ns, Signal.SAFE_HOLD, f"{GEOFENCE}: the robot {breach}")
         elif execution.rules.on_breach == "abort":
             execution.fail(now_ns, GEOFENCE)

@@ -28,7 +28,7 @@ class PlanItem:
         waypoint: as it was commanded, or as it was changed since.
         command_id: of the command that brought it.
         on_failure: what that command wants when the leg fails; empty for the robot's own rule.
-        released: whether the robot may walk to it.
+        released: whether the robot may drive to it.
         over: reached and its task done, skipped, or taken back.
         alone: commanded as a single goal, not as part of a plan.
     """
@@ -43,7 +43,7 @@ class PlanItem:
 
 @dataclass(slots=True)
 class Plan:
-    """What is to be walked. Items that are over stay, so that counts and places never shift.
+    """The plan on board. Items that are over stay, so that counts and places never shift.
 
     Attributes:
         items: in order.
@@ -60,17 +60,17 @@ class Plan:
 
     @property
     def following(self) -> PlannedWaypoint | None:
-        """The waypoint after the current one, if the robot may walk to it."""
+        """The waypoint after the current one, if it is released."""
         item = next((item for item in islice(self.items, self.at + 1, None) if not item.over), None)
         return item.waypoint if item is not None and item.released else None
 
     @property
     def released(self) -> int:
-        """How many waypoints from the plan's first on the robot may walk to."""
+        """How many waypoints are released, counted from the plan's first."""
         return next((i for i, item in enumerate(self.items) if not item.released), len(self.items))
 
     def extend(self, command: Command) -> None:
-        """Add a command's waypoints, of which it releases as many as it says, from the first; -1 for all."""
+        """Add a command's waypoints, with its `released` waypoints released, from the first; -1 for all."""
         alone = command.kind is CommandKind.GO_TO
         for place, waypoint in enumerate(command.waypoints):
             released = command.released < 0 or place < command.released
@@ -82,7 +82,7 @@ class Plan:
             item.released = True
 
     def end(self, items: Iterable[PlanItem]) -> None:
-        """Mark items as over, and go on to the first that is not."""
+        """Mark items as over, and move on to the first that is not."""
         for item in items:
             item.over = True
         while self.at < len(self.items) and self.items[self.at].over:
@@ -114,6 +114,6 @@ class Plan:
     def state(self) -> dict[str, object]:
         """Return it as plain data; of a long plan some items from the one under way on, and which those are."""
         begin = max(0, min(self.at, len(self.items) - _TOLD))
-        told = self.items[begin : begin + _TOLD]
-        part = {"begin": begin, "of": len(self.items)} if len(told) < len(self.items) else {}
-        return {"at": self.at, "items": [asdict(item) for item in told], **part}
+        saved = self.items[begin : begin + _TOLD]
+        part = {"begin": begin, "of": len(self.items)} if len(saved) < len(self.items) else {}
+        return {"at": self.at, "items": [asdict(item) for item in saved], **part}

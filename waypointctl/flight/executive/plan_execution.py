@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.flight.executive.command_ordering import Sequence
+from waypointctl.flight.executive.command_ordering import CommandOrdering
 from waypointctl.flight.executive.command_tracker import CommandTracker
 from waypointctl.flight.executive.leg import Leg
 from waypointctl.flight.executive.plan import Plan, PlanItem
@@ -33,14 +33,14 @@ class PlanExecution:
         life: of its commands.
         announce: takes every event.
         machine: its mode.
-        plan: what is to be walked.
+        plan: the waypoints on board.
         sequence: as the ground issued what has arrived.
         leg: the way to a waypoint, or home, while there is one.
         stood_ns: when the hold or the observation began.
         reached: indices in the mission, each once, in the order of reaching them.
-        suspended: what goes on after a pause; None where the plan goes on with its next waypoint.
+        suspended: the mode to resume after a pause; None where the plan continues with its next waypoint.
         suspended_ns: when the pause began.
-        cause: why it stands or walks home, where a rule or a command says so.
+        cause: the rule or command because of which it is stopped or returning home.
         home_id: the command that sent it home, or BY_RULE; None while it is not on the way home.
         home_cause: why a rule sent it home; empty for a command.
         command_id: the command that was under way last; -1 for none.
@@ -51,7 +51,7 @@ class PlanExecution:
     announce: Callable[[Event], None]
     machine: StateMachine = field(default_factory=StateMachine)
     plan: Plan = field(default_factory=Plan)
-    ordering: Sequence = field(default_factory=Sequence)
+    ordering: CommandOrdering = field(default_factory=CommandOrdering)
     leg: Leg | None = None
     stood_ns: int = 0
     reached: tuple[int, ...] = ()
@@ -69,12 +69,12 @@ class PlanExecution:
 
     @property
     def goals(self) -> FloatArray:
-        """The waypoint it walks to and the next, (1, 2, 2) [m]."""
+        """The current waypoint and the next, (1, 2, 2) [m]."""
         return _NO_GOALS if self.leg is None else self.leg.goals
 
     @property
     def target(self) -> PlannedWaypoint | None:
-        """The waypoint that it walks to, stands at, or goes on with after a pause."""
+        """The waypoint that it drives to, holds at, or resumes after a pause."""
         return None if self.leg is None else self.leg.waypoint
 
     @property
@@ -83,7 +83,7 @@ class PlanExecution:
         return self.mode in SUSPENDED and (self.home_id is not None or self.plan.current is not None)
 
     def proceed(self, now_ns: int) -> None:
-        """Walk to the next waypoint of the plan, which has one, or wait for its release."""
+        """Drive to the next waypoint of the plan, which has one, or wait for its release."""
         item = self.plan.current
         assert item is not None
         self.suspended, self.leg, self.cause, self.command_id = None, None, "", item.command_id
@@ -98,7 +98,7 @@ class PlanExecution:
         self.emit(now_ns, EventKind.LEG_STARTED, f"driving to {item.waypoint.name}", item)
 
     def suspend(self, now_ns: int, signal: Signal, cause: str) -> None:
-        """Stand, and keep what was under way for later; from a stand for one reason into one for another."""
+        """Stop, and keep what was under way for later; a stop for one reason may become one for another."""
         if self.mode in UNDER_WAY:
             self.suspended, self.suspended_ns = self.mode, now_ns
         self.machine.signal(signal)
@@ -109,7 +109,7 @@ class PlanExecution:
         self.emit(now_ns, kind, f"stopped: {cause}", self.plan.current, severity)
 
     def resume(self, now_ns: int) -> None:
-        """Go on with what a pause kept it from; its clocks stood still meanwhile."""
+        """Resume what a pause interrupted; its clocks were stopped meanwhile."""
         self.emit(now_ns, EventKind.NAVIGATION_RESUMED, "navigation resumed", self.plan.current)
         signal = None if self.suspended is None else RESUME_SIGNALS.get(self.suspended)
         self.cause = "" if self.home_id is None else self.home_cause
@@ -129,7 +129,7 @@ class PlanExecution:
         self.finish_item(now_ns, item)
 
     def finish_item(self, now_ns: int, item: PlanItem) -> None:
-        """Have done with a waypoint of the plan; after the current one go on with the next, unless it is paused."""
+        """Mark a waypoint of the plan as over; after the current one continue with the next, unless paused."""
         was_current = item is self.plan.current
         self.plan.end([item])
         if self.plan.current is None:
@@ -159,7 +159,7 @@ class PlanExecution:
             self.leg.aim(item.waypoint, self.plan.following or item.waypoint)
 
     def remove_command(self, now_ns: int, command_id: int, stage: Stage, reason: str) -> None:
-        """Take a command that is under way out of the plan; go on with what other commands want, or stand."""
+        """Remove a command that is under way from the plan; continue with other commands, or stop."""
         before = self.plan.current
         self.plan.end(self.plan.open_items(command_id))
         if self.plan.current is None:  # nothing is left; on the way home there is no plan either
@@ -179,7 +179,7 @@ class PlanExecution:
         self.plan, self.leg, self.suspended, self.home_id, self.cause = Plan(), None, None, None, ""
 
     def end_all(self, now_ns: int, stage: Stage, reason: str) -> None:
-        """Forget the plan, and the way home; every command that was under way comes to a stage."""
+        """Clear the plan and the return home; every command that was under way gets a final stage."""
         commands = self.under_way
         self.clear()
         for command_id in commands:
@@ -196,7 +196,7 @@ class PlanExecution:
 
     @property
     def under_way(self) -> list[int]:
-        """The commands that have waypoints left, the one that is being walked first; or that sent it home."""
+        """The commands that have waypoints left, the current one first; or the one that sent the robot home."""
         home = [] if self.home_id is None or self.home_id == BY_RULE else [self.home_id]
         return home or self.plan.open_commands()
 

@@ -12,7 +12,7 @@ from waypointctl.mission.mission import Mission
 from waypointctl.mission.onboard import Home
 from waypointctl.units import ns, whole_ns
 
-# Why a command was rejected or has failed, as acknowledgements say it.
+# Why a command was rejected or has failed: the reason in acknowledgements.
 TIMEOUT: Final = "timeout"
 STUCK: Final = "stuck"
 FALL: Final = "fall"
@@ -20,12 +20,12 @@ GEOFENCE: Final = "geofence"
 LINK_LOST: Final = "link lost"
 FLIGHT_ENDED: Final = "flight ended"
 
-# Why the robot stands, as telemetry says it: one of these before a code or, for a leg, a waypoint's name and a code.
+# Why the robot is stopped: the cause in telemetry. Each goes before a code or, for a leg, a waypoint's name and a code.
 AT_HOME: Final = "at home: "
 RETURN_FAILED: Final = "way home given up: "
 LEG_FAILED: Final = "leg failed: "
 
-HOME_INDEX: Final = -1  # of the way home, which is no waypoint of the mission
+HOME_INDEX: Final = -1  # index of the return home, which is not a waypoint of the mission
 _HOME: Final = Home()
 
 
@@ -42,10 +42,10 @@ class Rules:
     Attributes:
         home: where it returns to.
         retries: how often a leg that failed is begun again.
-        then: what follows when a leg has failed for good and its command does not say: "abort", "skip", "hold" or
+        then: what follows when a leg has failed for good, unless its command sets it: "abort", "skip", "hold" or
             "return_home".
         slip_m: a waypoint at most this far away counts as reached once the robot gets no closer; 0 for never.
-        progress_m: getting closer by less than this is no progress.
+        progress_m: a smaller decrease of the distance is not progress.
         stall_ns: without progress for this long, the robot gets no closer.
         stuck_fails: whether a leg fails when the robot gets no closer.
         link_loss_ns: without anything from the ground for this long, the link is lost; 0 for never.
@@ -92,7 +92,7 @@ def rules_of(mission: Mission) -> Rules:
 
 
 def home_of(mission: Mission) -> PlannedWaypoint:
-    """Return where a mission's robot returns to: where it begins, unless the mission says otherwise."""
+    """Return the mission's home position: its start, unless the mission sets another."""
     home = mission.onboard.home
     return home_at(*(home.position_m or mission.start.position_m), home)
 

@@ -1,4 +1,4 @@
-"""A direction of the link, made from what a mission says of it."""
+"""Build a direction of the link from a mission."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def direction(way: LinkDirection, files: Mapping[str, bytes], seed: int, name: s
     """Return a direction of the link, with nothing in it.
 
     Args:
-        way: what the mission says of it.
-        files: what stands in the files that the mission refers to, by their names in it.
+        way: its keys in the mission.
+        files: the contents of the files that the mission refers to, by their names in it.
         seed: the mission's.
         name: of its random streams: "link.up" or "link.down".
 

@@ -60,7 +60,7 @@ class Duplication:
     """Messages that arrive twice. As in netem, one that is to be doubled and to be lost arrives once.
 
     Attributes:
-        choose: says whether the next message is doubled.
+        choose: returns whether the next message is duplicated.
         jitter: of the second one; None where the link has no jitter.
     """
 
@@ -79,7 +79,7 @@ class Direction(Generic[T]):
         loss: whether a message is lost on the way.
         doubling: whether a message arrives twice.
         contacts: when and how fast something can be sent.
-        queue_bytes: how much can wait for it. A message that has to wait and does not fit in any more is lost; the one
+        queue_bytes: how much can wait for it. A message that has to wait and does not fit is lost; the one
             that is being sent does not wait, so a message larger than the queue goes when it need not wait.
     """
 
@@ -103,7 +103,7 @@ class Direction(Generic[T]):
         Args:
             now_ns: when.
             size_bytes: its size, at least 1.
-            make: is told a time of arrival [ns] and returns what arrives then.
+            make: maps a time of arrival [ns] to what arrives then.
         """
         jitter_ns = 0 if self.jitter is None else self.jitter.draws()
         copies = 1 if self.loss is None or not self.loss() else 0
@@ -203,7 +203,7 @@ class Direction(Generic[T]):
         return draws
 
     def _waits(self, now_ns: int, departs_ns: int, size_bytes: int) -> bool:
-        """Let a message wait until it departs; say whether there was room."""
+        """Queue a message until it departs; return whether there was room."""
         if self.waiting_bytes(now_ns) + size_bytes > self.queue_bytes:
             return False
         self._waiting.append((departs_ns, size_bytes))

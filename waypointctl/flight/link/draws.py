@@ -22,7 +22,7 @@ class Draws(Generic[T]):
     __slots__ = ("_ahead", "_begin", "_draw", "_rng")
 
     def __init__(self, rng: np.random.Generator, draw: Callable[[np.random.Generator, int], list[T]]) -> None:
-        """Take a stream, and what draws from it a list of as many as it is asked for."""
+        """Take a stream, and a function that draws a given number of values from it."""
         self._rng = rng
         self._draw = draw
         self._begin: Mapping[str, Any] = rng.bit_generator.state  # of the stream, before the block

@@ -67,7 +67,7 @@ def packets_bytes(data_bytes: int) -> int:
 
 
 def _logged(message: Command | Ack | Telemetry) -> int:
-    # Protobuf leaves out what is 0: with an arrival of 0 only the delay is left that is not the sender's to say.
+    # Protobuf leaves out what is 0: with an arrival of 0 only the delay is left, which the sender does not know.
     kind: type[Message] = type(message)
     encoded = len(BY_KIND[kind].encode(replace(message, received_ns=0)))
     if isinstance(message, Telemetry):

@@ -42,7 +42,7 @@ class LoggedDirection(Generic[T]):
 
         Args:
             now_ns: when.
-            make: returns the message, told when it arrives [ns]; asked once more, for its size.
+            make: maps the time of arrival [ns] to the message; called once more, for its size.
         """
         message = make(now_ns)
         size = size_bytes(message)

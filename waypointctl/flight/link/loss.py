@@ -18,7 +18,7 @@ class Loss(Protocol):
 
     @property
     def loses_all(self) -> bool:
-        """Whether no message gets through any more."""
+        """Whether every later message is lost."""
 
     def state(self) -> dict[str, Any]:
         """Return what becomes of the next message depends on, as plain data."""
@@ -43,7 +43,7 @@ class RandomLoss:
 
     @property
     def loses_all(self) -> bool:
-        """Whether no message gets through any more."""
+        """Whether every later message is lost."""
         return self.probability >= 1
 
     def state(self) -> dict[str, Any]:
@@ -92,7 +92,7 @@ class GilbertElliott:
 
     @property
     def loses_all(self) -> bool:
-        """Whether no message gets through any more."""
+        """Whether every later message is lost."""
         stays_bad = self.bad and self.to_good <= 0
         return self.lost_in_bad >= 1 and (stays_bad or self.lost_in_good >= 1)
 

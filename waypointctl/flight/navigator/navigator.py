@@ -1,7 +1,7 @@
 """The navigator on board: from the robot's pose and its plan to the goals that the policy observes.
 
 The executive decides which waypoint is current and when it is reached. The navigator decides which places the policy
-walks to on the way there. `DirectNavigator` gives it the waypoints themselves; a planner that leads the robot around
+drives to on the way there. `DirectNavigator` gives it the waypoints themselves; a planner that leads the robot around
 obstacles gives it places of its own. `fly(..., navigator=...)` takes any object of this protocol.
 """
 

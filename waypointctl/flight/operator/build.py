@@ -1,4 +1,4 @@
-"""The ground, made from what a mission says of it."""
+"""Build the ground station from a mission."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def station_for(
     """Return the ground at mission start.
 
     Args:
-        mission: what it is asked to do.
+        mission: the mission.
         joint: makes the operator that drives the robot from the ground, for autonomy `joint`.
         sink: takes the ground's own records.
         uplink: takes a command on its way.

@@ -27,10 +27,10 @@ class LineSource(Protocol):
     """What a flight asks for the lines that a person types while it is under way.
 
     Lines are taken at moments of the flight, once in each turn of its loop. While physics sleeps a turn may take
-    minutes of simulation time, so the source is asked how far time may jump.
+    minutes of simulation time, so the source limits how far time may jump.
 
     Attributes:
-        is_open: whether somebody is there at mission start. Then the flight does not end before a line is QUIT.
+        is_open: whether a console is attached at mission start. Then the flight does not end before a line is QUIT.
     """
 
     is_open: bool
@@ -38,7 +38,7 @@ class LineSource(Protocol):
     def lines(self, now_ns: int) -> Iterable[str]:
         """Yield what has been typed by now and was not yet yielded: what `order_from` understands, or QUIT.
 
-        The next one is asked for when the one before has been executed. A source that keeps to wall time waits here.
+        The next one is read when the one before has been executed. A source that keeps to wall time waits here.
         """
 
     def asleep(self, now_ns: int, until_ns: int) -> int:
@@ -82,10 +82,10 @@ _OPTION: Final = re.compile(r"\b(hold|tolerance|timeout)\b")
 
 
 def request_from(line: str, mission: Mission) -> CommandRequest:
-    """Return the order that a line asks for.
+    """Return the command request of a line.
 
     Raises:
-        ValueError: it asks for none; the message says what can be asked for.
+        ValueError: it is not a command; the message lists what is allowed.
     """
     word, rest = (*line.strip().split(None, 1), "", "")[:2]
     if word in _WORDS:
@@ -101,7 +101,7 @@ def request_from(line: str, mission: Mission) -> CommandRequest:
 
 
 def _place(text: str, mission: Mission) -> PlannedWaypoint:
-    """Return the place of `goto`, with what is said of it in place of the mission's defaults."""
+    """Return the place of `goto`, with its options in place of the mission's defaults."""
     where, *options = _OPTION.split(text)
     x_m, y_m = _quantities("goto", where, "X m Y m", DISTANCE_UNITS_M, 2)
     if max(abs(x_m), abs(y_m)) > FURTHEST_M:
@@ -162,9 +162,9 @@ def _quantities(word: str, text: str, wanted: str, units: Mapping[str, float], c
 
 
 def impossible(request: CommandRequest, mission: Mission) -> str:
-    """Return why an order can never be executed, whatever the robot is doing, and what is allowed; empty if it can.
+    """Return why a request can never be executed, whatever the robot is doing, and what is allowed; empty if it can.
 
-    What depends on the robot is the robot's to say. A line from a log is not judged by this: it was sent.
+    What depends on the robot's state is checked on board. A line from a log is not checked: it was sent.
     """
     match request.kind:
         case CommandKind.SET_TOLERANCE if not is_tolerance(request.value):

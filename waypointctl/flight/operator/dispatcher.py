@@ -1,14 +1,14 @@
-"""The life of a command on the ground: sent, sent again while nothing is heard of it, and known to have ended.
+"""The life cycle of a command on the ground: sent, sent again while unacknowledged, and known to have ended.
 
     QUEUED -> SENT -> (the link: LOST, or it arrives) ... any acknowledgement ... a final one
       ^                  |
       +--- UNKNOWN <-----+  no acknowledgement by when there has to be one: it is sent again under the same id
 
-A frame of telemetry that names a command is as good as an acknowledgement: the command is not sent again. Where the
-frame tells its end, that of the acknowledgement is waited for a little longer, and then the frame's is taken. A command
-that was sent as often as allowed stays unknown: whatever is heard of it later counts.
+A frame of telemetry that names a command counts as an acknowledgement: the command is not sent again. Where the frame
+reports its end, the operator waits a little longer for the acknowledgement, and then takes the frame's report. A
+command that was sent as often as allowed stays unknown until a later report of it arrives.
 
-What the ground cannot know is logged for those who read the log: that a command was lost, by the link's clock.
+That a command was lost is logged although the operator cannot know it.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ class RetryPolicy:
     Attributes:
         acknowledged: whether it waits for acknowledgements at all.
         retries: how often a command is sent again at most, whatever for.
-        answer_by: told when a command's last bit leaves [ns], says by when it has to be acknowledged [ns]; None for
+        answer_by: maps when a command's last bit leaves [ns] to when it has to be acknowledged [ns]; None for
             never, where no contact is left.
-        patience_ns: how long after a frame that tells a command's end its acknowledgement may still come.
+        patience_ns: how long after a frame that reports a command's end its acknowledgement may still arrive.
     """
 
     acknowledged: bool
@@ -59,7 +59,7 @@ _JUST_SENT: Final = StageReport(Stage.QUEUED, "", -1)  # nothing has been report
 _AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN})  # no command is under way
 
 
-# Takes a command on its way at a time [ns]; it is told when the command arrives, and makes it.
+# Sends a command at a time [ns]; the callback gets the time of arrival and returns the command.
 Uplink: TypeAlias = Callable[[int, Callable[[int], Command]], Delivery]
 
 
@@ -67,7 +67,7 @@ Uplink: TypeAlias = Callable[[int, Callable[[int], Command]], Delivery]
 class _Sent:
     request: CommandRequest
     attempt: int = 0
-    known: StageReport = _JUST_SENT  # the newest that counts; its time is the robot's
+    known: StageReport = _JUST_SENT  # the newest that counts, with the robot's time
     end: Ack | None = None  # as telemetry has reported it, while its acknowledgement may still come
     answer_by_ns: int | None = None
 
@@ -86,9 +86,9 @@ class Dispatcher:
     retry_policy: RetryPolicy
     sink: Callable[[CommandStage | Event], None]
     _issued: int = 0
-    _open: dict[int, _Sent] = field(default_factory=dict)  # by id: no end has been heard of
-    _unanswered: dict[int, _Sent] = field(default_factory=dict)  # not sent again; a late word opens them once more
-    _upcoming: list[tuple[int, int, CommandStage]] = field(default_factory=list)  # a heap: stages to come
+    _open: dict[int, _Sent] = field(default_factory=dict)  # by id: no final stage is known
+    _unanswered: dict[int, _Sent] = field(default_factory=dict)  # not sent again; a late report reopens them
+    _upcoming: list[tuple[int, int, CommandStage]] = field(default_factory=list)  # a heap: future stages
     _serial: int = 0
     _deadlines: list[tuple[int, int]] = field(default_factory=list)  # a heap: (answer by, id), some no longer so
 
@@ -104,16 +104,16 @@ class Dispatcher:
 
     @property
     def awaits(self) -> bool:
-        """Whether a command is under way of whose end it will still hear, or which it will give up."""
+        """Whether a command is open: its end will be reported, or it will time out."""
         return self.retry_policy.acknowledged and bool(self._open)
 
     @property
     def unanswered(self) -> tuple[int, ...]:
-        """The commands that were sent as often as allowed, and of which nothing has been heard."""
+        """The commands that were sent as often as allowed, and were never reported."""
         return tuple(self._unanswered)
 
     def missing(self, command_id: int) -> str:
-        """Return what has not been heard of a command, and what has; empty where its end has been."""
+        """Return which report of a command is missing; empty where its end is known."""
         sent = self._open.get(command_id) or self._unanswered.get(command_id)
         if sent is None or not self.retry_policy.acknowledged:
             return ""
@@ -132,7 +132,7 @@ class Dispatcher:
         return command_id
 
     def on_message(self, now_ns: int, message: Ack | Telemetry) -> None:
-        """Take what has arrived: an acknowledgement, or a frame that tells what commands have come to."""
+        """Process what has arrived: an acknowledgement, or a frame with the stages of commands."""
         if isinstance(message, Ack):
             self._update(now_ns, message, acknowledged=True)
             return
@@ -142,7 +142,7 @@ class Dispatcher:
         self._query_silent(now_ns, message)
 
     def wake(self, now_ns: int) -> list[Ack]:
-        """Do what is due; return the ends that are taken from telemetry, as acknowledgements would have told them."""
+        """Do what is due; return the ends taken from telemetry, in the form of acknowledgements."""
         while self._upcoming and self._upcoming[0][0] <= now_ns:
             self.sink(heapq.heappop(self._upcoming)[2])
         late = set()
@@ -167,7 +167,7 @@ class Dispatcher:
         }
 
     def _update(self, now_ns: int, report: Ack, *, acknowledged: bool) -> None:
-        """Take what the robot says of a command, in an acknowledgement or in a frame of telemetry."""
+        """Process a report of a command, from an acknowledgement or a frame of telemetry."""
         command_id = report.command_id
         if command_id in self._unanswered:
             self._open[command_id] = self._unanswered.pop(command_id)
@@ -201,7 +201,7 @@ class Dispatcher:
         self._log_stage(now_ns, command_id, Stage.QUEUED)
         delivery = self.uplink(now_ns, lambda arrives_ns: request.command(command_id, attempt, now_ns, arrives_ns))
         if delivery.departs_ns == NEVER:
-            self._log_stage(now_ns, command_id, Stage.LOST, delivery.lost)  # by the ground's own sender, which says so
+            self._log_stage(now_ns, command_id, Stage.LOST, delivery.lost)  # the ground's own sender reports it
         else:
             self._log_later(delivery.departs_ns, command_id, Stage.SENT, Clock.OPERATOR)
             if delivery.lost:
@@ -213,20 +213,20 @@ class Dispatcher:
             self._expect(command_id, self.retry_policy.answer_by(left_ns))
 
     def _retry(self, now_ns: int, command_id: int) -> None:
-        """Send a command again of which nothing, or not the end, was heard, as often as that is allowed."""
+        """Send a command again whose acknowledgement or end is missing, as often as allowed."""
         sent = self._open[command_id]
         sent.answer_by_ns = None
-        heard = sent.known.stage in ONBOARD
-        if not heard:
+        is_known = sent.known.stage in ONBOARD
+        if not is_known:
             sent.known = StageReport(Stage.UNKNOWN, UNANSWERED, sent.known.time_ns)
             self._log_stage(now_ns, command_id, Stage.UNKNOWN, UNANSWERED)
         expired = 0 <= sent.request.expires_ns <= now_ns
         if expired or sent.attempt > self.retry_policy.retries:
-            if not heard:
+            if not is_known:
                 self._unanswered[command_id] = self._open.pop(command_id)
             return
         why = f"transmission {sent.attempt} was not acknowledged"
-        if heard:
+        if is_known:
             why = f"no final stage received; its last known stage is {sent.known.stage}"
         self._announce(
             now_ns,
@@ -238,7 +238,7 @@ class Dispatcher:
         self._send(now_ns, command_id)
 
     def _query_silent(self, now_ns: int, frame: Telemetry) -> None:
-        """Ask again, after a while, for the end of commands of which a robot at rest has not told the end."""
+        """Ask again, after a while, for the end of commands whose end a robot at rest has not reported."""
         nothing_to_do = frame.mode in _AT_REST or (frame.mode is Mode.SAFE and frame.target < 0)
         if not self.retry_policy.acknowledged or not nothing_to_do:
             return

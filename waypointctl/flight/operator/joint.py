@@ -1,12 +1,11 @@
-"""The operator who does everything: the policy sits on the ground and sends every action: autonomy `joint`.
+"""Autonomy `joint`: the policy runs on the ground and sends every action.
 
 The robot reports its body's state at each control step. Each state that arrives is answered with an action computed
 from it, which is one round trip old when the motors get it. Without delay that is the flight of a policy on board,
-bit for bit; with delay it is a robot balanced from afar.
+bit for bit; with delay the robot is balanced over the link.
 
-A picture is taken on board. Where one is asked for, the pilot hands the waypoint over with its hold and its task, sends
-no actions until it hears that they are done, and goes on from there. So it does with a hold at the last waypoint, to
-hear of its end.
+A picture is taken on board. For one, the operator sends the waypoint with its hold and its task, sends no actions until
+their end is reported, and continues from there. A hold at the last waypoint is handled in the same way.
 """
 
 from __future__ import annotations
@@ -69,9 +68,9 @@ class JointOperator(Operator):
         self._skips = mission.failure_rule.then == "skip"
         self._reached: list[int] = []
         self._leg = 0
-        self._since_ns = 0  # on the robot's clock, as its frames tell it
+        self._since_ns = 0  # on the robot's clock, from its frames
         self._rests_until_ns = -1  # on the robot's clock
-        self._at_task = False  # the robot has been told to hold and observe, and its end has not been heard of
+        self._at_task = False  # hold and observe were commanded, and their end is not known
         self._goals = self._goals_of(0)
 
     @property
@@ -97,10 +96,10 @@ class JointOperator(Operator):
 
     def on_state(self, now_ns: int, frame: BodyFrame) -> tuple[GroundControl | None, list[CommandRequest]]:
         """Take a state that has arrived; return the action that answers it, and what else to send."""
-        if self.finished or self.suspended or self._stands(frame):
+        if self.finished or self.suspended or self._is_stopped(frame):
             return None, []
         requests = self._judge(now_ns, frame)
-        if self.finished or self._stands(frame):
+        if self.finished or self._is_stopped(frame):
             return None, requests
         qpos, qvel = frame.qpos[np.newaxis], frame.qvel[np.newaxis]
         view = SimulationView(
@@ -122,12 +121,12 @@ class JointOperator(Operator):
         own = {"leg": self._leg, "since_ns": self._since_ns, "rests_until_ns": self._rests_until_ns}
         return super().state() | own | ({"at_task": True} if self._at_task else {})
 
-    def _stands(self, frame: BodyFrame) -> bool:
+    def _is_stopped(self, frame: BodyFrame) -> bool:
         """Return whether the robot is to be left alone: it holds, or does what is to be done at a waypoint."""
         return self._at_task or frame.issued_ns < self._rests_until_ns
 
     def _judge(self, now_ns: int, frame: BodyFrame) -> list[CommandRequest]:
-        """See whether the leg is over. It is judged after its first control period, as on board."""
+        """Check whether the leg is over. It is assessed after its first control period, as on board."""
         waypoint = self._plan[self._leg]
         if frame.issued_ns <= self._since_ns:
             return []
@@ -161,13 +160,13 @@ class JointOperator(Operator):
         return requests
 
     def _stop(self) -> list[CommandRequest]:
-        """Return what makes the robot stand; nothing where it is known to be on its way home, which is not cut off."""
+        """Return the commands that stop the robot; none where it is returning home, which is not interrupted."""
         frame = self.reported.telemetry
         return [] if frame is not None and frame.mode is Mode.RETURNING else [CommandRequest(CommandKind.HOLD)]
 
     @property
     def _taken_by(self) -> str:
-        """The rule on board that has taken the motors from the ground, as the newest frame tells it; empty for none."""
+        """The rule on board that ended teleoperation, from the newest frame; empty for none."""
         frame = self.reported.telemetry
         taken = frame is not None and frame.mode in (Mode.RETURNING, Mode.SAFE)
         return frame.cause.removeprefix(AT_HOME) if frame is not None and taken else ""

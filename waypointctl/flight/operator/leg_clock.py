@@ -1,12 +1,12 @@
-"""How long the robot has been on its way on a leg, by its own clock, as far as the ground has heard.
+"""How long the robot has been under way on a leg, by its own clock, as far as the ground knows.
 
-A leg that is led from the ground is walked goal by goal. Its time is what the robot walks: from when a goal of it is
-STARTED on board to when that goal has ended, and the same for the next. What the robot stands between two goals, or in
-a hold, is not in it: it waits for the link, or for the operator's thought. All of it is read from the robot's time
-stamps, in acknowledgements and in frames of telemetry.
+A leg that is led from the ground consists of goals. Its time is the time under way: from when a goal of it is STARTED
+on board to when that goal has ended, and the same for the next. The time that the robot is stopped between two goals,
+or in a hold, is not in it: it waits for the link or the operator. All times are read from the robot's time stamps, in
+acknowledgements and in frames of telemetry.
 
-Where nothing is told, the ground's own clock has to do: a leg is given up when the answer to a command that had left
-as late as its time-out would have been here.
+Without reports the ground's own clock is used: a leg times out when the answer to a command sent at its timeout would
+have arrived.
 """
 
 from __future__ import annotations
@@ -29,31 +29,31 @@ class LegClock:
     Attributes:
         answer_by: by when a command that leaves at a time [ns] is answered; None for never.
         leaves_ns: when a command that is sent at a time [ns] leaves; None for never.
-        began_ns: when the leg began, on the robot's clock; None while that has not been heard of.
+        began_ns: when the leg began, on the robot's clock; None while that is unknown.
     """
 
     answer_by: Callable[[int], int | None]
     leaves_ns: Callable[[int], int | None] = lambda sent_ns: sent_ns
     began_ns: int | None = None
     _sent_ns: int = 0  # when the leg's first goal is sent
-    _told_ns: int = -1  # the robot's clock, by the newest message of it
-    _walked_ns: int = 0  # up to when it stood last
-    _walks_since_ns: int | None = None  # while a goal is under way
-    _changed_ns: int = 0  # when a goal of the leg last began or ended, as far as heard
+    _reported_ns: int = -1  # the robot's clock, by the newest message of it
+    _moved_ns: int = 0  # up to the last stop
+    _moving_since_ns: int | None = None  # while a goal is under way
+    _changed_ns: int = 0  # when a goal of the leg last began or ended, as far as known
     _newest: int = 0  # the newest goal that has begun
     _ended: int = 0  # the newest goal that has ended
-    _unsent: list[CommandRequest] = field(default_factory=list)  # goals of this leg, which are still thought about
+    _unsent: list[CommandRequest] = field(default_factory=list)  # goals of this leg, not sent yet
     _goals: set[int] = field(default_factory=set)  # those sent
 
     def restart(self, sent_ns: int) -> None:
         """Wait for another leg to begin, or for the same one anew; its first goal is sent at a time [ns]."""
         self.began_ns, self._sent_ns = None, sent_ns
-        self._walked_ns, self._walks_since_ns = 0, None
+        self._moved_ns, self._moving_since_ns = 0, None
         self._unsent.clear()
         self._goals.clear()
 
     def include(self, goal: CommandRequest) -> CommandRequest:
-        """Take note that an order which is to be sent belongs to this leg, and return it."""
+        """Record that a request which is to be sent belongs to this leg, and return it."""
         self._unsent.append(goal)
         return goal
 
@@ -66,8 +66,8 @@ class LegClock:
 
     def on_message(self, message: Ack | Telemetry) -> None:
         """Take what has arrived."""
-        at_ns, is_news = message.issued_ns, message.issued_ns >= self._told_ns
-        self._told_ns = max(self._told_ns, at_ns)
+        at_ns, is_news = message.issued_ns, message.issued_ns >= self._reported_ns
+        self._reported_ns = max(self._reported_ns, at_ns)
         if isinstance(message, Ack):
             self._update(at_ns, message.command_id, message.stage)
             return
@@ -79,20 +79,20 @@ class LegClock:
             self._start(at_ns)
 
     def is_over(self, timeout_ns: int) -> bool:
-        """Return whether the robot is known to have walked for more than this on the leg [ns]."""
-        since_ns = self._walks_since_ns
-        return self._walked_ns + (0 if since_ns is None else self._told_ns - since_ns) > timeout_ns
+        """Return whether the robot is known to have been under way for more than this on the leg [ns]."""
+        since_ns = self._moving_since_ns
+        return self._moved_ns + (0 if since_ns is None else self._reported_ns - since_ns) > timeout_ns
 
     def is_silent(self, now_ns: int, timeout_ns: int) -> bool:
         """Return whether a report of the leg is overdue, given its time-out [ns]."""
         since_ns = self.leaves_ns(self._sent_ns) if self.began_ns is None else self._changed_ns
         over_ns = (self._sent_ns if since_ns is None else since_ns) + timeout_ns
         left_ns = self.leaves_ns(over_ns)
-        heard_ns = None if left_ns is None else self.answer_by(left_ns)
-        return now_ns > (over_ns if heard_ns is None else heard_ns)
+        answer_ns = None if left_ns is None else self.answer_by(left_ns)
+        return now_ns > (over_ns if answer_ns is None else answer_ns)
 
     def _update(self, at_ns: int, command_id: int, stage: Stage) -> None:
-        """Take what is told of a command: a goal of the leg has begun, or has ended."""
+        """Process a report of a command: a goal of the leg has begun, or has ended."""
         if command_id not in self._goals or stage in NEVER_STARTED or command_id <= self._ended:
             return
         if self.began_ns is None:
@@ -107,10 +107,10 @@ class LegClock:
             self._start(at_ns)
 
     def _start(self, at_ns: int) -> None:
-        if self._walks_since_ns is None:
-            self._walks_since_ns = at_ns
+        if self._moving_since_ns is None:
+            self._moving_since_ns = at_ns
 
     def _stop(self, at_ns: int) -> None:
-        if self._walks_since_ns is not None:
-            self._walked_ns += max(at_ns - self._walks_since_ns, 0)
-            self._walks_since_ns = None
+        if self._moving_since_ns is not None:
+            self._moved_ns += max(at_ns - self._moving_since_ns, 0)
+            self._moving_since_ns = None

@@ -1,4 +1,4 @@
-"""The operator on the ground: a script that decides from belief alone, and thinks before it sends."""
+"""The scripted operator on the ground: it decides from reported state alone, and sends after the think time."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ from waypointctl.log.messages import (
 from waypointctl.mission.mission import Mission
 from waypointctl.units import ns, whole_ns
 
-# What somebody else's command, or the clock, did to it: the reason alone says who or when, not what.
+# Ended by another command or by the clock: the reason alone names the command or the time, not the stage.
 _BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
 _COMMAND: Final = re.compile(r"\bby command ([0-9]{1,18})$")
 _NO_KINDS: Final[Mapping[int, CommandKind]] = {}
 
 
 class Operator(ABC):
-    """Commands the robot. It knows only what the downlink brings, when it brings it.
+    """Commands the robot. It knows only what has arrived on the downlink.
 
-    Each method is told the time and returns what to send at that time. What is sent gets its id from `on_issued`.
+    Each method takes the time and returns the requests to send at that time. `on_issued` gives their ids.
 
     Attributes:
         leads: whether it leads the robot step by step; else the robot follows a plan or a waypoint by itself.
@@ -53,12 +53,12 @@ class Operator(ABC):
         self.reported = ReportedState()
         self.finished = False
         self.failure = ""
-        self.suspended = False  # a hold or a way home was commanded by somebody else
+        self.suspended = False  # a hold or a return home was commanded from the schedule or the console
         self._plan = planned_waypoints(mission)
         self._think_ns = ns(mission.operator.think_s)
         self._queue: EventQueue[CommandRequest] = EventQueue()
         self._newest: dict[CommandKind, int] = {}  # the newest command of each kind
-        self._kinds: dict[int, CommandKind] = {}  # of every command that has been sent, whoever sent it
+        self._kinds: dict[int, CommandKind] = {}  # of every command sent, also from the schedule or the console
 
     @property
     def wake_ns(self) -> int | None:
@@ -110,7 +110,7 @@ class Operator(ABC):
         return self._on_final(now_ns, message)
 
     def _after_return(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
-        """End the mission after a way home that somebody else has commanded; lead on where the robot did not go."""
+        """End the mission after a return home commanded from elsewhere; lead on where the robot did not go."""
         if ack.stage in (Stage.COMPLETED, Stage.FAILED, Stage.SUPERSEDED):
             return self._finish(ack.reason or f"command {ack.command_id} ({CommandKind.RETURN_HOME}) ended the mission")
         self.suspended = False
@@ -161,12 +161,12 @@ class Operator(ABC):
 
 
 def leg_failed(ack: Ack) -> bool:
-    """Return whether a waypoint was not reached, by a robot that can still walk to another."""
+    """Return whether a waypoint was not reached, by a robot that can still drive to another."""
     return ack.stage is Stage.FAILED and ack.reason in (TIMEOUT, STUCK)
 
 
 def rule_of_leg(mission: Mission) -> str:
-    """Return what the board is to do when a single waypoint's command fails; empty: what its own rules say.
+    """Return the robot's `on_failure` for a single waypoint's command; empty: its own rules apply.
 
     To skip it, or to end the mission, is for the operator to decide, who has the rest of the plan.
     """
@@ -182,13 +182,13 @@ def ended_by_robot(ack: Ack, kinds: Mapping[int, CommandKind] = _NO_KINDS) -> st
 
 def _ended_by_another(ack: Ack, kinds: Mapping[int, CommandKind]) -> str:
     """Return which command, or what else, ended a command; with the kind of each that is known."""
-    said = f"{ack.stage} {ack.reason}".rstrip()
+    text = f"{ack.stage} {ack.reason}".rstrip()
     named = _COMMAND.search(ack.reason)
     kind = kinds.get(int(named[1])) if named else None
     if named is None or kind is None:
-        return said
+        return text
     if ack.stage is not Stage.SUPERSEDED:
-        return f"{said} ({kind})"
+        return f"{text} ({kind})"
     replaced = "the plan" if kinds.get(ack.command_id) is CommandKind.UPLOAD_PLAN else f"command {ack.command_id}"
     return f"command {named[1]} ({kind}) replaced {replaced}"
 

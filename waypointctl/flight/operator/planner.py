@@ -1,4 +1,4 @@
-"""Operators who leave the walking to the robot: the whole plan at once, or one waypoint after the other."""
+"""Operators that send waypoints: the whole plan at once, or one waypoint after the other."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class MissionOperator(Operator):
         self._released = mission.operator.released
 
     def begin(self) -> list[CommandRequest]:
-        """Send the plan, released as far as the mission says."""
+        """Send the plan, with the number of released waypoints that the mission sets."""
         return [CommandRequest(CommandKind.UPLOAD_PLAN, self._plan, self._on_failure, self._released)]
 
     def _on_final(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
@@ -32,7 +32,7 @@ class MissionOperator(Operator):
 
 
 class WaypointOperator(Operator):
-    """Sends one waypoint, waits to hear how it went, thinks, sends the next: autonomy `waypoint`, move and wait."""
+    """Autonomy `waypoint`: sends one waypoint, waits for its end and the think time, sends the next."""
 
     def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
         """Take charge of a mission; `announce` takes what it decides."""

@@ -28,7 +28,7 @@ class CommandRequest:
     value: float = 0.0
     not_before_ns: int = -1
     expires_ns: int = -1
-    transient: bool = False  # the next one takes its place, so that nobody waits for this one's acknowledgement
+    transient: bool = False  # the next one replaces it, so its acknowledgement is not awaited
 
     @property
     def words(self) -> str:

@@ -17,7 +17,7 @@ from waypointctl.flight.operator.reported_state import ReportedState
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import FINAL_STAGES, Ack, GroundControl, Telemetry
 
-# Takes a heartbeat on its way at a time [ns]; it is told when the heartbeat arrives, and makes it.
+# Sends a heartbeat at a time [ns]; the callback gets the time of arrival and returns the heartbeat.
 HeartbeatUplink: TypeAlias = Callable[[int, Callable[[int], Heartbeat]], Delivery]
 
 
@@ -29,7 +29,7 @@ class HeartbeatSender:
         uplink: takes a heartbeat on its way.
         period_ns: between two of them; 0 for none.
         next_ns: when the next is due; None for never.
-        beats: how many have been sent.
+        beats: number of heartbeats sent.
     """
 
     uplink: HeartbeatUplink
@@ -71,7 +71,7 @@ class Station:
         self.console_is_open = False
         self._schedule = schedule
         self._heartbeats = heartbeats
-        self._on_final: set[int] = set()  # commands whose end has been heard of
+        self._on_final: set[int] = set()  # commands whose end is known
 
     @property
     def reported(self) -> ReportedState:
@@ -90,9 +90,9 @@ class Station:
 
     @property
     def finished(self) -> bool:
-        """Whether nothing is left to send or to hear of; after a fall nothing is.
+        """Whether nothing is left to send or to receive; after a fall nothing is.
 
-        A person at the console may try again where the script has given up, but nobody can make a fallen robot walk.
+        A person at the console may try again where the script has stopped, but no command moves a fallen robot.
         """
         if not self.operator.finished or (self.console_is_open and self.failure != FALL):
             return False
@@ -117,7 +117,7 @@ class Station:
 
     @property
     def missing(self) -> str:
-        """What has not been heard of the operator's commands, in words; empty where nothing is missing."""
+        """Which reports of the operator's commands are missing, in words; empty where none is."""
         missing = (self.dispatcher.missing(command_id) for command_id in reversed(self.operator.newest))
         return next(filter(None, missing), "")
 
@@ -143,7 +143,7 @@ class Station:
             self.issue(now_ns, self.operator.on_message(now_ns, message), own=True)
 
     def _conclude(self, now_ns: int, end: Ack) -> None:
-        """Let the operator hear of a command's end, once: the link may double it, and it may be asked for once more."""
+        """Report a command's end to the operator once: the link may duplicate it, and it may be requested again."""
         if end.command_id not in self._on_final:
             self._on_final.add(end.command_id)
             self.issue(now_ns, self.operator.on_message(now_ns, end), own=True)

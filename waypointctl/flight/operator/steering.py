@@ -1,11 +1,11 @@
-"""The operator who leads the robot by a short-range goal, from the pose it believes: autonomy `short_range_goal`.
+"""Autonomy `short_range_goal`: the operator sends goals near the robot, computed from its last reported pose.
 
-The goal lies `lookahead` metres from the believed pose towards the current waypoint; nearer than that the waypoint
-itself is sent. Under `move_and_wait` the next one is sent when the last was heard to be over, after a thought. Under
-`continuous` one is sent at each period, in place of the one before, from a pose that is as old as the link makes it.
+The goal lies `lookahead` metres from the reported pose towards the current waypoint; nearer than that the waypoint
+itself is sent. Under `move_and_wait` the next one is sent when the last is reported as over, after the think time.
+Under `continuous` one is sent at each period, in place of the one before, from a pose that is as old as the link makes it.
 
-A leg's time-out is the robot's, as on board (leg_clock.py): what the link and the operator's thought take before the
-leg begins is not in it. What the robot stands between the goals of one leg is: it is the robot's time.
+A leg's timeout counts the robot's time, as on board (leg_clock.py): delay and think time before the leg begins are not
+in it. The time that the robot is stopped between the goals of one leg is.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class ShortRangeGoalOperator(Operator):
         """Take charge of a mission.
 
         Args:
-            mission: what is asked.
+            mission: the mission.
             clock: of its legs; without it the answer to what leaves is there at once.
             announce: takes what it decides.
         """
@@ -76,7 +76,7 @@ class ShortRangeGoalOperator(Operator):
         self._clock.on_issued(command_id, request)
 
     def on_message(self, now_ns: int, message: Ack | Telemetry) -> list[CommandRequest]:
-        """Take what has arrived; steering continuously, the next leg begins when the robot reports the waypoint."""
+        """Process what has arrived; under continuous steering a report of the waypoint begins the next leg."""
         self._clock.on_message(message)
         requests = super().on_message(now_ns, message)
         if self._continuous and not self.finished and not self._at_task and self._leg_is_over():
@@ -140,7 +140,7 @@ class ShortRangeGoalOperator(Operator):
         return []
 
     def _skip_missed_goals(self, now_ns: int) -> None:
-        """Let the next beat be one that is not over yet: there were none during a hold or a task."""
+        """Skip the update times that have passed: there were no updates during a hold or a task."""
         if self._next_goal_ns is not None and self._next_goal_ns < now_ns:
             self._next_goal_ns -= (self._next_goal_ns - now_ns) // self._period_ns * self._period_ns
 
