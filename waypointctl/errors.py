@@ -10,7 +10,7 @@
         ├── LogError       a log
         └── OutputError    a place that cannot be written
 
-A message says what was wrong, where, what is allowed and how to fix it. The command line catches
+A message states what is wrong, where, what is allowed and how to fix it. The command line catches
 WaypointctlError once, at its edge, prints the message without a traceback and exits with `exit_code`.
 Anything else that is raised is a bug.
 """
@@ -22,7 +22,7 @@ from typing import ClassVar, Final
 
 from waypointctl.display_text import printable
 
-_MOST_CHARACTERS: Final = 4000  # of a line of a message; the value in it is shortened by whoever puts it there
+_MOST_CHARACTERS: Final = 4000  # of a line of a message; the caller shortens the values in it
 
 
 class WaypointctlError(Exception):

@@ -1,7 +1,7 @@
-"""Reading a file that somebody gave: a regular file, within its folder where it belongs to one, of a bounded size.
+"""Reading a user-given file: a regular file, within its folder where it belongs to one, of a bounded size.
 
 A pipe or a device could keep the program waiting, or never end; a link that leads out of a folder would take a file
-into a log, or into a message, that nobody meant to give.
+into a log, or into a message, that the user did not mean to give.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _KINDS: Final = {
     stat.S_IFSOCK: "a socket",
 }
 _PIPE_MEND: Final = "write what comes out of it into a file, and give that"
-_FLAGS: Final = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK  # opening a pipe waits for nobody
+_FLAGS: Final = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK  # opening a pipe does not block
 RECORD_FILE: Final = 2**24  # [bytes] that a file of results, or of what a training has recorded, may have
 NOT_THERE: Final = "there is no such file"  # the problem of a file that is not there
 
@@ -36,7 +36,7 @@ def open_input(path: Path, error: type[InputError] = InputError, *, within: Path
         within: the folder that a link must not lead out of; None where the user named the file.
 
     Raises:
-        InputError: of the type `error`: it is not there, cannot be read, is no regular file, or lies elsewhere.
+        InputError: of the type `error`: it does not exist, cannot be read, is not a regular file, or lies elsewhere.
     """
     try:
         real = os.path.realpath(path)
@@ -47,7 +47,7 @@ def open_input(path: Path, error: type[InputError] = InputError, *, within: Path
     except FileNotFoundError:
         raise error(NOT_THERE, where=str(path)) from None
     except OSError as reason:
-        # What cannot even be opened, such as a socket, is told by its kind too.
+        # What cannot be opened, such as a socket, is reported by its kind too.
         raise error(_kind(path) or f"cannot be read: {reason.strerror}", where=str(path)) from reason
     except ValueError as reason:  # a name with a zero byte
         raise error(f"cannot be read: {reason}", where=str(path)) from reason
@@ -71,7 +71,7 @@ def read_input(
 
     Args:
         path: of the file.
-        most: bytes that it may have, or the name of the limit that says how many.
+        most: bytes that it may have, or the name of the limit that sets it.
         error: the type of what is raised.
         within: as for `open_input`.
         hint: what to do about a file that is larger; that of a named limit is known.
@@ -116,7 +116,7 @@ def _kind(path: Path) -> str | None:
 
 
 def _other_kind(mode: int) -> str | None:
-    """Return what to say of a file that is not a regular one; None of one that is."""
+    """Return the problem text for a file that is not regular; None for one that is."""
     if stat.S_ISREG(mode):
         return None
     return f"is {_KINDS.get(stat.S_IFMT(mode), 'something else')}, not a file"

@@ -66,7 +66,7 @@ def set_limits(texts: Sequence[str]) -> None:
     """Set limits from texts such as "policy-file=256MiB", for this process and those that it starts.
 
     Raises:
-        ValueError: there is no such limit, or its value is none.
+        ValueError: there is no such limit, or its value is invalid.
     """
     given = _given(os.environ.get(VARIABLE, "")) | dict(_limit(text) for text in texts)
     if given:

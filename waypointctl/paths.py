@@ -1,4 +1,4 @@
-"""What a path that somebody gave is, and writing there, without a traceback: a name can be too long to be looked up."""
+"""Checking and writing user-given paths without a traceback: a name can be too long to be looked up."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _PLANS: Final = {
 
 
 def folder_fault(path: Path) -> str | None:
-    """Return why a path is no folder to read from, None if it is one."""
+    """Return why a path is not a readable folder, None if it is one."""
     try:
         mode = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -39,13 +39,13 @@ def folder_fault(path: Path) -> str | None:
 
 
 def command_for_log(path: str) -> str:
-    """Return what to say where a log was given for something else."""
+    """Return the problem text for a log that was given for something else."""
     log = shell_word(path)
     return f"this is a log: `waypointctl replay {log}` shows it, `waypointctl run --resume {log}` continues it"
 
 
 def command_for_plan(path: str) -> str:
-    """Return what to say where another tool's plan was given for a mission or a log; nothing for any other file."""
+    """Return the problem text for another tool's plan given as a mission or log; empty for any other file."""
     plan = Path(path)
     kind = _PLANS.get(plan.suffix.lower())
     if kind is None:
@@ -55,7 +55,7 @@ def command_for_plan(path: str) -> str:
 
 
 def command_for_mission(path: str) -> str:
-    """Return what to say where a mission was given for a log; nothing for a file that is not called like one."""
+    """Return the problem text for a mission given as a log; empty for a file without its suffix."""
     if Path(path).suffix.lower() not in (".yaml", ".yml"):
         return ""
     mission = shell_word(path)
@@ -77,7 +77,7 @@ def lock(stream: IO[bytes]) -> bool:
 
 
 def is_being_written(path: Path) -> bool:
-    """Return whether a flight under way holds the file's lock; a file that cannot be opened is held by nobody."""
+    """Return whether a flight under way holds the file's lock; a file that cannot be opened is not held."""
     try:
         with path.open("rb") as file:
             return not lock(file)
@@ -88,7 +88,7 @@ def is_being_written(path: Path) -> bool:
 def refuse_unwritable_file(path: Path, what: str) -> None:
     """Refuse a file that could not be written, before the work that it is for.
 
-    It is tried, with an empty file beside it that is gone again at once: permissions alone do not tell of a read-only
+    Tried with an empty file beside it, removed at once: permissions alone do not show a read-only
     or full disk, nor of /proc.
 
     Args:
@@ -124,9 +124,9 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
 
 
 def write_whole(path: Path, content: bytes, what: str) -> None:
-    """Write a file under another name beside it and move it into place: what stands at `path` is never half of it.
+    """Write a file under another name beside it and move it into place: `path` never has half of it.
 
-    What is no regular file, such as a pipe, is written as it is. Where `path` is a link, the file it
+    What is not a regular file, such as a pipe, is written directly. Where `path` is a link, the file it
     leads to is replaced.
 
     Args:
@@ -170,12 +170,12 @@ def refuse_other_content(path: Path, magic: bytes, kind: str) -> None:
         kind: for the message: "a PNG".
 
     Raises:
-        OutputError: it is something else, such as the very input, or is no regular file, such as a device.
+        OutputError: it is something else, such as the input itself, or is not a regular file, such as a device.
     """
     try:
         if not path.exists():
             return
-        # A look at the beginning of a device or a pipe could wait for ever.
+        # Reading from a device or a pipe could block for ever.
         if not path.is_file():
             fault = f"is not a regular file, and {kind} would take its place"
         elif begins(path, magic):
@@ -196,11 +196,11 @@ def begins(path: Path, magic: bytes) -> bool:
 def refuse_unwritable_folder(folder: Path) -> None:
     """Refuse a folder that cannot be made or written, before there is anything to write.
 
-    It is tried, with an empty folder that is gone again at once: permissions alone do not tell of a read-only or full
+    Tried with an empty folder, removed at once: permissions alone do not show a read-only or full
     disk, nor of /proc.
 
     Raises:
-        OutputError: it, or what it would be made in, is no folder or is read-only, or its name cannot be.
+        OutputError: it, or what it would be made in, is not a folder or is read-only, or its name is not possible.
     """
     try:
         nearest = next(path for path in (folder, *folder.parents) if path.exists())

@@ -75,7 +75,7 @@ class Flight:
 
     @property
     def over(self) -> bool:
-        """Whether all that was begun is over, the mission's time is up, or nothing can happen any more."""
+        """Whether everything is over, the mission's time is up, or nothing more can happen."""
         now_ns = self._now_ns
         return self._end_condition.is_done(now_ns) or self._out_of_time or self._end_condition.is_silent(now_ns)
 
@@ -182,7 +182,7 @@ class Flight:
         self._now_ns = min(wake_ns, self._first_step(self._console.asleep(self._now_ns, wake_ns)))
 
     def _first_step(self, time_ns: int) -> int:
-        """Return the first control step to come that is not before a time [ns]."""
+        """Return the next control step at or after a time [ns]."""
         steps = -(-(time_ns - self._now_ns) // self._period_ns)
         return self._now_ns + max(steps, 1) * self._period_ns
 

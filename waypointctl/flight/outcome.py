@@ -82,11 +82,11 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
 
 def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: str, *, late: bool) -> str:
     """Return how many waypoints are known to be reached; and when that was, or both times where the flight went on."""
-    reached, told, ended = len(station.reached), f"{seconds(told_ns):.2f} s", f"{seconds(ended_ns):.2f} s"
-    goes_on = late or station.reported.went_home or reached < total
-    if told == ended or not goes_on:
-        return f"{reached} of {total} waypoints reached in {told}{expected}"
-    times = f"the operator received the end of the plan at {told}; the flight ended at {ended}"
+    reached, known, ended = len(station.reached), f"{seconds(told_ns):.2f} s", f"{seconds(ended_ns):.2f} s"
+    flew_on = late or station.reported.went_home or reached < total
+    if known == ended or not flew_on:
+        return f"{reached} of {total} waypoints reached in {known}{expected}"
+    times = f"the operator received the end of the plan at {known}; the flight ended at {ended}"
     return f"{reached} of {total} waypoints reached{expected}; {times}"
 
 
@@ -94,15 +94,15 @@ def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) ->
     """Return why a mission failed, empty if it did not, and what was expected of it, where that explains it."""
     total, reached, frame = mission.num_legs, len(station.reached), station.reported.telemetry
     wanted = total if mission.expect.reached == "all" else mission.expect.reached
-    stands = standing_reason(mission, frame)
+    waiting = standing_reason(mission, frame)
     if late:
-        why = stands or (station.missing if station.dispatcher.unanswered and not over else "")
+        why = waiting or (station.missing if station.dispatcher.unanswered and not over else "")
         return f"the mission took longer than {mission.expect.max_time_s:g} s" + (f"; {why}" if why else ""), ""
     expected = f", {wanted} expected"
     if station.failure == FALL or (frame is not None and frame.mode is Mode.FALLEN):
         return FALL, expected
-    if not over and (stands or reached < wanted):
-        return stands + NO_COMMAND_FOLLOWED if stands else station.missing or SILENT, ""
+    if not over and (waiting or reached < wanted):
+        return waiting + NO_COMMAND_FOLLOWED if waiting else station.missing or SILENT, ""
     if reached < wanted:
         return station.failure or "not all reached", expected
     if frame is not None and frame.cause.startswith(RETURN_FAILED):

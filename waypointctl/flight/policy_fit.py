@@ -39,7 +39,7 @@ def refuse_misfit(policy: Policy, robot: Robot, plugins: Iterable[Plugin] = ()) 
 def reward_weights(policy: Policy, plugins: Iterable[Plugin] = ()) -> RewardWeights:
     """Return the weight of each reward term, those that the policy does not name at their defaults.
 
-    The terms of a plugin that is not given are left out: they change what the log says of rewards, not the flight.
+    The terms of a plugin that is not given are left out: they change the rewards in the log, not the flight.
 
     Raises:
         PolicyError: a weight is not a number within its bounds.

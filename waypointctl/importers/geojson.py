@@ -111,7 +111,7 @@ class _Reader:
 
     def _coordinates(self, kind: str, coordinates: Part, name: str) -> None:
         parts = coordinates.elements() if kind.startswith("Multi") else iter((coordinates,))
-        if coordinates.value == []:  # RFC 7946, 3.1: an empty list stands for no place
+        if coordinates.value == []:  # RFC 7946, 3.1: an empty list is no position
             self.shapes.report.left_out[f"{kind} without coordinates"] += 1
         elif kind.endswith("LineString"):
             for line in _joined(parts):

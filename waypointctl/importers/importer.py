@@ -24,7 +24,7 @@ class Stop:
     Attributes:
         place: latitude and longitude [deg], or x and y [m]; None: where the robot starts.
         name: empty for none.
-        at: where the file says so, for messages.
+        at: position in the file, for messages.
         hold_s: how long to stay there.
         radius_m: how near is there; None for the mission's default.
         observe: whether a picture is taken there.
@@ -47,22 +47,22 @@ class Zone:
     keep_in: bool
     corners: tuple[Place, ...]  # of a circle its centre alone
     radius_m: float | None = None
-    at: str = ""  # where the file says so, for messages
+    at: str = ""  # position in the file, for messages
 
 
 @dataclass(frozen=True, slots=True)
 class ImportedMission:
-    """What a file says of a mission, in its own coordinates.
+    """A file's mission, in the file's own coordinates.
 
     Attributes:
         name: of the mission.
-        start: where the robot starts; None where the file does not say.
+        start: where the robot starts; None where the file does not give it.
         stops: the places to go to, in order.
-        start_at: where the file says where the robot starts, for messages.
+        start_at: position of the start in the file, for messages.
         is_home: whether the start is a home beside the path, and not the path's own beginning.
         zones: of the fence; the robot is to be in each one that is to be kept in.
         return_to: where the robot goes when it breaks the fence; None: it holds.
-        left_out: what the file says beside.
+        left_out: other content of the file.
         remarks: what else the user should know.
         order: how the file's format writes a place, where it is easily written the other way round.
         body: that the places are on, by its name in local_frame.BODIES.
@@ -118,5 +118,5 @@ def mission_name(text: str) -> str:
 
 
 def of_kind(kind: FileKind) -> Callable[[bytes], bool]:
-    """Return what tells whether a file is of a kind."""
+    """Return a predicate for files of a kind."""
     return lambda source: kind_of(source) is kind

@@ -37,11 +37,11 @@ class Part:
         return isinstance(self.value, dict) and self.value.get(key) is not None
 
     def get(self, key: str) -> Part | None:
-        """Return what is under a key, None where there is nothing."""
+        """Return the value of a key, None where it is missing."""
         return Part(self.value[key], (*self.path, key), self.report) if self.has(key) else None
 
     def at(self, key: str) -> Part | None:
-        """Return what is under a key; that there is nothing, or that this is no mapping, is reported."""
+        """Return the value of a key; a missing key, or a value that is not a mapping, is reported."""
         if not isinstance(self.value, dict):
             self.add_problem(f"{shown(self.value)} is not a mapping of keys to values", "not a mapping")
         elif not self.has(key):
@@ -92,7 +92,7 @@ class Part:
 
 
 def is_number(value: Any) -> bool:
-    """Tell whether a value is given: null and NaN stand for one that is not."""
+    """Return whether a value is given: null and NaN mean that it is not."""
     return value is not None and not (isinstance(value, float) and math.isnan(value))
 
 
@@ -102,7 +102,7 @@ def is_unset(part: Part) -> bool:
 
 
 def place_in(part: Part) -> tuple[float, float] | None:
-    """Return the place that a list [latitude, longitude, ...] says, None where it says none, which is reported."""
+    """Return the place in a list [latitude, longitude, ...], None after reporting that there is none."""
     if not isinstance(part.value, list) or len(part.value) < 2:
         if isinstance(part.value, list):
             part.add_problem(f"has {counted(len(part.value), 'numbers')}; latitude and longitude are needed")

@@ -29,7 +29,7 @@ _MOST_RADIUS_M: Final = 1e8
 
 @dataclass(frozen=True)
 class Body:
-    """What the robot stands on: an ellipsoid with its equatorial radius [m] and its flattening."""
+    """The ground body: an ellipsoid with its equatorial radius [m] and its flattening."""
 
     name: str
     equator_m: float

@@ -1,7 +1,7 @@
 """Where a list of MAVLink mission items leads a robot on the ground.
 
 Altitudes are not used, and where latitude and longitude are both 0 or not a number the item is about where the vehicle
-is. A jump is done as often as it says, from its own place, as ArduPilot and PX4 do it.
+is. A jump is repeated as often as its count, from its own place, as ArduPilot and PX4 do it.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Item:
         at: its place in the file, for messages.
         number: that jumps name it by.
         command: MAV_CMD.
-        frame: MAV_FRAME; None where the file does not say.
+        frame: MAV_FRAME; None where the file does not give it.
         params: the seven, None for what is not a number.
         goes_on: whether the next follows by itself.
     """
@@ -154,7 +154,7 @@ class _Way:
     def _take(self, item: Item, *, is_last: bool) -> None:
         command = item.command
         if not item.goes_on and not is_last:
-            self._leave_out("wait for a person (autoContinue is false): the robot goes on")
+            self._leave_out("wait for a person (autoContinue is false): the robot continues")
         if command in ENDS and not is_last and not (command == RETURN and self.stops):
             problem = f"is a {FOLLOWED[command]} (command {command}), and items follow it, which are never reached"
             self.report.add_problem(item.at, f"{problem}: end the plan there, or remove it")
@@ -218,7 +218,7 @@ class _Way:
             self._leave_out(f"{what}: only one picture at a time is taken, at a waypoint")
 
     def _stop_here(self, hold_s: float = 0.0, observe: bool = False) -> None:
-        """Let the robot stand where it is, before the first waypoint where it starts."""
+        """Add a stop at the current place, before the first waypoint at the start."""
         if not self.stops:
             self.stops.append(Stop(None, "start"))
         last = self.stops[-1]
@@ -236,7 +236,7 @@ class _Way:
         if item.command == WAYPOINT and item.params[_LOITER_RADIUS]:
             self._leave_out("passing radius of a waypoint: the robot goes to the waypoint")
         if item.command == LOITER_TIME and item.params[_LOITER_RADIUS]:
-            self._leave_out("loiter radius: the robot stands at the centre")
+            self._leave_out("loiter radius: the robot holds at the centre")
         if item.command in (WAYPOINT, *LANDINGS, *TAKEOFFS) and item.params[_YAW]:
             self._leave_out("heading at a waypoint: the policy sets the heading")
 

@@ -27,17 +27,17 @@ _MOST_NAME: Final = 60  # characters of a waypoint's name
 def mission_text(
     imported: ImportedMission, where: str, policy: str, origin: Place | None = None, body: Body | None = None
 ) -> tuple[str, Placed]:
-    """Return the mission file made from what another tool's file says, and its places in metres.
+    """Return the mission file made from another tool's file, and its places in metres.
 
     Args:
-        imported: what it says.
+        imported: its content.
         where: the file, for messages and for the comment at the top.
         policy: the policy's folder, relative to the mission file.
         origin: where x and y are 0; where the robot starts if it is left out.
-        body: that the places are on; what the file says if it is left out.
+        body: that the places are on; the file's body if it is left out.
 
     Raises:
-        MissionError: it is no mission: too wide, or beyond what a mission may have.
+        MissionError: it does not fit in a mission: too wide, or beyond a limit.
     """
     ground = placed(imported, where, origin, body or BODIES[imported.body])
     if not ground.stops:

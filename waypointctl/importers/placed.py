@@ -17,7 +17,7 @@ from waypointctl.importers.report import Report
 from waypointctl.importers.thinning import thinned
 from waypointctl.mission.geofence import Area
 
-_HERE_M: Final = 0.5  # as near as a waypoint is reached: a take-off this near is where the robot stands already
+_HERE_M: Final = 0.5  # as near as a waypoint is reached: a take-off this near is at the robot's place
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,13 +45,13 @@ def placed(imported: ImportedMission, where: str, origin: Place | None, body: Bo
     """Return a imported in metres.
 
     Args:
-        imported: what a file says.
+        imported: the content of a file.
         where: the file, for messages.
         origin: of the frame; where the robot starts if it is left out.
         body: that the places are on.
 
     Raises:
-        MissionError: its places are too far apart, or it says neither where the robot starts nor is there an origin.
+        MissionError: its places are too far apart, or there is neither a start nor an origin.
     """
     if imported.is_metric:
         return _in_frame(imported, where, None)
@@ -132,7 +132,7 @@ def _on_the_way(stops: list[tuple[Stop, Point]], start: Point) -> Iterator[tuple
 
 
 def _named(imported: ImportedMission) -> Iterator[tuple[str, tuple[Place, ...]]]:
-    """Yield the places of a imported, with where the file says them."""
+    """Yield the places of an import, with their positions in the file."""
     if imported.start is not None:
         yield imported.start_at, (imported.start,)
     for stop in imported.stops:
@@ -199,7 +199,7 @@ def _refuse_wrong_zones(zones: tuple[tuple[Zone, tuple[Point, ...]], ...], where
 
 
 def _rough_km(length_m: float) -> str:
-    """Return a length with two digits that count: far away a local frame knows no more."""
+    """Return a length with two significant digits: far away a local frame is not more exact."""
     return f"{float(f'{length_m / 1000:.2g}'):,.0f} km"
 
 

@@ -86,7 +86,7 @@ def _items(mission: Part) -> Iterator[Item]:
 
 
 def _laid_out(part: Part) -> Iterator[Item]:
-    """Yield the simple items that stand for a complex one; one that has none is reported."""
+    """Yield the simple items of a complex one; one that has none is reported."""
     kind = part.value.get("complexItemType")
     transects = part.get("TransectStyleComplexItem")
     if isinstance(kind, str) and kind in _PATTERNS:

@@ -22,14 +22,14 @@ from waypointctl.paths import command_for_mission
 IMPORTERS: Final[tuple[Importer, ...]] = (QGC_PLAN, WPL, GEOJSON, GPX, KML, CSV)
 
 MAX_BYTES: Final = 10 << 20
-_OF_MANY: Final = (".json", ".txt")  # suffixes that tell nothing of a format
+_OF_MANY: Final = (".json", ".txt")  # suffixes of several formats
 _READ: Final = (
     "QGroundControl plans, waypoint files (QGC WPL 110), GeoJSON, GPX, KML, and CSV with named columns are read"
 )
 
 
 def read_imported(path: Path) -> ImportedMission:
-    """Return what a file of another tool says of a mission.
+    """Return the mission in another tool's file.
 
     Raises:
         MissionError: the file does not exist, is in no format that is read, or has an error.
@@ -47,7 +47,7 @@ def read_imported(path: Path) -> ImportedMission:
 
 
 def _by_suffix(source: bytes, suffix: str) -> Importer | None:
-    """Return the importer of a suffix for a file whose content does not tell its format."""
+    """Return the importer of a suffix for a file whose content does not show its format."""
     if kind_of(source) not in (None, FileKind.JSON) or suffix in _OF_MANY:
         return None
     return next((each for each in IMPORTERS if suffix in each.suffixes), None)

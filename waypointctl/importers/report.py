@@ -55,7 +55,7 @@ class Report:
         Args:
             place: in the file, as "mission.items[3]"; empty for the file as a whole.
             problem: what is wrong there.
-            cause: problems of one cause are told once, with their number; the problem itself where it is left out.
+            cause: problems of one cause are reported once, with their number; the problem itself where it is left out.
         """
         text = f"{place}: {problem}" if place else problem
         known = self._causes.get(cause or problem)

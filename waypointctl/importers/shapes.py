@@ -14,7 +14,7 @@ from waypointctl.mission.wording import counted, shown
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """A place [deg] with its name, which may be empty, and where the file says so."""
+    """A place [deg] with its name, which may be empty, and its position in the file."""
 
     place: Place
     name: str
@@ -28,7 +28,7 @@ class Line:
     Attributes:
         kind: what the format calls it.
         name: may be empty.
-        at: where the file says so.
+        at: position in the file.
         spots: the places.
     """
 
@@ -50,7 +50,7 @@ class Shapes:
         line_word: what the format calls a line.
         point_word: and a point.
         order: how the format writes a place, where it is easily written the other way round.
-        body: that the places are on, where the file says so.
+        body: that the places are on, where the file names it.
     """
 
     report: Report

@@ -1,1 +1,1 @@
-"""What is asked of the robot: the mission and its file."""
+"""The mission and its file."""

@@ -75,7 +75,7 @@ def names_differ(waypoints: tuple[Waypoint, ...]) -> tuple[Waypoint, ...]:
 
 
 def jitter_within(jitter_s: float, delay_s: float | None) -> float:
-    """Return a jitter that leaves the delay positive; a delay of None is wrong already and says so itself.
+    """Return a jitter that leaves the delay positive; a delay of None is reported already.
 
     Raises:
         ValueError: it is more than the delay.
@@ -166,12 +166,12 @@ def windows_within(every_s: float | None, windows: Sequence[Window] | None) -> N
 
 
 def alone(name: str, given: object, others: dict[str, object]) -> None:
-    """Check that what says the same in another way is not there too.
+    """Check that no alternative field is given too.
 
     Args:
         name: of the field.
-        given: its value, as far as it says something.
-        others: the fields that say the same, and their values.
+        given: its value.
+        others: the alternative fields, and their values.
 
     Raises:
         ValueError: one of them is.
@@ -225,7 +225,7 @@ def _cancelled(mission: Mission) -> Iterator[InitErrorDetails]:
 
 
 def _most_own_commands(mission: Mission) -> int | None:
-    """Return how many commands the operator sends at most, beside the schedule; None where nobody can know."""
+    """Return how many commands the operator sends at most, beside the schedule; None where that is unknown."""
     if mission.autonomy == "short_range_goal":
         return None
     if mission.autonomy == "mission":

@@ -31,7 +31,7 @@ _ABSOLUTE: Final = re.compile(r"[0-9]{4}/[0-9]{1,2}/[0-9]{1,2}-[0-9]{1,2}:[0-9]{
 _OTHER_PROGRAM: Final = re.compile(rb"^##\s*begin\s+(?!ionadmin\b)\S+.*?^##\s*end\b", re.MULTILINE | re.DOTALL)
 _CONTACT: Final = ("start time", "stop time", "source node", "destination node", "rate in bytes/s")
 _RANGE: Final = ("start time", "stop time", "one node", "other node", "light time in s")
-ANY_MOMENT: Final = "0001/01/01-00:00:00"  # a reference to look at each line with, where the right one is not known
+ANY_MOMENT: Final = "0001/01/01-00:00:00"  # reference for checking each line, where the right one is not known
 _MOST_SHOWN: Final = 8  # of the ways that a plan has contacts of
 _REGISTRATION: Final = "-1"
 _MAX_DIGITS: Final = 18
@@ -47,16 +47,16 @@ class Span:
     begin_s: float
     end_s: float
     value: float  # of a contact its rate [bit/s], of a range the one-way light time [s]
-    at: Word = field(compare=False)  # where the file says so
+    at: Word = field(compare=False)  # position in the file
 
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """What a plan says of one direction.
+    """One direction of a contact plan.
 
     Attributes:
         contacts: in order, none overlapping another.
-        ranges: the same; where the plan's light times are asked for they cover the contacts.
+        ranges: the same; where the plan's light times are used they cover the contacts.
     """
 
     contacts: tuple[Span, ...]
@@ -66,7 +66,7 @@ class Passage:
 def read_contact_plan(
     source: bytes, where: str, way: tuple[int, int], *, reference: str | None = None, needs_ranges: bool = True
 ) -> tuple[Passage, tuple[Problem, ...]]:
-    """Return what a contact plan says of one direction, and everything that is wrong with it.
+    """Return one direction of a contact plan, and every problem in the plan.
 
     Args:
         source: the plan's bytes.
@@ -110,7 +110,7 @@ def _without_other_programs(source: bytes) -> bytes:
 
 
 class _Plan:
-    """Fills up line by line with what is said of one way."""
+    """Collects the lines of one direction."""
 
     def __init__(self, report: TextReport, way: tuple[int, int], reference: datetime | None) -> None:
         self.report = report
@@ -195,7 +195,7 @@ class _Plan:
 
     def _add_contact(self, command: Word, words: list[Word]) -> None:
         if words and words[0].text == _REGISTRATION:
-            return  # says that a node belongs to the plan, and nothing of when it can be talked to
+            return  # registers a node, without a contact
         if "0" in (word.text for word in words[:2]):
             self._hypothetical = command
             return
@@ -219,7 +219,7 @@ class _Plan:
     def _span(
         self, command: Word, words: list[Word], wanted: tuple[str, ...], least: float
     ) -> tuple[tuple[int, int], Span] | None:
-        """Return what the words of a line say, or None after reporting what is wrong with them."""
+        """Return the values of a line, or None after reporting its problems."""
         before = len(self.report.problems)
         if len(words) != len(wanted):
             self.report.add(command, f"has {len(words)} values; expected are {', '.join(wanted)}")
@@ -244,7 +244,7 @@ class _Plan:
             problem = f"'{word.text}' is not a time: write +seconds"
         elif self._reference is None:
             if self._is_dateless:
-                return math.nan  # in no order with anything: nothing more is said of it
+                return math.nan  # compares with nothing: no further problem is reported
             self._is_dateless = True
             word = self._absolute or word
             problem = (

@@ -43,14 +43,14 @@ class Acceptance(FileModel):
 
 
 class Start(FileModel):
-    """Where the robot stands at the start, and how much its state is spread around the stance."""
+    """Pose of the robot at the start, and the spread of its state around the nominal pose."""
 
     position_m: Position = Field((0.0, 0.0), description="x and y in the world frame")
     heading_deg: Annotated[float, Quantity("deg", ge=-360, le=360)] = Field(0.0, description="0 is along x, 90 along y")
     random_heading: Annotated[bool, Strict()] = Field(False, description="draw the heading, in place of `heading`")
     joint_spread_rad: Annotated[float, Quantity("rad", ge=0, le=1)] = Field(
-        0.1, description="joint angles are off the stance by up to this"
+        0.1, description="largest offset of the joint angles from the nominal pose"
     )
     speed_spread: Annotated[float, Strict(), Field(ge=0, le=5)] = Field(
-        0.1, description="velocities are up to this, in m/s and rad/s"
+        0.1, description="largest velocities, in m/s and rad/s"
     )

@@ -1,4 +1,4 @@
-"""What a file is, by its content: files arrive under wrong names, or as something that stands in for them."""
+"""What a file is, by its content: files arrive under wrong names, or as a placeholder."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Final
 
 
 class FileKind(Enum):
-    """A kind of file, with the predicate that a message says of it."""
+    """A kind of file, with the predicate for messages."""
 
-    LFS_POINTER = "is a Git LFS pointer, not the file that it stands for: fetch that with 'git lfs pull'"
+    LFS_POINTER = "is a Git LFS pointer, not the file itself: fetch that with 'git lfs pull'"
     ZIP = "is a ZIP archive (.kmz and .xlsx are too): unpack it, and give the file inside"
     GZIP = "is a gzip archive: unpack it first"
     UTF_16 = "is not UTF-8 text but UTF-16: save it as UTF-8"

@@ -1,10 +1,10 @@
 """The base of the models that people write as files: strict, frozen, and kind about how a thing is written.
 
-What a file may write besides the fields' own names is declared, not coded, and the JSON Schema says the same:
+Spellings besides the fields' own names are declared, and the JSON Schema has the same:
 
 - a field with a `Quantity` also goes by its bare name, with the unit in the value (see quantity.py);
-- `list_stands_for` names the field that a bare list in place of the mapping stands for;
-- `text_stands_for` names the field that a bare word in place of the mapping stands for;
+- `list_shorthand` names the field of a bare list in place of the mapping;
+- `text_shorthand` names the field of a bare word in place of the mapping;
 - `keys_for_each` names fields of one and the same FileModel whose keys may be written once for all of them.
 """
 
@@ -26,8 +26,8 @@ class FileModel(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", field_title_generator=lambda name, _: name)
 
-    list_stands_for: ClassVar[str | None] = None
-    text_stands_for: ClassVar[str | None] = None
+    list_shorthand: ClassVar[str | None] = None
+    text_shorthand: ClassVar[str | None] = None
     keys_for_each: ClassVar[tuple[str, ...]] = ()
     former_keys: ClassVar[Mapping[str, str]] = {}  # of earlier versions, and what to write now: for messages alone
 
@@ -63,19 +63,19 @@ class FileModel(BaseModel):
 
     @classmethod
     def list_keys(cls) -> tuple[str, ...]:
-        """Return what a bare list here stands for: the field, and its bare name where it has one."""
-        field = cls.list_stands_for
+        """Return the field of a bare list here, and its bare name where it has one."""
+        field = cls.list_shorthand
         return () if field is None else (field, *(bare for bare, name in cls.bare_names().items() if name == field))
 
     @model_validator(mode="before")
     @classmethod
     def _from_file(cls, given: Any) -> Any:
-        """Bring what a file may write into the fields' own names; what is wrong with it is said by the fields."""
-        if isinstance(given, list | tuple) and cls.list_stands_for is not None:
+        """Convert a file's spellings into the fields' own names; the fields report what is wrong."""
+        if isinstance(given, list | tuple) and cls.list_shorthand is not None:
             has_text = any(isinstance(part, str) for part in given)
             given = {cls.list_keys()[-1 if has_text else 0]: list(given)}
-        if isinstance(given, str) and cls.text_stands_for is not None:
-            given = {cls.text_stands_for: given}
+        if isinstance(given, str) and cls.text_shorthand is not None:
+            given = {cls.text_shorthand: given}
         if not isinstance(given, dict):
             return given
         data = cls._spread(given)
@@ -119,7 +119,7 @@ class FileModel(BaseModel):
 
 
 def _list_length(annotation: Any) -> int | None:
-    """Return how many entries a list of a field must have, None where any number will do or it is no list."""
+    """Return how many entries a list of a field must have, None where any number is allowed or it is not a list."""
     if get_origin(annotation) is tuple:
         entries = get_args(annotation)
         return None if Ellipsis in entries else len(entries)

@@ -1,6 +1,6 @@
-"""The JSON Schema of a file model: what pydantic says of the fields, and every other spelling beside it.
+"""The JSON Schema of a file model: pydantic's schema of the fields, and every other spelling beside it.
 
-Imported when a schema is asked for, never when a file is read.
+Imported when a schema is requested, never when a file is read.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ def describe_spellings(model: type[FileModel], schema: Schema, handler: GetJsonS
         _add_bare(schema, bare, name)
     if model.keys_for_each:
         _add_shared_keys(schema, model.keys_for_each, handler)
-    stood_for = model.list_keys() if model.text_stands_for is None else (model.text_stands_for,)
-    if stood_for:
-        shorthands = [schema["properties"][key] for key in stood_for]
+    shorthand_fields = model.list_keys() if model.text_shorthand is None else (model.text_shorthand,)
+    if shorthand_fields:
+        shorthands = [schema["properties"][key] for key in shorthand_fields]
         as_mapping = dict(schema)
         schema.clear()
         schema["anyOf"] = [*shorthands, as_mapping]

@@ -27,7 +27,7 @@ class MissionFile:
 
     @property
     def files(self) -> Mapping[str, bytes]:
-        """What stands in the files that the mission refers to, by their names in it."""
+        """The contents of the files that the mission refers to, by their names in it."""
         return self.mission.files
 
     @property

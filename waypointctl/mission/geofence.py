@@ -21,7 +21,7 @@ CIRCLE_CORNERS: Final = 72  # of a circle as it is drawn
 class Corner(FileModel):
     """A corner of a polygon. A bare [x, y] is the position."""
 
-    list_stands_for: ClassVar[str | None] = "position_m"
+    list_shorthand: ClassVar[str | None] = "position_m"
 
     position_m: Position = Field(description="x and y in the world frame")
 
@@ -50,15 +50,15 @@ class Area(FileModel):
 
 
 class Geofence(FileModel):
-    """Where the robot may be. A commanded waypoint elsewhere is rejected; `do` says what follows a breach."""
+    """Where the robot may be. A commanded waypoint elsewhere is rejected; `do` sets what follows a breach."""
 
     keep_in: Annotated[tuple[Area, ...], Field(max_length=100)] = Field(
-        (), description="to be in one of them, or in all of them, as keep_in_match says"
+        (), description="areas to stay in: one of them, or all of them, as keep_in_match sets"
     )
     keep_in_match: Literal["any", "all"] = Field(
         "any", description="any: inside at least one area of keep_in; all: inside every area of keep_in"
     )
-    keep_out: Annotated[tuple[Area, ...], Field(max_length=100)] = Field((), description="to be in none of them")
+    keep_out: Annotated[tuple[Area, ...], Field(max_length=100)] = Field((), description="areas to stay out of")
     do: Literal["hold", "return_home", "abort"] = Field("hold", description="when the robot leaves the fence")
 
 

@@ -129,7 +129,7 @@ class LinkDirection(FileModel):
 
     @property
     def has_own_delay(self) -> bool:
-        """Whether the delay is said here, and not by a contact plan."""
+        """Whether the delay is set here, and not by a contact plan."""
         return bool(self.delay_s) or self.delay_table is not None or self.contact_plan is None
 
     @field_validator("delay_table")
@@ -182,7 +182,7 @@ class Link(FileModel):
     @model_validator(mode="before")
     @classmethod
     def _no_bare_word(cls, given: Any) -> Any:
-        """Tell whoever writes a word alone how a preset is written."""
+        """Refuse a bare word, with a hint on how a preset is written."""
         if isinstance(given, str):
             raise ValueError(f"{given!r} is not a mapping of keys to values; {_hint(given)}")
         return given
@@ -206,7 +206,7 @@ class Link(FileModel):
 
 
 def _hint(word: str) -> str:
-    """Return how to write what somebody has written in place of a link's mapping."""
+    """Return how to write a value that was given in place of a link's mapping."""
     import difflib  # 10 ms that a good file need not wait for
 
     if number_in(word) is not None:

@@ -63,7 +63,7 @@ class Defaults(FileModel):
 class Waypoint(FileModel):
     """A place to reach; what is left out is taken from the mission's defaults. A bare [x, y] is the position."""
 
-    list_stands_for: ClassVar[str | None] = "position_m"
+    list_shorthand: ClassVar[str | None] = "position_m"
 
     name: Name | None = Field(None, description="WP1, WP2, ... where it is left out")
     position_m: Position = Field(description="x and y in the world frame")
@@ -149,18 +149,18 @@ class Mission(FileModel):
 
     @property
     def files(self) -> Mapping[str, bytes]:
-        """What stands in the files that the mission refers to, by their names in it."""
+        """The contents of the files that the mission refers to, by their names in it."""
         return self._files
 
     def with_files(self, files: Mapping[str, bytes]) -> Mission:
-        """Return the mission with what stands in the files that it refers to; it is flown with them alone."""
+        """Return the mission with the contents of the files that it refers to; it is flown with these alone."""
         mission = self.model_copy()
         mission._files = dict(files)
         return mission
 
     @property
     def failure_rule(self) -> OnFailure:
-        """What to do when a leg fails, wherever the file says it."""
+        """What to do when a leg fails, from either place in the file."""
         return self.on_failure or self.onboard.on_failure or OnFailure()
 
     @field_validator("onboard")

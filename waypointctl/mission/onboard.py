@@ -16,11 +16,11 @@ from waypointctl.mission.quantity import Quantity
 class OnFailure(FileModel):
     """What to do when a leg fails. A bare word is `then`, without a retry."""
 
-    text_stands_for: ClassVar[str | None] = "then"
+    text_shorthand: ClassVar[str | None] = "then"
 
     retry: Annotated[int, Strict(), Field(ge=0, le=1000)] = Field(0, description="how often the leg is started again")
     then: Literal["abort", "skip", "hold", "return_home"] = Field(
-        "abort", description="abort: end the plan; skip: go on to the next; hold: stop and wait for a command"
+        "abort", description="abort: end the plan; skip: continue with the next; hold: stop and wait for a command"
     )
 
 

@@ -97,8 +97,8 @@ def _known_here(do: object) -> object:
         PydanticCustomError: it is called otherwise here.
     """
     if isinstance(do, str) and (meant := _ELSEWHERE.get(do.lower().replace("-", "_"))):
-        said = " or ".join(repr(name) for name in meant)
-        problem = f"{do!r} is not a command; did you mean {said}?"
+        meanings = " or ".join(repr(name) for name in meant)
+        problem = f"{do!r} is not a command; did you mean {meanings}?"
         raise PydanticCustomError("elsewhere", "{problem}", {"problem": problem})
     return do
 
@@ -124,9 +124,11 @@ class ScheduledCommand(FileModel):
     ] = Field(description="the command")
     position_m: Position | None = Field(None, description="go_to: x and y in the world frame")
     tolerance_m: Tolerance | None = Field(
-        None, description="set_tolerance: of the waypoints to come; go_to: of this place"
+        None, description="set_tolerance: of the waypoints still ahead; go_to: of this place"
     )
-    timeout_s: Timeout | None = Field(None, description="set_timeout: of the waypoints to come; go_to: of this place")
+    timeout_s: Timeout | None = Field(
+        None, description="set_timeout: of the waypoints still ahead; go_to: of this place"
+    )
     hold_s: Hold | None = Field(None, description="go_to: how long to stay there")
     command: Annotated[int, Strict(), Field(ge=1, le=LARGEST_NUMBER)] | None = Field(
         None, description="cancel: the number of the command, from 1 in the order in which they were sent"

@@ -1,4 +1,4 @@
-"""The folder that a policy's name or path stands for, in a mission, a recipe or on the command line.
+"""The folder that a policy's name or path refers to, in a mission, a recipe or on the command line.
 
 A path is taken as it is, relative to the file that has it. A bare name, such as `ant-waypoint`, is looked for in three
 places, and the first that holds a policy is taken:

@@ -29,7 +29,7 @@ PRESETS: Final[Mapping[str, Mapping[str, Any]]] = {
     "lan": {"delay_s": 0.0005, "jitter_s": 0.0002, "rate_bps": 100e6},
 }
 
-# Fields that say the same thing in other ways: whoever writes one of them leaves none of the preset's.
+# Alternative fields: one of them that is given replaces all of the preset's.
 _TOGETHER: Final = (
     ("delay_s", "delay_table"),
     ("jitter_s", "jitter_distribution", "jitter_file"),
@@ -44,7 +44,7 @@ def over_preset(name: str, given: Mapping[str, Any], bare: Mapping[str, str]) ->
     Args:
         name: of the preset.
         given: what the file has for the way, under either name of a field.
-        bare: each bare name, and the field that it stands for.
+        bare: each bare name, and its field.
     """
     written = {bare.get(key, key) for key in given}
     replaced = set(written)

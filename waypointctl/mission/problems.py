@@ -22,7 +22,7 @@ _SAYS: Final = {
     "too_long": "has more than the {max_length} entries that are allowed",
 }
 
-# What pydantic's error types say the value is not, in the same way.
+# What pydantic's error types expect of a value, in the same way.
 _EXPECTED: Final = {
     "float_type": "a number",
     "float_parsing": "a number",
@@ -95,7 +95,7 @@ def problems_of(error: ValidationError, tree: Tree, where: str, model: type[Base
 
 
 def duplicate_problems(tree: Tree, where: str) -> list[Problem]:
-    """Return a problem for each key that a mapping has twice."""
+    """Return a problem for each duplicate key."""
     return [
         Problem(where, mark.line, mark.column, path_text(path), f"duplicate key, first in line {tree.keys[path].line}")
         for path, mark in tree.duplicates
@@ -123,7 +123,7 @@ def _placed(details: ErrorDetails, tree: Tree, model: type[BaseModel]) -> tuple[
 def _in_file(loc: Iterable[str | int], data: Any) -> tuple[DataPath, Any]:
     """Follow an error's location through the file's data, past what the file does not spell out.
 
-    A field may stand under its bare name, or not at all where a shorthand implies it or pydantic names a
+    A field may be under its bare name, or absent where a shorthand implies it or pydantic names a
     union's branch.
     """
     path: list[str | int] = []
@@ -203,7 +203,7 @@ def _unknown_key_text(loc: tuple[str | int, ...], model: type[BaseModel]) -> str
 
 
 def _spellings(key: str, known: list[str]) -> Iterator[str]:
-    """Yield the ways to write the field that `key` stands for."""
+    """Yield the ways to write the field of `key`."""
     with_unit = next((name for name in known if name == key or bare_name(name) == key), key)
     bare = bare_name(with_unit)
     if bare is None or bare not in known:
@@ -220,7 +220,7 @@ def _known_keys(model: type[BaseModel]) -> tuple[str, ...]:
 
 
 def _models_at(model: type[BaseModel], loc: Iterable[str | int]) -> list[type[BaseModel]]:
-    """Return the models that may stand at an error's location."""
+    """Return the models that are possible at an error's location."""
     models = [model]
     for part in loc:
         inner = [m for owner in models if part in owner.model_fields for m in _models_in(owner, str(part))]

@@ -26,7 +26,7 @@ class Bare:
 
     field: str  # the field's name, with its unit
     value: object
-    whole: object  # all that stands under the name: the value, or the list that it is in
+    whole: object  # the whole value under the name: the value, or the list that it is in
     twice: bool = False  # the file has the field under both of its names
     length: int | None = None  # that a list must have here, if it must have one
 
@@ -90,10 +90,10 @@ def _hint(own: Quantity, given: Bare, value: float) -> str:
 
 
 def bare_values(field: str, value: object, *, twice: bool = False, length: int | None = None) -> object:
-    """Mark what stands under a field's bare name, each element of a list for itself.
+    """Mark the value under a field's bare name, or each element of a list.
 
     `length` is what a list must have here, if it must have one. Of several numbers without a unit only the first is
-    marked: one mistake, one message.
+    marked: one error, one message.
     """
     if twice or not isinstance(value, list):
         return Bare(field, value, value, twice)

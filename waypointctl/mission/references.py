@@ -48,7 +48,7 @@ def examine_mission(source: bytes, where: str, read: ReadFile) -> Reading[Missio
 
     Args:
         source: the text.
-        where: the mission file's name, for the messages; those of its files are told from it.
+        where: the mission file's name, for the messages; the names of its files are relative to it.
         read: reads a file that the mission refers to.
     """
     if plan := command_for_plan(where):
@@ -117,7 +117,7 @@ def _is_beside(name: str) -> bool:
 
 
 def _problems_inside(tree: Tree, mission: Mission | None, files: Mapping[str, bytes], folder: Path) -> list[Problem]:
-    """Return what is wrong in the files; without a mission, what is wrong whatever it says."""
+    """Return the problems in the files; without a mission, those that no mission could avoid."""
     found: list[Problem] = []
     if mission is None:
         for path, name in _references(tree):
@@ -166,5 +166,5 @@ def _problems_anyway(tree: Tree, path: DataPath, source: bytes, place: str) -> t
     if not all(type(node) is int for node in way):
         return ()  # which lines matter is not known
     if reference is not None and not (isinstance(reference, str) and is_moment(reference)):
-        reference = ANY_MOMENT  # the mission's problem is told already
+        reference = ANY_MOMENT  # the mission's problem is reported already
     return read_contact_plan(source, place, (way[0], way[1]), reference=reference, needs_ranges=False)[1]

@@ -24,7 +24,7 @@ def shown(value: object) -> str:
 
 
 def path_text(path: Iterable[str | int]) -> str:
-    """Return a path as "waypoints[2].name"; a key that is no plain word is quoted."""
+    """Return a path as "waypoints[2].name"; a key that is not a plain word is quoted."""
     text = ""
     for part in path:
         if isinstance(part, int):
@@ -88,7 +88,7 @@ def _with_unit(field: str, value: object, fits: Callable[[float], bool]) -> str 
         return text if fits(in_base) else None
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    # 40 where at most 1 s is allowed is 40 ms, more likely than a mistake in the number.
+    # 40 where at most 1 s is allowed is 40 ms, more likely than an error in the number.
     smaller = sorted((factor, name) for name, factor in units_of(field).items() if factor < 1.0)
     names = {unit: 1.0} | {name: factor for factor, name in reversed(smaller)}
     return next((f"{value} {name}" for name, factor in names.items() if fits(value * factor)), None)

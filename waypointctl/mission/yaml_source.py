@@ -1,4 +1,4 @@
-"""Read any pydantic model from a YAML file, and say of everything wrong with it where it stands.
+"""Read any pydantic model from a YAML file, and report each problem with its line and column.
 
     recipe = read_model(read_source(path, RecipeError), str(path), Recipe, RecipeError)
 
@@ -26,7 +26,7 @@ M = TypeVar("M", bound=BaseModel)
 
 @dataclass(frozen=True, slots=True)
 class Reading(Generic[M]):
-    """What reading a file came to: the model, or what is wrong with the file."""
+    """Result of reading a file: the model, or the problems in the file."""
 
     model: M | None
     problems: tuple[Problem, ...]
@@ -42,7 +42,7 @@ def read_source(path: Path, error: type[InputError], most: int = MAX_BYTES, *, w
         within: the folder that a link must not lead out of; None where the user named the file.
 
     Raises:
-        InputError: of the type `error`: it is not there, is no regular file, lies elsewhere, is too large or a log.
+        InputError: of the type `error`: it does not exist, is irregular, lies elsewhere, is too large or is a log.
     """
     if read_start(path, len(MCAP), error, within=within) == MCAP:
         raise error(command_for_log(str(path)), where=str(path))

@@ -1,7 +1,7 @@
 """YAML 1.2 text as plain data, with the line and column of everything in it.
 
-What a file needs for saying what is wanted, and no more: one document of mappings, lists and scalars of the
-core schema. Aliases, tags and merge keys are refused, so a small file cannot stand for a large one.
+Only the YAML that a file needs: one document of mappings, lists and scalars of the
+core schema. Aliases, tags and merge keys are refused, so a small file cannot expand to a large one.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class YamlFault(Exception):
 
 @dataclass(slots=True)
 class Tree:
-    """The data of a text, and where each part of it stands, by its path from the root."""
+    """The data of a text, and the position of each part of it, by its path from the root."""
 
     data: Any = None
     values: dict[DataPath, Mark] = field(default_factory=dict)
@@ -78,7 +78,7 @@ class Tree:
 def read_tree(source: bytes) -> Tree:
     """Return the one document that `source` holds.
 
-    A key that is there twice keeps its first value and is listed in `duplicates`.
+    A duplicate key keeps its first value and is listed in `duplicates`.
 
     Raises:
         YamlFault: it is empty, too large, not UTF-8, not YAML, more than one document, or nested too deep, or

@@ -1,4 +1,4 @@
-"""robot.yaml: what an MJCF does not say of a robot."""
+"""robot.yaml: the data of a robot that its MJCF does not contain."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ ActionGroup: TypeAlias = Annotated[TorqueFraction | PositionTarget | VelocityTar
 
 
 class NominalPose(FileModel):
-    """How the robot stands: at the start, at a waypoint that it holds, and as the zero of position targets."""
+    """The nominal pose: at the start, at a hold, and as the zero of position targets."""
 
     height_m: Annotated[float, Quantity("m", gt=0, le=100)] = Field(description="of the base's origin over the ground")
     joints_deg: Annotated[dict[JointName, Number], Field(max_length=_MOST_JOINTS)] = Field(
@@ -114,7 +114,7 @@ class SymmetryMap(FileModel):
 
 
 class RobotDescription(FileModel):
-    """robot.yaml: what an MJCF does not say of a robot."""
+    """robot.yaml: the data of a robot that its MJCF does not contain."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)] = Field(
         description="robot name that a policy's manifest refers to"

@@ -27,7 +27,7 @@ def load_robot(named: str | Path) -> Robot:
 
     Raises:
         RobotError: there is no such robot, or its robot.yaml is wrong; everything wrong has its line and column.
-        InputError: its MJCF does not compile, names what is not read, or is no robot's.
+        InputError: its MJCF does not compile, names what is not read, or is not a robot's.
     """
     folder = robot_folder(named)
     return _shipped(folder) if folder.parent == SHIPPED else _load(folder)

@@ -1,4 +1,4 @@
-"""A robot: its compiled model, and what its robot.yaml says."""
+"""A robot: its compiled model, and the data of its robot.yaml."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Robot(RobotModel):
         description: robot.yaml.
         files: the files of its folder that it is made of, by their paths in there: robot.yaml, the MJCF, what that
             includes, meshes, textures.
-        nominal: (nj,) the joint angles at which it stands [rad].
+        nominal: (nj,) the joint angles of the nominal pose [rad].
         is_servo: (nu,) whether an action is the target of a servo.
         servo_rest: (nu,) the action at which a servo holds the nominal pose, or a wheel stops; 0 for a motor.
         symmetries: the identity first; only that where robot.yaml names none.
@@ -38,7 +38,7 @@ class Robot(RobotModel):
 
     @property
     def nominal_height_m(self) -> float:
-        """Height of the base's origin where it stands [m]."""
+        """Height of the base's origin in the nominal pose [m]."""
         return self.description.nominal.height_m
 
     @property

@@ -14,7 +14,7 @@ def stance_action(robot: Robot, qpos: FloatArray, qvel: FloatArray) -> FloatArra
     """Return the action (n, nu) that holds the robot at its nominal pose.
 
     A motor acts as a spring and damper at its joint. The servo of a position target holds its offset, and that of a
-    velocity target stops. Neither needs a goal or training, so a robot stands the same way whichever policy it carries.
+    velocity target stops. Neither needs a goal or training, so a robot holds in the same way with every policy.
 
     Args:
         robot: its pose and gains.

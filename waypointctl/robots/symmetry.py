@@ -55,7 +55,7 @@ class Symmetry:
 
     @property
     def key(self) -> tuple[bytes, ...]:
-        """What tells a symmetry from others."""
+        """What distinguishes a symmetry from others."""
         return (np.round(self.frame, _DIGITS) + 0.0).tobytes(), self.joints.tobytes(), self.signs.tobytes()
 
 

@@ -7,14 +7,14 @@ _SAFE: Final = ("", "egl", "glfw", "disable", "disabled", "off", "false", "0")
 
 
 def _import_mujoco() -> None:
-    """Import MuJoCo without an OpenGL: it opens the one that is asked for at once, and fails where there is none."""
-    asked = os.environ["MUJOCO_GL"]
+    """Import MuJoCo without an OpenGL: it opens the requested one at once, and fails where there is none."""
+    requested = os.environ["MUJOCO_GL"]
     os.environ["MUJOCO_GL"] = "disable"
     try:
         import mujoco  # noqa: F401
     finally:
-        os.environ["MUJOCO_GL"] = asked
+        os.environ["MUJOCO_GL"] = requested
 
 
 if os.environ.get("MUJOCO_GL", "").lower() not in _SAFE:
-    _import_mujoco()  # offscreen.py says what is wrong with it, where a picture is to be taken
+    _import_mujoco()  # offscreen.py reports the problem when a picture is to be taken

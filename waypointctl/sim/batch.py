@@ -22,7 +22,7 @@ _QUOTA: Final = Path("/sys/fs/cgroup/cpu.max")  # of a container: microseconds o
 
 
 def default_threads() -> int:
-    """Return how many threads step a batch unless told: one for each core that this process may use, 8 at most."""
+    """Return the default number of threads for a batch: one for each core that this process may use, 8 at most."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     try:
         quota, period = _QUOTA.read_text().split()
@@ -33,7 +33,7 @@ def default_threads() -> int:
 
 
 class RobotBatch:
-    """N robots, each in a world of its own. Arrays are live views of the N states.
+    """N robots in separate simulations. Arrays are views of the N states and change with them.
 
     All begin with the model's masses, friction and gravity; `scale_mass`, `scale_friction` and `set_gravity` change
     those of some robots, which costs the others nothing until the first call.

@@ -61,7 +61,7 @@ class Camera:
             view: where the camera is.
 
         Raises:
-            NoRendering: there is nothing here that could draw.
+            NoRendering: no renderer is available.
         """
         self.markers = tuple(markers)
         self._view = view
@@ -124,7 +124,7 @@ class Camera:
         mujoco.mjv_initGeom(geom, kind, np.array(size), np.array(position), upright, np.array(POST_COLOUR, np.float32))
         geom.category = int(mujoco.mjtCatBit.mjCAT_DECOR)
         geom.emission = _GLOW
-        geom.label = name.encode("ascii", "replace").decode()[:60]  # MuJoCo's font knows no more, and has room for 99
+        geom.label = name.encode("ascii", "replace").decode()[:60]  # MuJoCo's font has no others, and labels hold 99
         self._scene.ngeom += 1
 
 
@@ -135,7 +135,7 @@ class MountedCamera(Camera):
         """Set up the scene; `close` it at the end.
 
         Raises:
-            NoRendering: there is nothing here that could draw.
+            NoRendering: no renderer is available.
         """
         super().__init__(robot, markers, partial(viewpoint, robot.camera))
 
@@ -150,7 +150,7 @@ def follow(qpos: FloatArray) -> mujoco.MjvCamera:
 
 
 def _eye(view: mujoco.MjvCamera) -> FloatArray:
-    """Return where a camera stands (3,) [m]."""
+    """Return the position of a camera (3,) [m]."""
     azimuth, elevation = math.radians(view.azimuth), math.radians(view.elevation)
     level = math.cos(elevation)
     forward = np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)])
@@ -166,6 +166,6 @@ def viewpoint(mount: CameraMount, qpos: FloatArray) -> mujoco.MjvCamera:
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
     camera.lookat[:] = qpos[:3] + np.array([math.cos(heading), math.sin(heading), 0.0]) * ahead
     camera.lookat[:] += np.array([-math.sin(heading) * left, math.cos(heading) * left, up])
-    camera.distance = 0.0  # it stands where it would look at
+    camera.distance = 0.0  # the camera is at its own look-at point
     camera.azimuth, camera.elevation = math.degrees(heading), mount.pitch_deg
     return camera

@@ -1,7 +1,7 @@
-"""Reading MJCF that somebody else wrote, before MuJoCo does: what it may say, and how large it makes the model.
+"""Auditing untrusted MJCF before MuJoCo reads it: what is allowed, and how large it makes the model.
 
 MuJoCo reads files that MJCF names (include, meshes, textures, height fields, plugins), and takes the memory that its
-numbers ask for before it looks at them. Elements are therefore an allow-list, counts have limits, and the only files
+numbers request before it checks them. Elements are therefore an allow-list, counts have limits, and the only files
 are meshes, PNG textures and included MJCF of the robot's own folder. MuJoCo's parser is not this one: it is given the
 elements and attributes that were read here, written anew, and the files by names of ours, never the text.
 Elements and attributes: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
@@ -93,7 +93,7 @@ class AuditedMjcf:
 
 
 def audited_mjcf(path: str, read: ReadFile, where: str = "") -> AuditedMjcf:
-    """Return MJCF that says what a file says to a parser of XML, once everything in it has been looked at.
+    """Return MJCF with the content that an XML parser reads from a file, after everything in it has been checked.
 
     Args:
         path: of the MJCF in the robot's folder.
@@ -112,7 +112,7 @@ def audited_mjcf(path: str, read: ReadFile, where: str = "") -> AuditedMjcf:
 
 @dataclass(frozen=True, slots=True)
 class _AssetFile:
-    """An element that names a file: where it stands among those that are written, and in the source."""
+    """An element that names a file: its position among those that are written, and in the source."""
 
     at: int
     element: str
@@ -284,7 +284,7 @@ def _inside(path: PurePosixPath, where: str) -> str:
 
 
 def _png_pixels(content: bytes, where: str) -> int:
-    """Return how many pixels a PNG says that it has."""
+    """Return the number of pixels that a PNG declares."""
     if not content.startswith(_PNG) or content[12:16] != b"IHDR":
         raise InputError("names a texture that is not a PNG", where=where)
     return int.from_bytes(content[16:20]) * int.from_bytes(content[20:24])

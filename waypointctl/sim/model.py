@@ -16,7 +16,7 @@ from waypointctl.sim.actions import ActionTransform
 from waypointctl.sim.mjcf_audit import AuditedMjcf
 
 FloatArray = NDArray[np.float64]
-Servo: TypeAlias = Literal["motor", "position", "velocity", "other"]  # what an actuator makes of its control
+Servo: TypeAlias = Literal["motor", "position", "velocity", "other"]  # how an actuator interprets its control
 
 _SHORTEST_STEP_S: Final = 1e-5
 _LONGEST_STEP_S: Final = 0.1
@@ -112,7 +112,7 @@ class Actuators:
 
     Attributes:
         joints: the joint of each, by its name.
-        servos: what each makes of its control.
+        servos: how each interprets its control.
         low: (nu,) the least control that each takes; -inf where the MJCF sets none.
         high: (nu,) the largest.
     """

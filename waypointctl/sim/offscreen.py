@@ -22,7 +22,7 @@ _INSTALL: Final = "Install one, such as with: apt-get install libegl1 libopengl0
 
 
 class NoRendering(InputError):
-    """There is nothing here that could draw."""
+    """No renderer is available."""
 
 
 class OffscreenContext:
@@ -36,7 +36,7 @@ class OffscreenContext:
         """Make a context for pictures of at most this size [pixels].
 
         Raises:
-            NoRendering: there is no OpenGL, or the environment says that it is not to be used.
+            NoRendering: there is no OpenGL, or the environment turns it off.
         """
         backend = _backend(os.environ.get(VARIABLE, "").strip().lower())
         try:
@@ -70,20 +70,20 @@ def _opened(backend: str, width: int, height: int) -> Any:
 
 
 def _in_words(error: Exception) -> str:
-    """Return what is wrong with a driver, as far as it is said."""
+    """Return what is wrong with a driver, as far as it is known."""
     if isinstance(error, AttributeError | TypeError) or not str(error).strip():
         return "its library is missing or broken"  # the binding met nothing where a function should be
     return " ".join(str(error).split())
 
 
-def _backend(asked: str) -> str:
+def _backend(requested: str) -> str:
     """Return which of mujoco's modules makes the context."""
-    if asked in _OFF:
-        raise NoRendering(f"{VARIABLE}={asked} turns rendering off", hint=f"Unset {VARIABLE} to have pictures.")
-    if asked:
-        if asked not in _ALLOWED:
-            raise NoRendering(f"{VARIABLE}={asked} is not one of {', '.join(_ALLOWED)}", hint=f"Unset {VARIABLE}.")
-        return asked
+    if requested in _OFF:
+        raise NoRendering(f"{VARIABLE}={requested} turns rendering off", hint=f"Unset {VARIABLE} to have pictures.")
+    if requested:
+        if requested not in _ALLOWED:
+            raise NoRendering(f"{VARIABLE}={requested} is not one of {', '.join(_ALLOWED)}", hint=f"Unset {VARIABLE}.")
+        return requested
     for backend, names in _LIBRARIES.items():
         if any(_loads(name) for name in names):
             return backend

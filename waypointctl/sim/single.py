@@ -38,7 +38,7 @@ class SingleRobot:
         mujoco.mj_step(self.robot.model, self._data, self.robot.substeps)
 
     def integration_state(self) -> FloatArray:
-        """Return a copy of mjSTATE_INTEGRATION, from which stepping goes on bit for bit."""
+        """Return a copy of mjSTATE_INTEGRATION, from which stepping continues bit for bit."""
         state = np.empty(mujoco.mj_stateSize(self.robot.model, _INTEGRATION))
         mujoco.mj_getState(self.robot.model, self._data, state, _INTEGRATION)
         return state

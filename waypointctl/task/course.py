@@ -47,7 +47,7 @@ class Deadline(FileModel):
 class Point(FileModel):
     """A waypoint of a given course. A bare [x, y] is its position."""
 
-    list_stands_for: ClassVar[str | None] = "position_m"
+    list_shorthand: ClassVar[str | None] = "position_m"
 
     position_m: Position = Field(description="x and y in the world frame")
 
@@ -55,7 +55,7 @@ class Point(FileModel):
 class GivenCourse(FileModel):
     """A course as it is. A bare list is its waypoints."""
 
-    list_stands_for: ClassVar[str | None] = "waypoints"
+    list_shorthand: ClassVar[str | None] = "waypoints"
 
     waypoints: Annotated[tuple[Point, ...], Field(min_length=1, max_length=1000)] = Field(
         description="in the order in which they are to be reached"

@@ -52,7 +52,7 @@ def ends_plan(mission: Mission) -> bool:
 
 
 def _too_late(mission: Mission, traffic: Traffic, command: ScheduledCommand) -> tuple[str, str] | None:
-    """Return the field and the text for a command that is sent, or arrives, when it has no effect any more."""
+    """Return the field and the text for a command that is sent, or arrives, too late to have an effect."""
     limit_s = mission.expect.max_time_s
     if limit_s is not None and command.at_s > limit_s:
         return "at_s", f"{command.do} is never sent: the flight ends at {limit_s:g} s, its expect.max_time"

@@ -78,12 +78,12 @@ class CommandOrdering:
     _cancelled: dict[int, tuple[int, int]] = field(default_factory=dict)
 
     def receive(self, command_id: int) -> None:
-        """Take note that a command has arrived for the first time."""
+        """Record that a command has arrived for the first time."""
         self.kept = self.kept and command_id == self._newest + 1
         self._newest = max(self._newest, command_id)
 
     def record(self, command: Command, start_ns: int) -> None:
-        """Take note of what is executed now, and of when it was to start [ns]."""
+        """Record a command that is executed now, and when it was to start [ns]."""
         kind, released = command.kind, 0
         if kind is CommandKind.ABORT:
             start_ns = _FOR_EVER_NS

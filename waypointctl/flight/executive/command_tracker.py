@@ -136,7 +136,7 @@ class CommandTracker:
         return self._statuses
 
     def expired(self, now_ns: int) -> list[int]:
-        """Take note that the time of some open commands is over, and return them as they arrived: each once."""
+        """Record that the time of some open commands is over, and return them as they arrived: each once."""
         over = []
         while self._expiries and self._expiries[0][0] < now_ns:
             _, arrival, command_id = heapq.heappop(self._expiries)

@@ -101,11 +101,11 @@ class Executive:
         return self._execution.target
 
     def on_contact(self, now_ns: int) -> None:
-        """Take note that something has arrived from the ground: a heartbeat, or a command."""
+        """Record that a heartbeat or a command has arrived from the ground."""
         self._link.on_contact(self._execution, now_ns)
 
     def on_action(self, now_ns: int) -> None:
-        """Take note that an action has arrived from the ground; it gets the motors if nothing is under way on board."""
+        """Record that an action has arrived from the ground; it is applied if nothing is under way on board."""
         self.on_contact(now_ns)
         if (self.mode, Signal.TELEOPERATE) in TRANSITIONS:
             self._execution.clear()  # teleoperation ends the plan

@@ -27,7 +27,7 @@ class LinkMonitor:
     lost: bool = False
 
     def on_contact(self, execution: PlanExecution, now_ns: int) -> None:
-        """Take note that something has arrived."""
+        """Record that a message has arrived."""
         self.last_ns = now_ns
         if not self.lost:
             return

@@ -4,7 +4,7 @@ A command that arrives for the first time is RECEIVED. Then, in this order, it i
 
 1. REJECTED if its arguments are wrong (arguments.py) or a waypoint of it lies outside the fence,
 2. EXPIRED, "late", if its `expires` is over,
-3. ACCEPTED and kept if its `not_before` is still to come,
+3. ACCEPTED and kept if its `not_before` is in the future,
 4. SKIPPED, "overtaken by command 7", if one that was issued later has been executed and made it obsolete
    (command_ordering.py),
 5. checked against the robot's mode and plan: REJECTED if it cannot be executed (`objection`), or SKIPPED, "late: ...",

@@ -15,7 +15,7 @@ BLOCK: Final = 256
 class Draws(Generic[T]):
     """What one stream gives, one by one.
 
-    numpy gives the same numbers whether it is asked for them singly or for many at once (a test holds it to that), so
+    numpy gives the same numbers whether they are drawn singly or many at once (a test holds it to that), so
     nothing but the time depends on the block.
     """
 

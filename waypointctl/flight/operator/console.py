@@ -36,7 +36,7 @@ class LineSource(Protocol):
     is_open: bool
 
     def lines(self, now_ns: int) -> Iterable[str]:
-        """Yield what has been typed by now and was not yet yielded: what `order_from` understands, or QUIT.
+        """Yield what has been typed by now and was not yet yielded: what `request_from` accepts, or QUIT.
 
         The next one is read when the one before has been executed. A source that keeps to wall time waits here.
         """

@@ -1,4 +1,4 @@
-"""What the operator has decided and not yet done: it thinks before it sends."""
+"""What the operator has decided and not yet sent, during its think time."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class JointOperator(Operator):
         plugins: Sequence[Plugin],
         announce: Callable[[Event], None],
     ) -> None:
-        """Take charge of a mission. noise: (4,) for layouts that have some; `announce` takes what it decides."""
+        """Start a mission. noise: (4,) for layouts that have some; `announce` takes the operator's events."""
         super().__init__(mission, announce)
         self._policy = policy
         self._robot = robot

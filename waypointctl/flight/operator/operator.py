@@ -48,7 +48,7 @@ class Operator(ABC):
     leads: ClassVar[bool] = False
 
     def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
-        """Take charge of a mission; `announce` takes what it decides."""
+        """Start a mission; `announce` takes the operator's events."""
         self._announce = announce
         self.reported = ReportedState()
         self.finished = False
@@ -72,7 +72,7 @@ class Operator(ABC):
 
     @abstractmethod
     def begin(self) -> list[CommandRequest]:
-        """Return what to send at mission start; the plan was thought about before it."""
+        """Return what to send at mission start; the plan needs no think time."""
 
     def on_external_request(self, now_ns: int, request: CommandRequest) -> list[CommandRequest]:
         """Learn what the schedule, or a person at the console, has sent; return what to send because of it.
@@ -142,7 +142,7 @@ class Operator(ABC):
         """Decide what follows the end of a command."""
 
     def _after_think(self, now_ns: int, request: CommandRequest) -> list[CommandRequest]:
-        """Send an order once it has been thought about."""
+        """Send a request after the think time."""
         if not self._think_ns:
             return [request]
         self._queue.add(now_ns + self._think_ns, request)

@@ -14,7 +14,7 @@ class MissionOperator(Operator):
     """Sends the whole plan once and waits: autonomy `mission`."""
 
     def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
-        """Take charge of a mission; `announce` takes what it decides."""
+        """Start a mission; `announce` takes the operator's events."""
         super().__init__(mission, announce)
         self._on_failure: str = mission.failure_rule.then
         self._released = mission.operator.released
@@ -35,7 +35,7 @@ class WaypointOperator(Operator):
     """Autonomy `waypoint`: sends one waypoint, waits for its end and the think time, sends the next."""
 
     def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
-        """Take charge of a mission; `announce` takes what it decides."""
+        """Start a mission; `announce` takes the operator's events."""
         super().__init__(mission, announce)
         self._skips = mission.failure_rule.then == "skip"
         self._rule = rule_of_leg(mission)

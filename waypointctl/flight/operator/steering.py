@@ -2,7 +2,7 @@
 
 The goal lies `lookahead` metres from the reported pose towards the current waypoint; nearer than that the waypoint
 itself is sent. Under `move_and_wait` the next one is sent when the last is reported as over, after the think time.
-Under `continuous` one is sent at each period, in place of the one before, from a pose that is as old as the link makes it.
+Under `continuous` one is sent at each period, in place of the one before, from the newest reported pose.
 
 A leg's timeout counts the robot's time, as on board (leg_clock.py): delay and think time before the leg begins are not
 in it. The time that the robot is stopped between the goals of one leg is.
@@ -37,7 +37,7 @@ class ShortRangeGoalOperator(Operator):
         clock: LegClock | None = None,
         announce: Callable[[Event], None] = lambda _: None,
     ) -> None:
-        """Take charge of a mission.
+        """Start a mission.
 
         Args:
             mission: the mission.
@@ -84,7 +84,7 @@ class ShortRangeGoalOperator(Operator):
         return requests
 
     def wake(self, now_ns: int) -> list[CommandRequest]:
-        """Send what is due: thought about, or the period's goal."""
+        """Send what is due: after the think time, or the period's goal."""
         requests = self._unless_suspended(self._queue.due(now_ns))
         if self._next_goal_ns is None or self._next_goal_ns > now_ns or self.suspended or self._at_task:
             return requests

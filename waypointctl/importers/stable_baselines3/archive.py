@@ -51,7 +51,7 @@ class Archive:
 
     @property
     def policy_class(self) -> str:
-        """The policy's class, "module.Name"; as much of it as can be told."""
+        """The policy's class, "module.Name"; as much of it as is known."""
         described = self.described("policy_class")
         module = described.get("__module__") or "unknown"
         made = re.search(r"<function ([\w.]+)\.__init__ ", str(described.get("__init__")))

@@ -1,4 +1,4 @@
-"""Reading parts of a .zip that somebody else made: whatever it declares, no more is unpacked than is asked for."""
+"""Reading parts of an untrusted .zip: whatever it declares, no more is unpacked than the caller allows."""
 
 from __future__ import annotations
 

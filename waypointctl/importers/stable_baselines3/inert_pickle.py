@@ -20,7 +20,7 @@ _BYTE_ORDERS: Final = ("<", ">", "|", "=")
 
 
 class Inert:
-    """What stands in for an object of any class: the arguments it would be made with, and the state put into it.
+    """Placeholder of an object of any class: the arguments it would be made with, and the state put into it.
 
     Attributes:
         origin: "module.name" of the class or function that the pickle names.
@@ -68,7 +68,7 @@ class _Items(dict[Any, Any]):
 
 class _Reader(pickle.Unpickler):
     def find_class(self, module: str, name: str, /) -> type[Inert] | type[_Items]:
-        # The one gate to code: whatever is asked for, no module is imported.
+        # The only place that could load code: no module is imported.
         if (module, name) == ("collections", "OrderedDict"):
             return _Items
         return type(name, (Inert,), {"origin": f"{module}.{name}"})
@@ -86,7 +86,7 @@ def read_inert(pickled: bytes) -> Any:
     try:
         _refuse_excess(pickled)
         return _Reader(io.BytesIO(pickled)).load()
-    except Exception as error:  # unpickling garbage raises whatever the garbage happens to say
+    except Exception as error:  # unpickling garbage may raise any exception
         raise ValueError(f"it is not a pickle: {str(error) or type(error).__name__}") from error
 
 

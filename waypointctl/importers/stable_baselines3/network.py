@@ -147,7 +147,7 @@ def _refuse_other_actions(archive: Archive, where: str) -> None:
         except ValueError:
             fits = False
         if not fits or not text.split():
-            problem = f"the {name} of its actions is {space.get(name, 'not said')}; a policy's actions are in [-1, 1]"
+            problem = f"the {name} of its actions is {space.get(name, 'missing')}; a policy's actions are in [-1, 1]"
             raise PolicyError(problem, where=where, hint="Train it again with actions in [-1, 1].")
 
 

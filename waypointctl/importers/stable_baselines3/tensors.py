@@ -1,6 +1,6 @@
 """The tensors of a file that torch.save() wrote, as numpy arrays. Neither torch nor the pickle in it runs.
 
-Such a file is a .zip: data.pkl, a pickle that says of each tensor which numbers it has, and data/0, data/1, ... with
+Such a file is a .zip: data.pkl, a pickle with the storage of each tensor, and data/0, data/1, ... with
 the numbers (torch/serialization.py, torch/_utils.py).
 """
 
