@@ -54,7 +54,7 @@ def test_commands_mean_what_they_mean_in_a_plan(tmp_path: Path) -> None:
     assert found.left_out == (
         "1 x DO_CHANGE_SPEED (command 178): the policy sets the speed",
         "1 x takeoff (command 22): the robot stays on the ground",
-        "2 x wait for a person (autoContinue is false): the robot goes on",
+        "2 x wait for a person (autoContinue is false): the robot continues",
     )
 
 

@@ -225,7 +225,7 @@ def test_its_state_is_plain_data_and_says_all_of_it(rig: Rig) -> None:
             "records": {"1": {"stage": "started", "reason": "", "attempt": 1, "expires_ns": -1}},
             "pending": [],
         },
-        "link": {"heard_ns": SECOND, "lost": False},
+        "link": {"last_ns": SECOND, "lost": False},
         "fence": {"outside": False},
     }
 
