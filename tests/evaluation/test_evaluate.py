@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.policy.recurrent import Recurrent
-from waypointctl.errors import PolicyError
+from waypointctl.errors import InputError, PolicyError
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.result import read_evaluation
 from waypointctl.evaluation.rollout import Rollouts
@@ -46,6 +46,12 @@ def test_it_counts(tmp_path: Path, make_policy: Make) -> None:
     assert near.wilson95[1] == 1.0
     assert (far.successes, far.timeouts, far.rate, far.mean_time_s, far.spl) == (0, 5, 0.0, None, 0.0)
     assert (near.paper, far.paper) == (0.4, None)
+
+
+@pytest.mark.parametrize(("trials", "seed"), [(0, 0), (1, -1)])
+def test_numbers_that_are_none_are_refused(tmp_path: Path, make_policy: Make, trials: int, seed: int) -> None:
+    with pytest.raises(InputError, match="trials"):
+        evaluate(make_policy(tmp_path / "still"), SUITE, trials, seed)
 
 
 def test_it_says_what_was_tested_and_how(tmp_path: Path, make_policy: Make) -> None:

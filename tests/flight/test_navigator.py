@@ -7,9 +7,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from tests.flight.flying import STILL, Scripted, flown, mission_of, only
+from waypointctl.errors import InputError
 from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Checkpoint, Message, Observation
 from waypointctl.replay.verdict import Verdict
@@ -49,6 +51,14 @@ def test_the_policy_observes_the_navigators_goals() -> None:
     ahead = [it.values for it in only(Observation, flown(mission_of(AHEAD))[1])]
     assert np.array_equal(seen, aside)
     assert not np.array_equal(seen, ahead)
+
+
+@pytest.mark.parametrize("goals", [np.zeros((2, 2)), np.full((1, 2, 2), np.nan), None])
+def test_goals_that_are_none_are_refused(goals: NDArray[np.float64]) -> None:
+    navigator = Detour()
+    navigator.goals = lambda body, waypoints: goals  # type: ignore[method-assign]
+    with pytest.raises(InputError, match="navigator"):
+        fly(mission_of(AHEAD), Scripted(STILL), navigator=navigator)
 
 
 def test_a_log_names_the_navigator_without_which_it_cannot_be_simulated_again(tmp_path: Path) -> None:

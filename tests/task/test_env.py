@@ -190,7 +190,7 @@ def test_actions_may_be_of_either_precision(env: WaypointEnv) -> None:
 @pytest.mark.parametrize(
     ("action", "problem"),
     [
-        ([np.nan] * 8, r"the action must be finite: joint 0 is given nan\n  An action is the fraction of full torque"),
+        ([np.nan] * 8, r"the action must be finite: joint 0 is given nan\n  An action is a number from -1 to 1"),
         ([0.0] * 7 + [np.inf], r"must be finite: joint 7 is given inf"),
         ([0.0, -np.inf] + [0.0] * 6, r"must be finite: joint 1 is given -inf"),
         ([0.0] * 7, r"the action must have the shape \(8,\), not \(7,\)"),

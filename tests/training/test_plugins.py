@@ -15,7 +15,10 @@ from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Message, Observation, Reward
 from waypointctl.mission.files import load_mission
 from waypointctl.policy.bundle import load_policy
-from waypointctl.task.plugins import load_plugins
+from waypointctl.robots.load import load_robot
+from waypointctl.task.observation import layout
+from waypointctl.task.plugins import load_plugins, reward_term
+from waypointctl.task.reward import RewardFunction, RewardWeights
 from waypointctl.training.recipe_file import RecipeFile, load_recipe, with_plugins
 
 PLUGIN = """
@@ -120,6 +123,8 @@ def test_built_in_groups_need_no_plugin(tmp_path: Path) -> None:
         ("return view.foot_heights / 0.0", "'foot_clearance' returned .* not a finite number"),
         ("return view.nothing", "'foot_clearance' raised AttributeError"),
         ("view.position[:] = 0.0", "'foot_clearance' raised ValueError"),
+        ("view.goals[:] = 0.0", "'foot_clearance' raised ValueError"),
+        ("view.body.up[:] = 0.0", "'foot_clearance' raised ValueError"),
     ],
 )
 def test_a_group_that_fails_is_named(tmp_path: Path, body: str, message: str) -> None:
@@ -135,6 +140,7 @@ def test_a_group_that_fails_is_named(tmp_path: Path, body: str, message: str) ->
         ("x = 1", "my_terms.py: defines no observation group and no reward term"),
         ("x = ", r"my_terms.py:1: is not Python"),
         ("import nothing_there", "my_terms.py: ModuleNotFoundError"),
+        ("raise SystemExit(0)", "my_terms.py: SystemExit"),
         (PLUGIN.replace('name="low_torso"', 'name="Low torso"'), "my_terms.py: .*'Low torso' is not a name"),
     ],
 )
@@ -142,6 +148,29 @@ def test_a_file_that_is_no_plugin_is_refused(tmp_path: Path, plugin: str, messag
     recipe_of(tmp_path, plugin=plugin)
     with pytest.raises(InputError, match=message):
         load_plugins([tmp_path / "terms" / "my_terms.py"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("scale=2.0", "scale=(1.0, 2.0)"),
+        ("scale=2.0", "scale=float('nan')"),
+        ("scale=2.0", "scale='x'"),
+        ('unit="m", components', 'unit=("m", "m"), components'),
+        ('f"{foot}.height"', "1 / 0"),
+        ('[f"{foot}.height" for foot in robot.feet]', "4"),
+    ],
+)
+def test_a_group_that_is_described_wrongly_is_named(tmp_path: Path, old: str, new: str) -> None:
+    assert old in PLUGIN
+    recipe_file = with_plugins(recipe_of(tmp_path, plugin=PLUGIN.replace(old, new)), allowed=True)
+    with pytest.raises(InputError, match="'foot_clearance'"):
+        layout(recipe_file.recipe.observation, load_robot("ant"), recipe_file.plugins)
+
+
+def test_a_term_may_be_called_as_a_method_of_the_weights() -> None:
+    term = reward_term(name="copy", unit="1")(lambda view: view.up)
+    assert RewardFunction(RewardWeights.model_validate({"copy": 2.0}), [term]).names[-1] == "copy"
 
 
 def test_a_name_that_is_built_in_is_refused(tmp_path: Path) -> None:

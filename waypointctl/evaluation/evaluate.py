@@ -53,10 +53,13 @@ def evaluate(
     Raises:
         PolicyError: the policy is missing, damaged, or made for another robot, observation layout or control period.
         SuiteError: there is no such suite, or it is not one.
+        InputError: a number of trials or a seed that is none.
     """
     policy = load_policy(policy) if isinstance(policy, Path | str) else policy
     suite = load_suite(suite) if isinstance(suite, Path | str) else suite
     trials = suite.trials if trials is None else trials
+    if trials < 1 or seed < 0:
+        raise InputError(f"trials are at least 1 and a seed at least 0, not {trials} and {seed}")
     env = _env(policy, suite, trials, seed, threads, plugins)
     results = []
     for case in suite.all_cases:

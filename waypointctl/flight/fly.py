@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
-from waypointctl.errors import RobotError
+from waypointctl.errors import MissionError, RobotError
 from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.flight import Flight
 from waypointctl.flight.header import flight_header
@@ -15,7 +15,7 @@ from waypointctl.flight.navigator.navigator import Navigator
 from waypointctl.flight.operator.console import LineSource
 from waypointctl.flight.operator.operator import planned_waypoints
 from waypointctl.flight.outcome import FlightResult
-from waypointctl.flight.policy_fit import refuse_misfit
+from waypointctl.flight.policy_fit import refuse_misfit, reward_weights
 from waypointctl.flight.sink import Sink, tee, with_pictures
 from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile, dump_mission, load_mission
@@ -72,6 +72,7 @@ def fly(
     driver = load_policy(policy) if isinstance(policy, Path | str) else policy
     robot = robot or robot_of(file)
     refuse_misfit(driver, robot, plugins)
+    reward_weights(driver, plugins)  # refused here, a policy leaves no log behind
     with ExitStack() as stack:
         sinks = [] if sink is None else [sink]
         if log is not None:
@@ -104,6 +105,8 @@ def _mission_file(mission: Mission | MissionFile | Path | str, seed: int | None,
     elif isinstance(mission, Mission):
         source = dump_mission(mission).encode() if logged else b""
         mission = MissionFile(mission, source, Path(f"{mission.name}.yaml"))
+    if seed is not None and not (isinstance(seed, int) and 0 <= seed < 2**63):
+        raise MissionError(f"a seed is a whole number from 0 to 2^63 - 1, not {seed!r}")
     return mission if seed is None else replace(mission, mission=mission.mission.model_copy(update={"seed": seed}))
 
 

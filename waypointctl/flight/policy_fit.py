@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from waypointctl.errors import PolicyError
+from waypointctl.errors import InputError, PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.protocol import Policy
 from waypointctl.policy.require import refuse_other_robot, require
 from waypointctl.robots.robot import Robot
+from waypointctl.task.batched import refuse_bad_action
 from waypointctl.task.observation import layout
 from waypointctl.task.plugins import Plugin, RewardTerm
 from waypointctl.task.reward import RewardWeights
+
+FloatArray: TypeAlias = NDArray[np.float64]
 
 
 def refuse_misfit(policy: Policy, robot: Robot, plugins: Iterable[Plugin] = ()) -> None:
@@ -34,6 +40,21 @@ def refuse_misfit(policy: Policy, robot: Robot, plugins: Iterable[Plugin] = ()) 
         )
     else:
         refuse_other_robot(policy, robot.name)
+
+
+def chosen_action(policy: Policy, observation: FloatArray, num_actions: int) -> FloatArray:
+    """Return the policy's action (1, nu) for an observation (1, k).
+
+    Raises:
+        PolicyError: it is not numbers, has another shape, or a number that is not finite.
+    """
+    action = policy.act(observation)
+    if isinstance(policy, LoadedPolicy):
+        return action  # checked when it was loaded, and by the network
+    try:
+        return refuse_bad_action(action, num_actions, 1)
+    except InputError as error:
+        raise PolicyError(error.problem, where=f"policy {policy.name!r}", hint=error.hint) from error
 
 
 def reward_weights(policy: Policy, plugins: Iterable[Plugin] = ()) -> RewardWeights:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.executive.rules import Rules
 from waypointctl.flight.link.frames import ControlFrame, Heartbeat
-from waypointctl.flight.navigator.navigator import DirectNavigator, Navigator
-from waypointctl.flight.policy_fit import reward_weights
+from waypointctl.flight.navigator.navigator import DirectNavigator, Navigator, sound_goals
+from waypointctl.flight.policy_fit import chosen_action, reward_weights
 from waypointctl.flight.reporter import Reporter
 from waypointctl.flight.sink import Sink
 from waypointctl.log.messages import (
@@ -35,8 +35,8 @@ from waypointctl.log.messages import (
 from waypointctl.policy.protocol import Policy, state_text
 from waypointctl.robots.robot import Robot
 from waypointctl.robots.stance import stance_action
+from waypointctl.sim.actions import clip_actions
 from waypointctl.sim.single import SingleRobot
-from waypointctl.task.batched import clip_actions
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.observation import NOISE_SIZE, layout
 from waypointctl.task.plugins import Plugin
@@ -196,10 +196,10 @@ class Vehicle:
 
     def _choose(self, now_ns: int) -> tuple[str, FloatArray]:
         if self.executive.policy_active:
-            self._goals = self._navigator.goals(self._body, self.executive.goals)
+            self._goals = sound_goals(self._navigator.goals(self._body, self.executive.goals))
             observation = self._layout.observe(self._view(now_ns))
             self._sink(Observation(now_ns, self.step, observation[0]))
-            return "policy", self._policy.act(observation)
+            return "policy", chosen_action(self._policy, observation, self.robot.num_actions)
         if self.executive.mode is Mode.TELEOPERATED:
             return "ground", self._control
         if self.executive.mode is Mode.FALLEN:

@@ -160,7 +160,7 @@ class Observation:
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """What was asked of the motors, as a fraction of their full torque."""
+    """The action of a control step: a number for each actuator; the robot's robot.yaml says what it means."""
 
     time_ns: int
     step: int
@@ -271,7 +271,7 @@ class GroundControl:
     step: int  # the control step whose state it was computed from
     issued_ns: int  # when the robot was in that state
     observation: FloatArray  # (k,) in the layout named in the log's metadata
-    commanded: FloatArray  # (nu,) as a fraction of the motors' full torque
+    commanded: FloatArray  # (nu,) as the policy gave it
 
 
 class DeliveryOutcome(StrEnum):

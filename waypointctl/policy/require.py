@@ -11,7 +11,7 @@ from waypointctl.policy.manifest import ActionSpec, ObservationSpec
 from waypointctl.policy.protocol import Policy
 from waypointctl.units import NS_PER_S
 
-LIMITS: Final = (-1.0, 1.0)  # of an action, a fraction of the joint's full torque
+LIMITS: Final = (-1.0, 1.0)  # of an action
 _NS_PER_MS: Final = NS_PER_S // 1000
 
 

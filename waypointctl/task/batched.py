@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from waypointctl.errors import InputError
 from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
+from waypointctl.sim.actions import clip_actions
 from waypointctl.sim.batch import RobotBatch
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.config import TaskConfig, draw_start
@@ -25,13 +26,8 @@ from waypointctl.task.view import SimulationView
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_ACTION_HINT: Final = "An action is the fraction of full torque of each joint, from -1 to 1."
+_ACTION_HINT: Final = "An action is a number from -1 to 1 for each actuator; robot.yaml says what it means."
 Robots: TypeAlias = NDArray[np.intp] | slice
-
-
-def clip_actions(actions: FloatArray) -> FloatArray:
-    """Return what the motors do when asked for actions (n, nu): the fraction of full torque, in [-1, 1]."""
-    return np.minimum(np.maximum(actions, -1.0), 1.0)
 
 
 def refuse_bad_action(action: object, num_joints: int, num_robots: int | None = None) -> FloatArray:

@@ -34,8 +34,9 @@ _LARGEST: Final = 1e10
 class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
     """A robot that is to walk a course of waypoints.
 
-    Observation: (k,) float64 in the layout that the config names. Action: (nu,) float32, the fraction of full torque
-    of each motor. An episode is terminated by a fall, truncated by its deadline and by success.
+    Observation: (k,) float64 in the layout that the config names. Action: (nu,) float32 in [-1, 1], a number for
+    each actuator; robot.yaml says what it means. An episode is terminated by a fall, truncated by its
+    deadline and by success.
 
     `info` of a step has `reward_<term>` for each term of the reward, `waypoint_index` (of the waypoint walked to, from
     0), `waypoint_reached` (in this step), `success`, `fell` and `timed_out`; that of the last step has `is_success`,

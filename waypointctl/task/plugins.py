@@ -65,12 +65,22 @@ class ObservationGroup:
 
     def named(self, robot: Robot) -> tuple[tuple[str, str, float], ...]:
         """Return (name, unit, scale) of each number for a robot."""
-        names = tuple(self.components(robot) if callable(self.components) else self.components)
-        units = (self.units,) * len(names) if isinstance(self.units, str) else tuple(self.units)
-        scales = tuple(np.broadcast_to(np.asarray(self.scales, np.float64), len(names)).tolist())
+        what = f"observation group {self.name!r}"
+        try:
+            names = tuple(self.components(robot) if callable(self.components) else self.components)
+            units = (self.units,) * len(names) if isinstance(self.units, str) else tuple(self.units)
+            scales = np.asarray(self.scales, np.float64)
+        except Exception as error:
+            raise InputError(f"{what}: {type(error).__name__}: {error}") from error
+        if isinstance(self.components, str) or not all(isinstance(text, str) for text in (*names, *units)):
+            raise InputError(f"{what}: components and units are lists of texts")
         if not names or len(units) != len(names):
-            raise InputError(f"observation group {self.name!r}: {len(units)} units for {len(names)} components")
-        return tuple(zip(names, units, scales, strict=True))
+            raise InputError(f"{what}: {len(units)} units for {len(names)} components")
+        if scales.shape not in ((), (len(names),)) or not np.isfinite(scales).all():
+            raise InputError(
+                f"{what}: its scales are not one finite number, or one for each of {len(names)} components"
+            )
+        return tuple(zip(names, units, np.broadcast_to(scales, len(names)).tolist(), strict=True))
 
     def filler(self, size: int) -> Fill:
         """Return what writes (n, size) numbers, before the scales."""
@@ -136,7 +146,7 @@ def reward_term(*, name: str, unit: str) -> Callable[[ViewFunction], RewardTerm]
     return lambda function: RewardTerm(_sound(name), function, unit)
 
 
-def load_plugins(paths: Iterable[Path]) -> tuple[Plugin, ...]:
+def load_plugins(paths: Iterable[Path | str]) -> tuple[Plugin, ...]:
     """Execute Python files and return the observation groups and reward terms that they define.
 
     Call it only for files that the user has named and allowed to be executed.
@@ -146,7 +156,7 @@ def load_plugins(paths: Iterable[Path]) -> tuple[Plugin, ...]:
     """
     found: list[Plugin] = []
     for path in paths:
-        module = _executed(path)
+        module = _executed(Path(path))
         own = [value for value in vars(module).values() if isinstance(value, ObservationGroup | RewardTerm)]
         if not own:
             hint = "decorate a function with @waypointctl.observation_group(...) or @waypointctl.reward_term(...)"
@@ -178,8 +188,9 @@ def _executed(path: Path) -> ModuleType:
     try:
         exec(compile(source, str(path), "exec"), vars(module))  # the user has allowed it
     except SyntaxError as error:
-        raise InputError(f"is not Python: {error.msg}", where=f"{path}:{error.lineno}") from error
-    except Exception as error:
+        line = f":{error.lineno}" if error.lineno else ""
+        raise InputError(f"is not Python: {error.msg}", where=f"{path}{line}") from error
+    except (Exception, SystemExit) as error:
         raise InputError(f"{type(error).__name__}: {error}", where=str(path)) from error
     return module
 
@@ -195,7 +206,7 @@ def _checked(function: ViewFunction, what: str, size: int, shapes: str) -> ViewF
 
     def call(view: SimulationView) -> FloatArray:
         try:
-            values = np.asarray(function(view), np.float64)
+            values = np.asarray(function(view.read_only()), np.float64)
         except Exception as error:
             raise InputError(f"{what} raised {type(error).__name__}: {error}") from error
         n = len(view.body.up)

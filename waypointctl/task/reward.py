@@ -168,9 +168,9 @@ class RewardFunction:
         chosen = [*TERMS, *(known[name] for name in weights.plugin_terms)]
         self.names: tuple[str, ...] = tuple(term.name for term in chosen)
         capped = partial(_capped_approach, weights.progress_cap_mps)
+        values = dict(weights)  # not attributes: a plugin's term may be called as a method of the model
         self._parts = [
-            (getattr(weights, term.name) * term.factor, capped if term.name == "progress" else term.filler())
-            for term in chosen
+            (values[term.name] * term.factor, capped if term.name == "progress" else term.filler()) for term in chosen
         ]
 
     def terms(self, view: SimulationView) -> FloatArray:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TypeAlias
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,11 @@ class SimulationView:
     steps: NDArray[np.int64]
     approach: FloatArray | None = None
     fell: BoolArray | None = None
+
+    def read_only(self) -> SimulationView:
+        """Return the same moment with arrays that cannot be written to: a plugin does not change the simulation."""
+        view: SimulationView = _all_locked(self)
+        return replace(view, body=_all_locked(self.body))
 
     @property
     def time_s(self) -> FloatArray:
@@ -112,6 +117,11 @@ def write_heading_velocity(body: Body, out: FloatArray) -> None:
     out[:, 0] = cos * vx + sin * vy
     out[:, 1] = cos * vy - sin * vx
     out[:, 2] = body.velocity[:, 2]
+
+
+def _all_locked(value: Any) -> Any:
+    named = ((field.name, getattr(value, field.name)) for field in fields(value))
+    return replace(value, **{name: _locked(part) for name, part in named if isinstance(part, np.ndarray)})
 
 
 def _locked(array: FloatArray) -> FloatArray:

@@ -51,12 +51,13 @@ class RecipeFile:
         return f"{self.path}:{mark.line}:{mark.column}" if mark else str(self.path)
 
 
-def load_recipe(path: Path) -> RecipeFile:
+def load_recipe(path: Path | str) -> RecipeFile:
     """Read a recipe.
 
     Raises:
         RecipeError: there is no such file, or it is not a recipe; everything wrong is listed with line and column.
     """
+    path = Path(path)
     source = read_source(path, RecipeError)
     recipe = read_model(source, str(path), Recipe, RecipeError)
     return RecipeFile(recipe.read_from(path.parent), source, path)

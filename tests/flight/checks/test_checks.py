@@ -141,6 +141,7 @@ def test_a_stuck_rule_that_no_robot_meets_is_found(rule: str, expected: bool) ->
         ("link: {loss: {p: 0, r: 0}}\n", []),
         ("autonomy: joint\nlink: {delay: 20 ms}\n", [("delay", "autonomy")]),
         ("autonomy: joint\nlink: {delay: 19 ms}\n", []),
+        ("autonomy: joint\nrobot: ./other\nlink: {delay: 20 ms}\n", []),  # the study flew the ant
         (STEERED, []),
         (STEERED + "link: {delay: 1 s}\n", [("steering", "operator.lookahead_m")]),
         ("autonomy: short_range_goal\nlink: {delay: 1 s}\n", []),

@@ -44,7 +44,8 @@ def link_findings(mission: Mission, traffic: Traffic, least_s: float) -> Iterato
     yield from _queue("down", traffic.down, down, is_waiting=rated or _has_gaps(traffic.down.contacts))
     yield from _telemetry_rate(traffic)
     yield from _link_loss(mission, traffic, least_s)
-    if mission.autonomy == "joint" and (trip_ns := traffic.round_trip_ns) and seconds(trip_ns) >= JOINT_FALLS_FROM_S:
+    trip_ns = traffic.round_trip_ns if (mission.autonomy, mission.robot) == ("joint", "ant") else None
+    if trip_ns and seconds(trip_ns) >= JOINT_FALLS_FROM_S:
         text = (
             f"autonomy joint over a round trip of {seconds(trip_ns):.3g} s: the ant fell on every flight of the delay "
             f"study from {JOINT_FALLS_FROM_S:g} s on (docs/delay.md); choose autonomy mission, waypoint "

@@ -77,7 +77,7 @@ class Direction(Generic[T]):
         jitter: what is added to it; a message still never arrives before it has left.
         keeps_order: whether nothing overtakes what was sent before it.
         loss: whether a message is lost on the way.
-        doubling: whether a message arrives twice.
+        duplication: whether a message arrives twice.
         contacts: when and how fast something can be sent.
         queue_bytes: how much can wait for it. A message that has to wait and does not fit is lost; the one
             that is being sent does not wait, so a message larger than the queue goes when it need not wait.

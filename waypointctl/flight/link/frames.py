@@ -30,7 +30,7 @@ class ControlFrame:
     """An action, on its way up."""
 
     step: int  # whose state it was computed from
-    values: FloatArray  # (nu,) as a fraction of the motors' full torque
+    values: FloatArray  # (nu,) the action, each number from -1 to 1
     issued_ns: int
     received_ns: int
 

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.errors import InputError
 from waypointctl.task.body import Body
 
 FloatArray = NDArray[np.float64]
@@ -38,6 +39,19 @@ class Navigator(Protocol):
 
     def restore(self, state: Mapping[str, object]) -> None:
         """Go on from what `state` returned."""
+
+
+def sound_goals(goals: FloatArray) -> FloatArray:
+    """Return what a navigator gave.
+
+    Raises:
+        InputError: it is no array of the shape (1, 2, 2), or has a number that is not finite.
+    """
+    if (shape := np.shape(goals)) != (1, 2, 2):
+        raise InputError(f"the navigator's goals have the shape {shape}, not (1, 2, 2)")
+    if not np.isfinite(goals).all():
+        raise InputError("the navigator's goals have a number that is not finite")
+    return goals
 
 
 class DirectNavigator:

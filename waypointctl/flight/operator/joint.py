@@ -19,6 +19,7 @@ from waypointctl.flight.executive.rules import AT_HOME, FALL, TIMEOUT
 from waypointctl.flight.link.frames import BodyFrame
 from waypointctl.flight.operator.operator import Operator, ended_by_robot, leg_failed
 from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.flight.policy_fit import chosen_action
 from waypointctl.log.messages import (
     Ack,
     CommandKind,
@@ -34,7 +35,7 @@ from waypointctl.mission.fields import Acceptance
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.robot import Robot
-from waypointctl.task.batched import clip_actions
+from waypointctl.sim.actions import clip_actions
 from waypointctl.task.body import body_of
 from waypointctl.task.observation import layout
 from waypointctl.task.plugins import Plugin
@@ -112,7 +113,7 @@ class JointOperator(Operator):
             steps=np.array([frame.issued_ns // self._robot.control_period_ns]),
         )
         observation = self._layout.observe(view)
-        action = self._policy.act(observation)
+        action = chosen_action(self._policy, observation, self._robot.num_actions)
         self._action = clip_actions(action)
         return GroundControl(now_ns, frame.step, frame.issued_ns, observation[0], action[0]), requests
 
