@@ -65,7 +65,7 @@ def test_nothing_is_shown_that_was_not_heard(flown: Flown) -> None:
     lines = picture_of(flown, 80, 24, first)
     shown = "\n".join(lines)
     assert "0 of 3 reached, 0 known" in shown
-    assert "has heard nothing yet" in shown
+    assert "no telemetry yet" in shown
     assert "robot" not in shown.replace("● robot", "")
 
 

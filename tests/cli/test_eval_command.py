@@ -113,7 +113,7 @@ def test_an_interruption_is_told(evaluated: Evaluated, workplace: Path, monkeypa
     monkeypatch.setattr("waypointctl.cli.evaluation_run.evaluate", lambda *_, **__: os.kill(os.getpid(), signal.SIGINT))
     code, out, err = evaluated("still", "--suite", "easy.yaml", "--out", "found.json")
     assert (code, out) == (130, "")
-    assert err == "interrupted; an evaluation is written only when it is complete, so nothing was written\n"
+    assert err == "interrupted; nothing was written, because the evaluation is not complete\n"
     assert not (workplace / "found.json").exists()
 
 

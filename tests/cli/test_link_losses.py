@@ -13,18 +13,18 @@ from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary
 
 
 def test_a_line_for_each_way_on_which_there_is_something_to_tell() -> None:
-    up = LinkDirectionSummary(lost=3, not_arrived=(("command", 1), ("heartbeat", 2)), doubled=1)
+    up = LinkDirectionSummary(lost=3, not_arrived=(("command", 1), ("heartbeat", 2)), duplicated=1)
     kinds = (("ack", 1), ("bodyframe", 2), ("telemetry", 63), ("tele\x1bgram", 1))
     down = LinkDirectionSummary(61, 4, 2, kinds, waited=12, longest_wait_ns=3_200_000_000)
     assert link_lines(LinkSummary(up, down)) == [
-        "link up    3 lost (1 command, 2 heartbeats), 1 doubled",
-        "link down  61 lost; 4 dropped, the queue was full; 2 dropped, no contact was left "
+        "link up    3 lost (1 command, 2 heartbeats), 1 duplicated",
+        "link down  61 lost; 4 dropped because the queue was full; 2 dropped because no contact was left "
         "(1 acknowledgement, 2 states, 63 telemetry frames, 1 tele\\u001bgram), 12 waited, "
         "at most 3.20 s",
     ]
     assert link_lines(
         LinkSummary(LinkDirectionSummary(), LinkDirectionSummary(waited=1, longest_wait_ns=10_000_000))
-    ) == ["link down  1 waited, at most 10 ms"]
+    ) == ["link down  1 queued, for at most 10 ms"]
     assert link_lines(LinkSummary()) == []
 
 

@@ -41,7 +41,7 @@ def test_what_has_been_written_stays(folder: Path) -> None:
 
 def test_a_flight_that_was_killed_is_told_from_one_under_way(folder: Path) -> None:
     (folder / "log.mcap.part").write_bytes(b"half a flight")
-    with pytest.raises(OutputError, match=r"a flight was killed\n  `waypointctl run --resume` goes on with it"):
+    with pytest.raises(OutputError, match=r"a flight was killed\n  `waypointctl run --resume` continues it"):
         claimed("m", folder / "log.mcap", force=False).__enter__()
 
 

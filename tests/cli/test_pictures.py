@@ -84,7 +84,7 @@ def test_a_log_is_proved_where_another_renderer_is(survey: Path, program: Progra
     out, _ = elsewhere.communicate(timeout=120)
     assert elsewhere.returncode == 0, out
     assert b"\n  not compared: 2 pictures: another renderer drew them\n" in out
-    assert "\n  2 pictures, drawn again, byte for byte\n" in program("replay", "survey.mcap", "--verify")[1]
+    assert "\n  2 pictures, redrawn byte for byte\n" in program("replay", "survey.mcap", "--verify")[1]
 
 
 def test_several_missions_have_the_same_pictures_as_one(survey: Path, program: Program) -> None:
@@ -175,7 +175,7 @@ def test_a_log_without_pictures_writes_none_and_says_so(yard: Path, program: Pro
     assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
     code, _, err = program("replay", "log.mcap", "--verify", "--pictures", "seen")
     assert code == 0
-    assert err == "the log has no pictures: nothing was observed, or nothing could draw where it was flown\n"
+    assert err == "the log has no pictures: there was no observation, or no renderer was available\n"
     assert not (yard / "seen").exists()
 
 

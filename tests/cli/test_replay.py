@@ -37,7 +37,7 @@ def test_a_log_alone_is_proved_and_told(alone: Path, program: Program) -> None:
     code, out, err = program("replay", "log.mcap")
     assert (code, err) == (0, "")
     first, *_ = out.splitlines()
-    assert first == "EXACT: 102 control steps replayed, every bit the same"
+    assert first == "EXACT: 102 control steps replayed, identical byte for byte"
     assert "success: 2 of 2 waypoints reached in 2.04 s" in out
     # Here is reached at 0.5 s on board and known half a second later; the command's round trip takes 1 s.
     assert re.search(r"here +\(0, 0\) +box 3 m +0\.50 +0\.52 +1\.02 +0\.50\n", out)
@@ -76,8 +76,8 @@ def test_strict_accepts_only_the_first_verdict(alone: Path, program: Program, mo
     assert len(found["not_compared"]) == 1
     code, out, _ = program("replay", "log.mcap", "--verify", "--strict")
     assert code == 1
-    assert out.startswith("EQUIVALENT: 102 control steps replayed, physics and messages the same, bit for bit\n")
-    assert "\n  not compared: what the log says of its program and processor: waypointctl's source was " in out
+    assert out.startswith("EQUIVALENT: 102 control steps replayed, physics and messages identical bit for bit\n")
+    assert "\n  not compared: the program and processor named in the log: waypointctl's source was " in out
 
 
 def test_the_story_as_json(alone: Path, program: Program) -> None:
@@ -152,7 +152,7 @@ def test_a_log_that_is_cut_short_is_refused(alone: Path, program: Program) -> No
 
 def test_the_picture(alone: Path, program: Program) -> None:
     code, _, err = program("replay", "log.mcap", "--verify", "--png", "f.png")
-    assert (code, err) == (0, "drawn into f.png\n")
+    assert (code, err) == (0, "written: f.png\n")
     assert struct.unpack(">II", (alone / "f.png").read_bytes()[16:24]) == (1600, 1000)
 
 
@@ -188,7 +188,7 @@ def test_shown_again_it_takes_its_time(alone: Path, program: Program) -> None:
         (("--start-offset", "-1"), "at least 0"),
         (("--start-offset", "nan"), "at least 0"),
         (("--start-offset", "99"), "the flight is over at 2.04 s"),
-        (("--start-paused",), "no terminal"),
+        (("--start-paused",), "needs a terminal"),
         (("--loop", "--verify"), "leave out --verify"),
         (("--rate", "1", "--json"), "leave out --verify, --strict, --json, --png, --pictures"),
     ],

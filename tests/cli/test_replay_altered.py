@@ -88,7 +88,7 @@ def test_an_altered_log_diverges_and_is_told_and_drawn(
     log = flown.rewritten(tmp_path / "altered.mcap", altered(flown.messages, of, alter))
     picture = tmp_path / "altered.png"
     code, out, err = program("replay", str(log), "--png", str(picture))
-    assert (code, err) == (1, f"drawn into {picture}\n")
+    assert (code, err) == (1, f"written: {picture}\n")
     assert out.startswith("DIVERGED: ")
     assert "success: 2 of 3 waypoints reached" in out
     said = f"left out   {left_out}: not finite, or beyond 1,000,000 m\n"

@@ -38,7 +38,7 @@ def test_the_other_program_is_named_and_the_flight_gone_on_with(flown: Flown, tm
     _, _, err = program("run", "--resume", str(part))
     assert err.startswith(
         f"note: {part} was made elsewhere (waypointctl was 0.0.9 and is {platform_facts()['version_waypointctl']}, "
-        f"waypointctl's source was 0123456789ab and is {source}): it is gone on with only if it is the same flight"
+        f"waypointctl's source was 0123456789ab and is {source}): it continues only if the flight is bit for bit"
     )
     finished = open_log(tmp_path / "flight.mcap")
     assert finished.metadata["source"] == source
@@ -61,7 +61,7 @@ def test_a_flight_that_is_another_one_here_is_refused_with_both_programs(
     before = part.read_bytes()
     code, out, err = program("run", "--resume", str(part))
     assert (code, out) == (2, "")
-    assert "cannot be gone on with: flown again, the flight parts from it at step 9 on /state, qvel[3]: logged " in err
+    assert "cannot be resumed: the simulation diverges from it at step 9 on /state, qvel[3]: logged " in err
     assert "It was made elsewhere (waypointctl was 0.0.9 and is " in err
     assert "The log stays as it is" in err
     assert part.read_bytes() == before

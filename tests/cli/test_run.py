@@ -39,7 +39,7 @@ def test_without_a_terminal_each_happening_is_a_line_with_its_time_and_clock(yar
     # The hold of 1 s ends at 1.52 s, the next waypoint is found reached a control step later; half a second brings it.
     assert "     1.520 s  robot     hold at here completed" in lines
     assert "     1.540 s  robot     command 1 completed" in lines
-    assert "     2.040 s  operator  heard: command 1 completed, 0.500 s ago" in lines
+    assert "     2.040 s  operator  ack received: command 1 completed, 0.500 s ago" in lines
     assert "\x1b" not in err
 
 

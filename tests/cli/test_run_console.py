@@ -49,7 +49,7 @@ def wait_for(flight: subprocess.Popen[bytes], words: bytes) -> bytes:
     try:
         while True:
             line = flight.stderr.readline()
-            assert line, "the flight is over"
+            assert line, "the flight has ended"
             if words in line:
                 return line
     finally:
@@ -87,7 +87,7 @@ def test_status_tells_what_was_heard_and_nothing_else(yard: Path) -> None:
     flight = fly(yard, "--rate", "1")
     say(flight, "status")
     wait_for(flight, b"robot: no telemetry received yet")
-    wait_for(flight, b"heard: command 1 started")
+    wait_for(flight, b"ack received: command 1 started")
     say(flight, "status")
     robot = wait_for(flight, b"robot, ").decode()
     assert re.search(r": at \(-?0\.0\d, -?0\.0\d\) m, heading ", robot)
@@ -110,11 +110,11 @@ def test_the_console_shows_the_operators_clock_alone(yard: Path) -> None:
 
 def test_commands_go_over_the_link_while_it_flies(yard: Path) -> None:
     flight = fly(yard, "--rate", "4", mission="long.yaml")
-    wait_for(flight, b"heard: command 1 started")
+    wait_for(flight, b"ack received: command 1 started")
     say(flight, "hold")
-    wait_for(flight, b"heard: command 2 completed")
+    wait_for(flight, b"ack received: command 2 completed")
     say(flight, "resume")
-    wait_for(flight, b"heard: command 3 completed")
+    wait_for(flight, b"ack received: command 3 completed")
     say(flight, "abort")
     wait_for(flight, b"command 4")
     flight.send_signal(signal.SIGINT)
@@ -128,7 +128,7 @@ def test_commands_go_over_the_link_while_it_flies(yard: Path) -> None:
 
 def test_a_flight_with_a_console_is_held_to_real_time_until_it_closes(yard: Path) -> None:
     flight = fly(yard, mission="long.yaml")
-    wait_for(flight, b"heard: command 1 started")
+    wait_for(flight, b"ack received: command 1 started")
     time.sleep(1.0)
     say(flight, "time")
     now_s = float(wait_for(flight, b"time ").split()[1])

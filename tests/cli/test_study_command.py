@@ -68,7 +68,7 @@ def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
     running.send_signal(signal.SIGINT)
     _, err = running.communicate(timeout=60)
     assert running.returncode == 130
-    assert b"interrupted; runs/study-delay has what was flown, and the same command goes on" in err
+    assert b"interrupted; the finished flights are in runs/study-delay, and the same command continues" in err
     assert b"Traceback" not in err
     kept = len((field / "runs/study-delay/flights.jsonl").read_bytes().splitlines()) - 1
     assert 2 <= kept < 20

@@ -28,10 +28,10 @@ STANDING = replace(frame(3, 4.9, 6.2, (0,)), mode=Mode.SAFE)
 @pytest.mark.parametrize(
     ("messages", "said"),
     [
-        ([BEGUN], "began at 4.00 s (timeout), under way when the flight ended; the operator does not know of it"),
+        ([BEGUN], "began at 4.00 s (timeout), under way when the flight ended; not known to the operator"),
         (
             [BEGUN, RETURNING, REACHED],
-            "began at 4.00 s (timeout), home reached at 4.80 s; the operator knows that it began, at 5.20 s",
+            "began at 4.00 s (timeout), home reached at 4.80 s; its start was known to the operator at 5.20 s",
         ),
         (
             [BEGUN, RETURNING, REACHED, STANDING],
@@ -47,7 +47,7 @@ def test_a_way_home_is_told_as_it_was_and_as_it_was_known(messages: list[Message
 def test_where_the_robot_ended_and_where_the_operator_last_heard_of_it() -> None:
     # The newest frame of the flight was sampled at 2 s where x was 2 m; at 5 s the robot is at (6.3, 0.4).
     place = "at (6.30, 0.40) m"
-    heard = "the operator's last frame, sampled at 2.00 s, has (2.00, 0.00) m"
+    heard = "last known to the operator: (2.00, 0.00) m, sampled at 2.00 s"
     assert whereabouts_lines(summarize(flight())) == [f"ended      {place}; {heard}"]
     *_, line = whereabouts_lines(summarize([*flight(), BEGUN], (), SETTING))
     assert line == f"ended      {place}, 6.31 m from home; {heard}"

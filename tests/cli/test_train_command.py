@@ -185,7 +185,7 @@ def test_a_signal_stops_it_with_a_policy_and_the_commands_to_go_on(tmp_path: Pat
     first, go_on, try_it, *curves = out.splitlines()
     assert curves in ([], ["runs/tiny/curves.png: the learning curves; as numbers in curves.csv"])
     assert first.startswith("interrupted after ")
-    assert go_on == "  to go on:   waypointctl train recipe.yaml --threads 1 --resume"
+    assert go_on == "  to resume:  waypointctl train recipe.yaml --threads 1 --resume"
     newest = max(checkpoints.iterdir())
     assert try_it == f"  to try it:  waypointctl eval {newest.relative_to(tmp_path)}"
     assert load_policy(newest).manifest.training.steps == int(newest.name.removeprefix("step-"))

@@ -51,7 +51,7 @@ def test_an_ok_line_tells_what_will_be_flown(tmp_path: Path) -> None:
         ("{preset: iss, loss: 1 %}", "link iss: 3.5 s +- 0.5 s with 1 % lost each way"),
         (
             "{up: {rate: 1 kbit/s, duplicate: 2 %}, down: {loss: {p: 0.1, r: 0.3}, keep_order: false}}",
-            "link 0 s with 2 % doubled and 1 kbit/s up, 0 s with 25 % lost in bursts and the order not kept down",
+            "link 0 s with 2 % duplicated and 1 kbit/s up, 0 s with 25 % lost in bursts and reordering down",
         ),
         (
             "{delay_table: [{at: 0 s, delay: 3 s}, {at: 1 h, delay: 4 s}], windows: [{from: 0 s, to: 1 s}]}",

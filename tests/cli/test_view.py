@@ -180,7 +180,7 @@ def test_the_view_tells_truth_from_belief() -> None:
 
 def test_before_anything_is_heard_the_operator_knows_nothing() -> None:
     picture = shown(upto=4, color_system=None)
-    assert "has heard nothing yet" in picture
+    assert "no telemetry yet" in picture
     assert "under way" not in picture  # it has not arrived
     assert "not yet measured" in picture
 
@@ -213,8 +213,8 @@ def happenings(messages: list[Message]) -> list[str]:
 def test_happenings_are_told_on_their_clock() -> None:
     lines = happenings(list(flight()))
     assert "     2.000 s  robot     near reached" in lines
-    assert "     2.000 s  operator  heard: command 1 started, 1.000 s ago" in lines
-    assert "     5.000 s  operator  heard: command 1 failed (timeout), 1.000 s ago" in lines
+    assert "     2.000 s  operator  ack received: command 1 started, 1.000 s ago" in lines
+    assert "     5.000 s  operator  ack received: command 1 failed (timeout), 1.000 s ago" in lines
     assert not any("accepted" in line for line in lines)
     failed = [told for told in map(happening, flight()) if told and "failed (timeout)" in told.text]
     assert [told.severity for told in failed] == [Severity.ERROR]

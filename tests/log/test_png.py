@@ -52,7 +52,7 @@ def test_every_flipped_bit_is_seen(pixels: NDArray[np.uint8]) -> None:
 
 @pytest.mark.parametrize("cut", [slice(0), slice(8), slice(-1), slice(-12)])
 def test_half_a_file_is_none(pixels: NDArray[np.uint8], cut: slice) -> None:
-    with pytest.raises(ValueError, match="is no PNG file, or not all of one"):
+    with pytest.raises(ValueError, match="is not a complete PNG file"):
         texts_of(to_png(pixels, "", "")[cut])
 
 

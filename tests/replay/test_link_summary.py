@@ -80,7 +80,7 @@ def test_the_counts_are_what_is_missing_or_there_twice_in_the_log(bad: Flown) ->
     twice = len(arrived) - len(set(arrived)) + len(acks) - len({(a.stage, a.issued_ns) for a in acks})
     ends_ns = max(message.received_ns for message in messages if isinstance(message, Ack | Telemetry))
     late = [m for m in messages if isinstance(m, LinkRecord) and len(m.arrives_ns) == 2 and m.arrives_ns[1] > ends_ns]
-    assert link.down.doubled == twice + len(late)
+    assert link.down.duplicated == twice + len(late)
     assert link.down.queue_full > 0
     assert link.down.waited > 0
     emptied_s = 200 * 8 / 9000  # the queue at the link's rate, after half a second without contact

@@ -231,7 +231,7 @@ def test_a_log_that_is_damaged_is_refused(whole: Whole, tmp_path: Path, where: s
 def test_of_a_flight_killed_before_it_began_it_is_said_to_run_it_again(whole: Whole, tmp_path: Path, size: int) -> None:
     part = whole.cut(tmp_path, size)
     again = f"`waypointctl run MISSION.yaml --out {part.with_suffix('')} --force`"
-    said = rf"flight\.mcap\.part: nothing was flown yet: .*\n.*{re.escape(again)}"
+    said = rf"flight\.mcap\.part: has no messages: .*\n.*{re.escape(again)}"
     with pytest.raises(LogError, match=said):
         resumed(part)
     for truncated in (True, False):

@@ -198,7 +198,7 @@ def test_a_log_that_goes_on_after_the_flight_is_found(flown: Flown, tmp_path: Pa
 def test_a_log_that_ends_before_the_flight_is_found(flown: Flown, tmp_path: Path, kept: int) -> None:
     messages = flown.messages
     found = divergence(flown, tmp_path, messages[:kept])
-    assert (found.component, found.logged, found.replayed) == ("end", "the log ends", "the flight goes on")
+    assert (found.component, found.logged, found.replayed) == ("end", "the log ends", "the flight continues")
     assert found.step == step_under_way(messages, kept)
 
 
@@ -217,7 +217,7 @@ class TestOnAnotherProcessor:
         assert found.verdict is Verdict.EQUIVALENT
         assert "byte for byte" in found.checks[-1]
         (line,) = found.not_compared
-        assert line.startswith("what the log says of its program and processor: the processor was ")
+        assert line.startswith("the program and processor named in the log: the processor was ")
         assert line.endswith(" and is another one")
 
     @pytest.mark.parametrize(("bit", "verdict"), [(3, Verdict.UNVERIFIABLE), (25, Verdict.DIVERGED)])

@@ -52,5 +52,5 @@ def test_a_file_that_is_packed_otherwise_is_equivalent_where_another_program_wro
     path.write_bytes(forgery.file())
     found = verify(path)
     assert found.verdict is Verdict.EQUIVALENT, found
-    assert found.not_compared[-1] == "the bytes of the file: its records are divided or compressed otherwise"
+    assert found.not_compared[-1] == "the bytes of the file: its records are chunked or compressed differently"
     assert "what mcap's readers, streaming and seeking, give of it" in found.checks[-1]

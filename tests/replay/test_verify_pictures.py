@@ -49,7 +49,7 @@ def about_pictures(found: Verification) -> list[str]:
 def test_the_pictures_are_drawn_again(survey: Flown) -> None:
     found = verify(survey.path)
     assert found.verdict is Verdict.EXACT
-    assert about_pictures(found) == ["2 pictures, drawn again, byte for byte"]
+    assert about_pictures(found) == ["2 pictures, redrawn byte for byte"]
 
 
 @pytest.mark.parametrize("number", [0, 1])
@@ -94,7 +94,7 @@ def test_a_picture_of_nothing_diverges(changed: Callable[[int, Change], Verifica
 def test_another_renderer_is_no_divergence(changed: Callable[[int, Change], Verification]) -> None:
     found = changed(0, lambda picture: [repainted(picture, "a graphics card, OpenGL 9")])
     assert found.verdict is Verdict.EQUIVALENT, found
-    assert about_pictures(found) == ["1 picture, drawn again, byte for byte", "1 picture: another renderer drew it"]
+    assert about_pictures(found) == ["1 picture, redrawn byte for byte", "1 picture: another renderer drew it"]
     assert found.not_compared == ("1 picture: another renderer drew it",)
     assert "byte for byte" in found.checks[-1]  # the file as a whole
 
@@ -103,7 +103,7 @@ def test_where_nothing_can_draw_the_rest_is_proved(survey: Flown, monkeypatch: p
     monkeypatch.setenv("MUJOCO_GL", "disable")
     found = verify(survey.path)
     assert found.verdict is Verdict.EQUIVALENT
-    assert found.not_compared == ("2 pictures: nothing can draw here: MUJOCO_GL=disable turns rendering off",)
+    assert found.not_compared == ("2 pictures: no renderer here: MUJOCO_GL=disable turns rendering off",)
 
 
 def test_what_a_log_says_of_its_program_lets_no_picture_be_changed(survey: Flown, tmp_path: Path) -> None:
@@ -120,7 +120,7 @@ def test_a_picture_that_is_not_there_is_said(changed: Callable[[int, Change], Ve
     found = changed(1, lambda picture: [])
     assert found.verdict is Verdict.EQUIVALENT
     assert about_pictures(found) == [
-        "1 picture, drawn again, byte for byte",
+        "1 picture, redrawn byte for byte",
         "1 observation without a picture in the log",
     ]
 

@@ -70,7 +70,7 @@ def test_another_program_or_processor_lowers_the_verdict_and_is_named(flown: Flo
     assert (found.verdict, found.first_divergence) == (Verdict.EQUIVALENT, None)
     (line,) = found.not_compared
     assert line == (
-        f"what the log says of its program and processor: {PROGRAM[key]} was 0.0 and is {platform_facts()[key]}"
+        f"the program and processor named in the log: {PROGRAM[key]} was 0.0 and is {platform_facts()[key]}"
     )
     assert "byte for byte" in found.checks[-1]
 

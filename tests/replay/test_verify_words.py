@@ -13,6 +13,6 @@ def test_commands_their_stages_and_what_was_heard_are_counted(flown: Flown) -> N
     assert counts["CommandStage"] > counts["Command"] > 1
     said = (
         f"{counts['Command']} commands, {counts['CommandStage']} command stages, {counts['Ack']} acknowledgements and "
-        f"{counts['Telemetry']} telemetry frames, with each time of delivery"
+        f"{counts['Telemetry']} telemetry frames, with their delivery times"
     )
     assert said in verify(flown.path).checks

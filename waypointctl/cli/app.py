@@ -23,7 +23,7 @@ from waypointctl.cli.validate import validate
 
 app = typer.Typer(
     name="waypointctl",
-    help="Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log.",
+    help="Mission control for learned waypoint policies: train a policy, fly it over a slow link, verify the log.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -59,7 +59,7 @@ def _options(
         ),
     ] = None,
 ) -> None:
-    """Mission control for learned waypoint policies: train one, fly it over a slow link, prove the log."""
+    """Mission control for learned waypoint policies: train a policy, fly it over a slow link, verify the log."""
 
 
 app.command()(run)

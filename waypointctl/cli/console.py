@@ -12,7 +12,7 @@ from waypointctl.cli.standard_streams import styled
 if TYPE_CHECKING:
     from rich.console import Console
 
-_PIPE_WIDTH: Final = 160  # columns where there is no terminal to ask, so that tables keep their cells whole
+_PIPE_WIDTH: Final = 160  # columns without a terminal, so that tables keep their cells whole
 _MOST_COLUMNS: Final = 10_000
 _SIZES: Final = ("COLUMNS", "LINES")
 
@@ -36,7 +36,7 @@ def console(*, stderr: bool = False) -> Console:
 
 
 def _is_size(text: str) -> bool:
-    """Return whether a variable of the environment says how large the terminal is; 0 says that it is not known."""
+    """Return whether an environment variable gives the size of the terminal; 0 means unknown."""
     return re.fullmatch("[0-9]{1,5}", text) is not None and 0 < int(text) <= _MOST_COLUMNS
 
 

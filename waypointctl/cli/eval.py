@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from waypointctl.cli.options import policy_named, rate_from
+from waypointctl.cli.options import policy_named, rate_from, whole_number
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
@@ -24,27 +24,37 @@ if TYPE_CHECKING:
 def evaluate_policy(
     policies: Annotated[
         list[Path],
-        typer.Argument(parser=policy_named, metavar="POLICY...", help="Folders, or names.", show_default=False),
+        typer.Argument(
+            parser=policy_named, metavar="POLICY...", help="Policies: folders or names.", show_default=False
+        ),
     ],
-    suite: Annotated[str, typer.Option(help="paper, region, anywhere, station, or a YAML file.")] = "paper",
+    suite: Annotated[str, typer.Option(help="The suite: paper, region, anywhere, station, or a YAML file.")] = "paper",
     trials: Annotated[
         int | None,
-        typer.Option(min=1, max=100_000, help="Trials on each path.  [default: the suite's]"),
+        typer.Option(
+            metavar="N", parser=whole_number(1, 100_000), help="Trials of each path.", show_default="the suite's"
+        ),
     ] = None,
     seed: Annotated[
         int,
         typer.Option(
-            min=0, help="Of the postures that trials start in, and of random paths; a training reports the same seed."
+            metavar="N",
+            parser=whole_number(0, 2**63 - 1),
+            help="Seed of start postures and random paths; training reports use the same default.",
         ),
     ] = 1,
     acceptance: Annotated[
         str | None,
-        typer.Option(metavar="SHAPE:SIZE", help="In place of the suite's, such as radius:0.2 or box:0.5."),
+        typer.Option(
+            metavar="SHAPE:SIZE", help="Acceptance region in place of the suite's, such as radius:0.2 or box:0.5."
+        ),
     ] = None,
     require: Annotated[
         float | None,
         typer.Option(
-            metavar="RATE", callback=rate_from(0), help="Exit with 1 if the rate of any case is below this, 0 to 1."
+            metavar="RATE",
+            parser=rate_from(0),
+            help="Exit with 1 if the success rate of a case is below this, 0 to 1.",
         ),
     ] = None,
     save: Annotated[
@@ -53,13 +63,18 @@ def evaluate_policy(
     out: Annotated[Path | None, typer.Option(help="Write the JSON to this file.", show_default=False)] = None,
     markdown: Annotated[Path | None, typer.Option(help="Write the tables to this file.", show_default=False)] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the paths to this PNG.", show_default=False)] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace files of another kind, too.")] = False,
-    threads: Annotated[int, typer.Option(min=0, max=1024, help="For the physics; 0 is one a core, 8 at most.")] = 0,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files of another kind.")] = False,
+    threads: Annotated[
+        int,
+        typer.Option(
+            metavar="N", parser=whole_number(0, 1024), help="Threads for the physics; 0: one per core, at most 8."
+        ),
+    ] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
     """Run policies many times on each path of a suite, deterministically; count successes, falls and time-outs.
 
-    Several policies on the suite 'paper' give the paper's tables, with its figures beside those found.
+    Several policies on the suite 'paper' give the paper's tables, with the paper's values beside the measured ones.
     """
     from waypointctl.cli.evaluation_files import EvaluationFiles
     from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders, refuse_selection_trials
@@ -90,7 +105,7 @@ def _interruption_told() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        typer.echo("interrupted; an evaluation is written only when it is complete, so nothing was written", err=True)
+        typer.echo("interrupted; nothing was written, because the evaluation is not complete", err=True)
         raise
 
 

@@ -28,11 +28,11 @@ _PNG: Final = b"\x89PNG\r\n\x1a\n"
 
 @dataclass(frozen=True, slots=True)
 class EvaluationFiles:
-    """Which files are asked for.
+    """The output files.
 
     Attributes:
         folders: of the policies.
-        suite: that they walk.
+        suite: that is evaluated.
         out: for the JSON.
         markdown: for the tables.
         plot: for the picture.
@@ -76,9 +76,9 @@ class EvaluationFiles:
         self._refuse_one_for_two()
 
     def _refuse_one_for_two(self) -> None:
-        asked = {"--out": self.out, "--markdown": self.markdown, "--plot": self.plot}
+        given = {"--out": self.out, "--markdown": self.markdown, "--plot": self.plot}
         taken = {os.path.realpath(path): "--save" for path in self._saved()}
-        for option, path in asked.items():
+        for option, path in given.items():
             if path is None:
                 continue
             other = taken.setdefault(os.path.realpath(path), option)
@@ -87,7 +87,7 @@ class EvaluationFiles:
                 raise OutputError(problem, where=str(path), hint=f"give {option} another file")
 
     def write(self, found: Sequence[Evaluated]) -> None:
-        """Write what was asked for.
+        """Write the output files.
 
         Raises:
             OutputError: a file cannot be written.
@@ -105,7 +105,7 @@ class EvaluationFiles:
             write_whole(self.plot, self.picture(found), "the picture")
 
     def picture(self, found: Sequence[Evaluated]) -> bytes:
-        """Return the ways that were walked as PNG."""
+        """Return the paths driven as PNG."""
         from waypointctl.evaluation.picture import draw
 
         evaluations = [one.evaluation for one in found]

@@ -37,12 +37,12 @@ class ChosenSuite:
     """A suite, and the suite that policies are evaluated on: with another acceptance region, maybe.
 
     Attributes:
-        asked: the name or the file that it was asked for by.
+        given: the given name or file.
         own: as it is.
         used: as the policies are to be evaluated on it.
     """
 
-    asked: str
+    given: str
     own: Suite
     used: Suite
 
@@ -102,7 +102,7 @@ def evaluate_loaded(
     Args:
         loaded: each with its folder; what it was trained on is read from the recipe there.
         suite: the paths.
-        trials: of each case; None: as many as the suite says.
+        trials: of each case; None: the suite's number.
         seed: of the starts and of random paths.
         threads: of the physics; 0 is one a core, 8 at most.
         progress: called with the progress of each policy.
@@ -115,8 +115,8 @@ def evaluate_loaded(
     for folder, policy in loaded:
         rollouts = _RolloutsByCase()
         evaluation = evaluate(policy, suite.used, trials, seed, threads, progress, on_case=rollouts.keep)
-        told = {"suite_acceptance": own, "training": trained_on(folder, policy.manifest)}
-        found.append(Evaluated(folder, evaluation.model_copy(update=told), rollouts.by_case))
+        facts = {"suite_acceptance": own, "training": trained_on(folder, policy.manifest)}
+        found.append(Evaluated(folder, evaluation.model_copy(update=facts), rollouts.by_case))
     return found
 
 
@@ -141,16 +141,16 @@ def refuse_selection_trials(
         if record is None or record.seed != seed or not _is_suite_of(record, suite):
             continue
         problem = (
-            f"policy {policy.manifest.name!r} was chosen among its checkpoints by its success in {record.suite!r} with "
-            f"seed {seed}, by these very trials, so they flatter it"
+            f"policy {policy.manifest.name!r} was selected by its success in these trials (suite {record.suite!r}, "
+            f"seed {seed}), so its rate here is too high"
         )
         if save:
             hint = "Give another --seed; without --save there is a warning."
             raise InputError(f"--save: {problem}", where=str(folder), hint=hint)
-        typer.echo(f"warning: {printable(folder)}: {printable(problem)}; another --seed does not", err=True)
+        typer.echo(f"warning: {printable(folder)}: {printable(problem)}; give another --seed", err=True)
 
 
 def _is_suite_of(record: SelectionRecord, suite: ChosenSuite) -> bool:
     """Return whether a selection was by this suite; of a file it has the path that its recipe gave."""
     recorded = Path(record.suite)
-    return suite.own.name in (record.suite, recorded.stem) or recorded.name == Path(suite.asked).name
+    return suite.own.name in (record.suite, recorded.stem) or recorded.name == Path(suite.given).name

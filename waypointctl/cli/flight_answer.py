@@ -18,7 +18,7 @@ EXIT_CODES: Final = {"success": 0, "failure": 1, "interrupted": 130}
 def report_flight(
     mission: str, result: FlightResult, summary: FlightSummary, wall_s: float | None, *, json: bool
 ) -> int:
-    """Print what a flight came to, with the JSON object if it is asked for; return the exit code.
+    """Print the outcome of a flight, with the JSON object if `--json` is given; return the exit code.
 
     Args:
         mission: its name.
@@ -39,9 +39,9 @@ def report_flight(
 
 
 def facts(mission: str, result: FlightResult, summary: FlightSummary) -> Plain:
-    """Return what there is to say of the flight of a mission, by its name; fields are only ever added.
+    """Return the facts of a mission's flight; fields are only ever added.
 
-    `waypoints_reached` counts what the operator has heard of; `summary` is what `replay --json` has of the log.
+    `waypoints_reached` counts those known to the operator; `summary` is what `replay --json` has of the log.
     """
     return {
         "mission": mission,

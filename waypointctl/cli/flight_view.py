@@ -41,7 +41,7 @@ def flight_view(
     Args:
         mission: what is flown.
         rate: simulated seconds in a second; without it as fast as it goes, with a console in real time.
-        interrupted: whether somebody has asked for the end.
+        interrupted: whether the end was requested.
         console: whether a person commands too.
     """
     from waypointctl.cli.tui.watch import watch

@@ -36,7 +36,7 @@ def import_mission(
         typer.Option(
             metavar="earth|moon|mars|RADIUS",
             help="What latitudes and longitudes are on; a radius with its unit.",
-            show_default="what the file says, else earth",
+            show_default="the body in the file, else earth",
         ),
     ] = None,
     policy: Annotated[str, typer.Option(metavar="POLICY", help="The policy, a folder or a name.")] = FLAGSHIP,

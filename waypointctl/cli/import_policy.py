@@ -30,7 +30,7 @@ def import_policy(
 ) -> None:
     """Make a policy of a model that stable-baselines3 saved: an MlpPolicy of PPO, A2C, SAC or TD3.
 
-    Such files are pickles, and loading them in stable-baselines3 runs what they say. Here nothing of them is executed:
+    Such files are pickles, and loading them in stable-baselines3 executes code in them. Here nothing is executed:
     tensors are read without torch's reader, the settings as JSON, VecNormalize's numbers without making its
     objects. The new network's actions are compared with those of stable-baselines3's own policy. What is taken on trust
     is what it was trained on: the observations, the robot and its control period.

@@ -56,7 +56,7 @@ def _record(log: LogReader) -> dict[str, Any]:
 
 
 def _outcome(log: LogReader) -> str | None:
-    """Return what the log says of the flight's end, None if it says nothing."""
+    """Return the outcome of the flight, None if the log has none."""
     from waypointctl.replay.flight_log import summary_of_events
 
     events = summary_of_events(log)
@@ -93,15 +93,15 @@ def _show(log: LogReader) -> None:
 
 
 def _ending(log: LogReader) -> tuple[str, str]:
-    """Return what to say of an outcome that the log does not tell, and of the file's end."""
+    """Return the text for an outcome that the log does not have, and the state of the file's end."""
     from waypointctl.paths import is_being_written
 
     if log.is_complete:
-        return "none, the log has no such event", "complete"
+        return "none, the log has no outcome event", "complete"
     if is_being_written(log.path):
-        return "none yet, the flight is under way", "being written"
+        return "none yet, the flight is still running", "being written"
     return (
-        "none, the log has no end (the flight was killed or is under way)",
+        "none, the log has no end (the flight was killed or is still running)",
         "cut short: its writer was killed, or it was not copied to its end",
     )
 

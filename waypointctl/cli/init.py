@@ -42,7 +42,7 @@ def _refuse_existing(contents: Mapping[Path, bytes]) -> None:
     try:
         existing = [str(path) for path in contents if path.exists() or path.is_symlink()]
     except OSError:
-        return  # such as a name that is too long: the folder cannot be made either, which is told next
+        return  # such as a name that is too long: the folder cannot be made either, which is reported next
     if existing:
         verb = "is" if len(existing) == 1 else "are"
         problem = f"{', '.join(existing)} {verb} already there; nothing was written"

@@ -56,7 +56,7 @@ def handled(handler: Handler, signals: tuple[signal.Signals, ...]) -> Iterator[N
 
 @contextmanager
 def interruption() -> Iterator[Callable[[], bool]]:
-    """Yield a function that says whether somebody has asked for the end.
+    """Yield a function that says whether the end was requested.
 
     A second signal raises KeyboardInterrupt wherever the program is.
     """

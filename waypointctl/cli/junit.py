@@ -1,6 +1,6 @@
 """JUnit XML of flights: a suite with a case a mission, as CI servers read it (Jenkins' junit-10.xsd).
 
-Times in it are simulated seconds, as its property `clock` says; no wall clock is in it.
+Times in it are simulated seconds, as its property `clock` states; it holds no wall-clock time.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class Case:
     Attributes:
         name: the file.
         verdict: "failure": flown, and the answer is no; "error": could not be flown; "skipped": was not.
-        text: why, and what else there is to say.
+        text: the reason and details.
         time_s: simulated.
         output: for people.
     """
@@ -61,8 +61,8 @@ def _add(suite: ElementTree.Element, case: Case) -> None:
     if case.verdict == "skipped":
         ElementTree.SubElement(element, "skipped", {"message": printable(case.text.partition("\n")[0])})
     elif case.verdict != "success":
-        told = {"type": case.verdict, "message": printable(case.text.partition("\n")[0])}
-        ElementTree.SubElement(element, case.verdict, told).text = printable_lines(case.text)
+        attributes = {"type": case.verdict, "message": printable(case.text.partition("\n")[0])}
+        ElementTree.SubElement(element, case.verdict, attributes).text = printable_lines(case.text)
     if case.output:
         ElementTree.SubElement(element, "system-out").text = printable_lines(case.output)
 

@@ -1,4 +1,4 @@
-"""Where a flight's log goes: a name that is free, or the one that was asked for, claimed before the flight."""
+"""Where a flight's log goes: a free name or the given one, claimed before the flight."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def claimed(mission: str, out: Path | None, *, force: bool) -> Iterator[Path]:
     """Yield the path of the new log; until it is written, a locked `.part` beside it keeps others away.
 
     Args:
-        mission: its name, which is the log's where none is asked for: logs/<mission>.mcap, then -2, -3, ...
-        out: the path that is asked for.
+        mission: its name, which is the log's default name: logs/<mission>.mcap, then -2, -3, ...
+        out: the given path.
         force: replace a log that stands there; nothing but a log or an empty file is ever replaced, and no log that a
             flight under way is writing.
 
@@ -73,7 +73,7 @@ def _asked(path: Path, force: bool) -> tuple[Path, IO[bytes]]:
     if force:
         problem = f"another flight has begun to write {_part(path)}, or it is not a regular file"
         raise OutputError(problem, where=str(path), hint=_WAIT)
-    hint = "`waypointctl run --resume` goes on with it, --force replaces it; or give another --out."
+    hint = "`waypointctl run --resume` continues it, --force replaces it; or give another --out."
     raise OutputError(f"{_part(path)} is there already: a flight was killed", where=str(path), hint=hint)
 
 

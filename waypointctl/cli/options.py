@@ -10,40 +10,48 @@ import typer
 
 
 def policy_named(text: str) -> Path:
-    """Return the folder of the policy that an argument or option names, for `parser=` of it."""
+    """Return the folder of the policy that an option names, for `parser=` of the option."""
     from waypointctl.mission.policy_name import policy_folder
 
     return policy_folder(str(text))
 
 
-def positive(value: float | None) -> float | None:
-    """Refuse a number that is not finite and above 0."""
-    if value is not None and not (math.isfinite(value) and value > 0):
-        raise typer.BadParameter(f"{value} is not a number above 0, such as 1 or 0.5.")
-    return value
+def positive(text: object) -> float:
+    """Read a finite number above 0, for `parser=` of an option."""
+    value = _number(text)
+    if math.isfinite(value) and value > 0:
+        return value
+    raise typer.BadParameter(f"{text!s:.40} is not a number above 0, such as 1 or 0.5.")
 
 
-def not_negative(value: float | None) -> float | None:
-    """Refuse a number that is not finite or below 0."""
-    if value is not None and not (math.isfinite(value) and value >= 0):
-        raise typer.BadParameter(f"{value} is not a number of at least 0.")
-    return value
+def number_to(most: float) -> Callable[[object], float]:
+    """Return the parser of a number from 0 to `most`, for `parser=` of an option."""
 
-
-def rate_from(least: float) -> Callable[[float | None], float | None]:
-    """Return what refuses a rate that is not from `least` to 1, such as one in per cent."""
-
-    def rate(value: float | None) -> float | None:
-        if value is None or least <= value <= 1:
+    def number(text: object) -> float:
+        value = _number(text)
+        if math.isfinite(value) and 0 <= value <= most:
             return value
-        meant = f": {value:g} % is {value / 100:g}" if 1 < value <= 100 else ""
-        raise typer.BadParameter(f"{value:g} is not a rate from {least:g} to 1{meant}.")
+        allowed = f"from 0 to {most:g}" if math.isfinite(most) else "of at least 0"
+        raise typer.BadParameter(f"{text!s:.40} is not a number {allowed}.")
+
+    return number
+
+
+def rate_from(least: float) -> Callable[[object], float]:
+    """Return the parser of a rate from `least` to 1; the message suggests the rate for a percentage."""
+
+    def rate(text: object) -> float:
+        value = _number(text)
+        if least <= value <= 1:
+            return value
+        suggestion = f": {value:g} % is {value / 100:g}" if 1 < value <= 100 else ""
+        raise typer.BadParameter(f"{text!s:.40} is not a rate from {least:g} to 1{suggestion}.")
 
     return rate
 
 
 def whole_number(least: int, most: int) -> Callable[[object], int]:
-    """Return what reads a whole number from `least` to `most`, for `parser=` of an option."""
+    """Return the parser of a whole number from `least` to `most`, for `parser=` of an option."""
 
     def number(text: object) -> int:
         digits = str(text).strip()
@@ -52,3 +60,11 @@ def whole_number(least: int, most: int) -> Callable[[object], int]:
         raise typer.BadParameter(f"{text!s:.40} is not a whole number from {least} to {most}.")
 
     return number
+
+
+def _number(text: object) -> float:
+    """Return the number in a text, NaN if the text is not a number."""
+    try:
+        return float(str(text))
+    except ValueError:
+        return math.nan

@@ -26,7 +26,7 @@ def picture_files(log: LogReader, folder: Path) -> list[PictureFile]:
     """Return a log's pictures for a folder that they can be written to.
 
     Raises:
-        OutputError: the folder cannot be written, or a name is taken by what is no picture.
+        OutputError: the folder cannot be written, or a name is taken by a file that is not a picture.
     """
     from waypointctl.paths import refuse_other_content, refuse_unwritable_folder
     from waypointctl.replay.pictures import pictures_in
@@ -48,7 +48,7 @@ def write_pictures(files: list[PictureFile], folder: Path) -> None:
     from waypointctl.paths import write_whole
 
     if not files:
-        why = "nothing was observed, or nothing could draw where it was flown"
+        why = "there was no observation, or no renderer was available"
         print(f"the log has no pictures: {why}", file=sys.stderr)
         return
     try:

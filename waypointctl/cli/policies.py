@@ -1,4 +1,4 @@
-"""`waypointctl policies`: what policies there are, and what one says of itself."""
+"""`waypointctl policies`: list policies, show one."""
 
 from __future__ import annotations
 
@@ -27,9 +27,7 @@ class _ListByDefault(TyperGroup):
         return super().parse_args(ctx, args)
 
 
-policies = typer.Typer(
-    cls=_ListByDefault, help="List policies, all that are found by name or those in a folder; show one."
-)
+policies = typer.Typer(cls=_ListByDefault, help="List policies, or show one.")
 
 
 @policies.command("list")
@@ -37,7 +35,7 @@ def list_policies(
     folder: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[DIR]", help="Where to look.", show_default="waypointctl's own policies, and ./policies"
+            metavar="[DIR]", help="The folder to search.", show_default="waypointctl's own policies, and ./policies"
         ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,

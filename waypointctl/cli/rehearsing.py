@@ -1,4 +1,4 @@
-"""Rehearsals at the command line: flown with a progress bar, and told in lines."""
+"""Rehearsals at the command line: progress bar and text output."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from waypointctl.mission.mission import Mission
     from waypointctl.studies.rehearsal import Rehearsal
 
-# What the log calls messages, for people.
+# Message kinds as text.
 _KINDS: Final = {"ack": "acknowledgement", "bodyframe": "state", "controlframe": "action"}
 
 

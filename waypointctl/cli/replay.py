@@ -1,7 +1,8 @@
-"""`waypointctl replay`: verify a log, summarize its flight, draw it, show it again."""
+"""`waypointctl replay`: verify a log, summarize, draw or show its flight."""
 
 from __future__ import annotations
 
+import math
 import sys
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from waypointctl.cli.options import not_negative, positive
+from waypointctl.cli.options import number_to, positive
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
@@ -23,54 +24,68 @@ _PNG: Final = b"\x89PNG"
 
 def replay(
     log: Annotated[Path, typer.Argument(metavar="LOG.mcap", help="The log.", show_default=False)],
-    verify: Annotated[bool, typer.Option("--verify", help="Verify only: no summary of the flight.")] = False,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="Accept only the verdict exact: exit with 1 for less.")
-    ] = False,
+    verify: Annotated[bool, typer.Option("--verify", help="Verify only; print no summary of the flight.")] = False,
+    strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 for any verdict but EXACT.")] = False,
     png: Annotated[
-        Path | None, typer.Option(help="Also draw path, speed and commands into this PNG.", show_default=False)
+        Path | None, typer.Option(help="Also draw path, speed and commands to this PNG.", show_default=False)
     ] = None,
     pictures: Annotated[
         Path | None,
         typer.Option(
-            metavar="FOLDER", help="Also write what the robot's camera saw, a PNG a picture.", show_default=False
+            metavar="FOLDER", help="Also write the pictures of the robot's camera, as PNG files.", show_default=False
         ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
     rate: Annotated[
         float | None,
-        typer.Option(callback=positive, help="Only show the flight: this many seconds a second.", show_default=False),
+        typer.Option(
+            metavar="X",
+            parser=positive,
+            help="Only show the flight, at X simulated seconds per second.",
+            show_default=False,
+        ),
     ] = None,
     start_offset: Annotated[
-        float | None, typer.Option(callback=not_negative, help="Show it from this second on.", show_default=False)
+        float | None,
+        typer.Option(
+            metavar="S",
+            parser=number_to(math.inf),
+            help="Only show the flight, from this second on.",
+            show_default=False,
+        ),
     ] = None,
-    loop: Annotated[bool, typer.Option("--loop", help="Show it over and over.")] = False,
-    start_paused: Annotated[bool, typer.Option("--start-paused", help="Show it when space is pressed.")] = False,
+    loop: Annotated[bool, typer.Option("--loop", help="Only show the flight, repeated until interrupted.")] = False,
+    start_paused: Annotated[
+        bool, typer.Option("--start-paused", help="Only show the flight, paused until space is pressed.")
+    ] = False,
 ) -> None:
-    """Simulate a logged flight again, compare every bit, and print its summary.
+    """Simulate a logged flight again, compare it with the log, and print a summary.
 
-    Everything comes from the log. The verdict is EXACT if the replay writes the same file, byte for byte; EQUIVALENT
-    if physics and messages are the same; APPROXIMATE if the physics is, and the rest within rounding: exit with 0.
-    Exit with 1 if it diverged or cannot be verified, with --strict for all but EXACT. With --rate, --start-offset,
-    --loop or --start-paused the flight is only shown, live on a terminal.
+    The replay needs nothing but the log. The verdict is EXACT if the replay writes the same file, byte for byte;
+    EQUIVALENT if physics and messages are the same, bit for bit; APPROXIMATE if the physics is the same, bit for bit,
+    and the rest within rounding. These exit with 0. DIVERGED and UNVERIFIABLE exit with 1, with --strict every verdict
+    but EXACT. With --rate, --start-offset, --loop or --start-paused the flight is not verified, only shown on the
+    terminal.
     """
     from waypointctl.cli.tui.playback import Playback
     from waypointctl.replay.flight_log import FlightLog
 
     if rate is not None or start_offset is not None or loop or start_paused:
         if verify or strict or json or png is not None or pictures is not None:
-            problem = "the flight is either shown or verified: leave out --verify, --strict, --json, --png, --pictures."
-            raise typer.BadParameter(problem)
+            raise typer.BadParameter(
+                "--rate, --start-offset, --loop and --start-paused cannot be used with --verify, --strict, --json, "
+                "--png or --pictures."
+            )
         _play(FlightLog.open(log), Playback(rate or 1.0, start_offset or 0.0, loop, start_paused))
         return
     verification = _replay(log, _Outputs(summary=not verify, png=png, pictures=pictures, json=json))
-    accepted = verification.verdict == "exact" if strict else verification.verdict.is_proof
+    accepted = verification.verdict == "exact" if strict else verification.verdict.is_reproduced
     raise typer.Exit(0 if accepted else 1)
 
 
 @dataclass(frozen=True, slots=True)
 class _Outputs:
-    """What is made of a log besides its verdict."""
+    """The outputs of a replay besides its verdict."""
 
     summary: bool
     png: Path | None
@@ -79,7 +94,7 @@ class _Outputs:
 
 
 def _replay(path: Path, outputs: _Outputs) -> Verification:
-    """Verify a log and make what is asked for; files that cannot be written are refused before."""
+    """Verify a log and write the outputs; refuse files that cannot be written before the replay starts."""
     from waypointctl.cli.pictures import picture_files, write_pictures
     from waypointctl.cli.tui.summary import print_summary
     from waypointctl.paths import refuse_other_content, refuse_unwritable_file
@@ -121,7 +136,7 @@ def _verify(log: FlightLog, *, stderr: bool) -> Verification:
     from waypointctl.replay.verify import verify_log
 
     people = console(stderr=True)
-    with people.status("simulating the flight again") if is_live(people) else nullcontext():
+    with people.status("simulating the flight") if is_live(people) else nullcontext():
         verification = verify_log(log)
     print_verdict(verification, stderr=stderr)
     return verification
@@ -131,7 +146,7 @@ def _draw(log: FlightLog, verification: Verification, png: Path) -> None:
     from waypointctl.paths import write_whole
     from waypointctl.replay.picture.page import draw
 
-    proof = f"replay {verification.verdict}, {verification.steps} control steps"
-    picture = draw(log.summary, log.mission_name, proof, is_exact=verification.verdict == "exact")
+    verdict = f"replay {verification.verdict}, {verification.steps} control steps"
+    picture = draw(log.summary, log.mission_name, verdict, is_exact=verification.verdict == "exact")
     write_whole(png, picture, "the picture")
-    typer.echo(f"drawn into {printable(png)}", err=True)
+    typer.echo(f"written: {printable(png)}", err=True)

@@ -1,4 +1,4 @@
-"""`waypointctl run --resume`: a flight that was killed goes on from its log."""
+"""`waypointctl run --resume`: continue a killed flight from its log."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ def _continue(flight: Unfinished, rate: float | None, *, console: bool, json: bo
 
     mission, log = flight.contents.mission, printable(flight.log.path)
     if console and not flight.events.had_console:
-        raise typer.BadParameter("--console: the flight had none, and with one it would be another flight.")
+        raise typer.BadParameter("--console: the flight was started without a console, and cannot continue with one.")
     if others := platform_differences(flight.log):
-        note = "it is gone on with only if it is the same flight here, and the finished log will name this program"
+        note = "it continues only if the flight is bit for bit the same here; the finished log will name this program"
         typer.echo(f"note: {log} was made elsewhere ({printable(', '.join(others))}): {note}", err=True)
     typer.echo(
         f"{mission.name}: repeated up to {_end_s(flight):.2f} s from the log; the flight continues from there", err=True
@@ -57,7 +57,7 @@ def _continue(flight: Unfinished, rate: float | None, *, console: bool, json: bo
         ):
             result = go_on(flight, again=view.learn, watch=view.sink, interrupted=interrupted, console=view.console)
     except Interrupted:
-        typer.echo(f"interrupted before it was where {log} ends; that log is as it was", err=True)
+        typer.echo(f"interrupted before the end of {log} was reached; that log is unchanged", err=True)
         return _INTERRUPTED
     summary = view.watch.flight.summary()
     return report_flight(mission.name, result, summary, time.monotonic() - began_s, json=json)

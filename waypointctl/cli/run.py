@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from waypointctl.cli.options import policy_named, positive
+from waypointctl.cli.options import policy_named, positive, whole_number
 
 if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
@@ -24,35 +24,49 @@ Policy = Annotated[
     typer.Option(
         parser=policy_named,
         metavar="POLICY",
-        help="Fly this policy, a folder or a name, not the mission's.",
+        help="Fly this policy, a folder or a name, instead of the mission's.",
         show_default=False,
     ),
 ]
 Seed = Annotated[
-    int | None, typer.Option(min=0, max=2**63 - 1, help="Use this seed, not the mission's.", show_default=False)
+    int | None,
+    typer.Option(
+        metavar="N",
+        parser=whole_number(0, 2**63 - 1),
+        help="Use this seed instead of the mission's.",
+        show_default=False,
+    ),
 ]
-Out = Annotated[Path | None, typer.Option(help="The log.", show_default="logs/<mission>.mcap, or -2, -3, ...")]
+Out = Annotated[Path | None, typer.Option(help="The log file.", show_default="logs/<mission>.mcap, or -2, -3, ...")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")]
 Rate = Annotated[
     float | None,
     typer.Option(
-        callback=positive, help="Simulated seconds in a second; as fast as it goes without it.", show_default=False
+        metavar="X",
+        parser=positive,
+        help="Fly at X simulated seconds per second; without it, as fast as possible.",
+        show_default=False,
     ),
 ]
 Console = Annotated[
-    bool, typer.Option("--console", help="Type commands while it flies, in real time unless --rate is given.")
+    bool,
+    typer.Option(
+        "--console", help="Read commands from the terminal during the flight, in real time unless --rate is given."
+    ),
 ]
 Resume = Annotated[
     Path | None,
-    typer.Option(metavar="LOG", help="Continue the flight of this log, which was killed.", show_default=False),
+    typer.Option(metavar="LOG", help="Continue the killed flight of this log.", show_default=False),
 ]
 Junit = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE.xml", help="Write a JUnit report, a case a mission, in simulated seconds.", show_default=False
+        metavar="FILE.xml",
+        help="Write a JUnit report: one test case per mission, times in simulated seconds.",
+        show_default=False,
     ),
 ]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Fly without a log, and print how it ends.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Fly without a log, and print the outcome.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")]
 
 
@@ -79,7 +93,7 @@ def run(
         from waypointctl.cli.resume import resume_flight
 
         other = {"MISSION.yaml": missions, "--policy": policy, "--seed": seed, "--dry-run": dry_run}
-        _refuse_beside("--resume: mission, policy, seed and place are those of the log", other | flight)
+        _refuse_beside("--resume: mission, policy, seed and file name are those of the log", other | flight)
         raise typer.Exit(resume_flight(resume, rate, console=console, json=json))
     if not missions:
         raise typer.BadParameter("name a mission file, or a log with --resume.", param_hint="MISSION.yaml")
@@ -118,7 +132,7 @@ def _fly(
     from waypointctl.policy.bundle import load_policy
 
     loaded = load_policy(policy or file.policy_path)
-    # Only a flight can be asked to end: before it, where a file may keep one waiting, a signal ends the program.
+    # Before the flight, a file may block for long, so a signal ends the program at once.
     with interruption() as interrupted, claimed(file.mission.name, out, force=force) as path:
         began_s = time.monotonic()
         with flight_view(file.mission, rate, interrupted, console=console) as view:

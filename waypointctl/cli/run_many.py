@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from waypointctl.policy.bundle import LoadedPolicy
     from waypointctl.replay.summary_json import Plain
 
-_NOT_FLOWN: Final = "not flown: interrupted before"
+_NOT_FLOWN: Final = "not flown: interrupted before it started"
 _WORDS: Final = {"success": "succeeded", "failure": "failed", "interrupted": "interrupted"}
 
 LoadMission = Callable[[Path], "MissionFile"]
@@ -27,11 +27,11 @@ LoadMission = Callable[[Path], "MissionFile"]
 
 @dataclass(frozen=True, slots=True)
 class Many:
-    """What is asked of some missions.
+    """The options of a run of several missions.
 
     Attributes:
         paths: their files.
-        policy: who walks, in place of the policy that each of them names.
+        policy: the policy that drives the robot, in place of the one in each mission.
         out: the log, where there is only one of them.
         force: replace it.
         junit: where the JUnit report goes.
@@ -48,7 +48,7 @@ class Many:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of a mission file: a flight, why it could not be flown, or neither, after an interruption.
+    """The result of a mission file: a flight, why it could not be flown, or neither, after an interruption.
 
     Attributes:
         path: of the file.
@@ -69,7 +69,7 @@ def run_many(many: Many, load: LoadMission) -> int:
     """Fly missions one after the other; return the exit code.
 
     Args:
-        many: what is asked.
+        many: the options.
         load: reads a mission file, and refuses one whose policy is not there.
 
     Raises:
@@ -106,8 +106,8 @@ def _fly_all(many: Many, load: LoadMission, interrupted: Callable[[], bool]) -> 
         except InputError as error:
             outcome = Outcome(path, problem=str(error))
         outcomes.append(outcome)
-        told = outcome.problem or printable(_reason(outcome))
-        print(f"{printable(path)}: {told}", file=sys.stderr, flush=True)
+        line = outcome.problem or printable(_reason(outcome))
+        print(f"{printable(path)}: {line}", file=sys.stderr, flush=True)
     return outcomes
 
 

@@ -32,11 +32,11 @@ def _suite() -> dict[str, Any]:
 _SCHEMAS: Final[dict[str, Callable[[], dict[str, Any]]]] = {"mission": _mission, "recipe": _recipe, "suite": _suite}
 
 
-def schema(of: Annotated[str, typer.Argument(metavar="|".join(_SCHEMAS), help="What the file is.")]) -> None:
+def schema(of: Annotated[str, typer.Argument(metavar="|".join(_SCHEMAS), help="The kind of file.")]) -> None:
     """Print a JSON Schema, for editors.
 
-    An editor that has it completes keys and marks mistakes as you type.
+    An editor with the schema completes keys and marks errors as you type.
     """
     if of not in _SCHEMAS:
-        raise InputError(f"there is no schema of {of!r}", hint=f"choose one of: {', '.join(_SCHEMAS)}")
+        raise InputError(f"unknown schema {of!r}", hint=f"choose one of: {', '.join(_SCHEMAS)}")
     typer.echo(json.dumps(_SCHEMAS[of](), indent=2, allow_nan=False))

@@ -1,7 +1,7 @@
 """Standard output and error for as long as a command runs: what is printed can be shown, and printing never fails.
 
 A reader that goes away, a full disk, a stream that is closed or not UTF-8: none of these ends a flight. An answer that
-could not be written, other than to a reader that has gone, is told by `DisplayStream.failure`.
+could not be written, other than to a reader that has gone, is reported by `DisplayStream.failure`.
 """
 
 from __future__ import annotations

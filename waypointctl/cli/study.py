@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from waypointctl.cli.options import not_negative, policy_named
+from waypointctl.cli.options import number_to, policy_named, whole_number
 from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 from waypointctl.mission.policy_name import FLAGSHIP
@@ -41,11 +41,17 @@ def delay(
         Path, typer.Option(parser=policy_named, metavar="POLICY", help="The policy, a folder or a name.")
     ] = FLAGSHIP,  # type: ignore[assignment]  # a name, which the parser makes a folder of
     seeds: Annotated[
-        int | None, typer.Option(min=1, max=_MOST_SEEDS, help="Flights of each kind.", show_default="20")
+        int | None,
+        typer.Option(
+            metavar="N",
+            parser=whole_number(1, _MOST_SEEDS),
+            help="Flights per route, round trip and autonomy, one per seed.",
+            show_default="20",
+        ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, max=2**31, help="The first of the seeds.")] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", parser=whole_number(0, 2**31), help="The first seed.")] = 0,
     rtt: Annotated[
-        str | None, typer.Option(metavar="S,S,...", help="Round trips in s.", show_default="0,0.4,2.56,5,10,40")
+        str | None, typer.Option(metavar="S,S,...", help="Round-trip times, in s.", show_default="0,0.4,2.56,5,10,40")
     ] = None,
     autonomy: Annotated[
         str, typer.Option(metavar="NAME,...", help="Autonomies to compare.")
@@ -61,30 +67,32 @@ def delay(
     think: Annotated[
         float | None,
         typer.Option(
-            callback=not_negative,
-            max=86_400,
-            help="How long the operator thinks, in s.",
+            metavar="S",
+            parser=number_to(86_400),
+            help="Think time of the operator, in s.",
             show_default="the mission's own",
         ),
     ] = None,
     find_joint_limit: Annotated[
-        bool, typer.Option("--find-joint-limit", help="Fly joint at round trips of 0, 20, ... 260 ms, too.")
+        bool, typer.Option("--find-joint-limit", help="Also fly joint at round trips of 0, 20, ... 260 ms.")
     ] = False,
-    quick: Annotated[bool, typer.Option("--quick", help="A small one to try: a short route, 2 seeds.")] = False,
-    jobs: Annotated[int, typer.Option(min=0, max=1024, help="Flights at a time; 0 is one a core.")] = 0,
+    quick: Annotated[bool, typer.Option("--quick", help="Fly a small study to try: one short route, 2 seeds.")] = False,
+    jobs: Annotated[
+        int, typer.Option(metavar="N", parser=whole_number(0, 1024), help="Flights at a time; 0: one per core.")
+    ] = 0,
     out: Annotated[
-        Path | None, typer.Option(help="The folder for what comes of it.", show_default="runs/study-delay")
+        Path | None, typer.Option(help="The folder of the results.", show_default="runs/study-delay")
     ] = None,
-    keep_logs: Annotated[bool, typer.Option("--keep-logs", help="Keep the log of each flight, too.")] = False,
+    keep_logs: Annotated[bool, typer.Option("--keep-logs", help="Also keep the log of each flight.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
-    """Fly routes at several round trips, with more or less decided on board: success, time, distance, standing, falls.
+    """Fly routes at several round-trip times under several autonomies; compare success, time, distance and falls.
 
-    Of a mission the delay, the autonomy, the seed and the time limits are varied. The rest stays: jitter, losses, rate,
-    windows, think time, faults and rules on board. A mission with anything that cannot stay is refused.
+    The study varies the delay, the autonomy, the seed and the time limits of a mission. It keeps jitter, losses, rate,
+    windows, think time, faults and rules on board. It refuses a mission with a part that it cannot keep.
 
-    What has been flown stays in the folder: the same command goes on where it was interrupted. Exit with 0 when all
-    has been flown, whatever came of it; 130 if it was interrupted.
+    Finished flights stay in the folder; the same command continues an interrupted study. Exit with 0 when all flights
+    are finished, whatever their outcomes; 130 if interrupted.
     """
     from waypointctl.policy.bundle import load_policy
     from waypointctl.studies.delay import study_delay
@@ -108,7 +116,7 @@ def _cases(
     quick: bool,
     find_joint_limit: bool,
 ) -> tuple[list[DelayCase], list[DelayCase], dict[str, MissionFile]]:
-    """Return the cases of the study, those of its finer sweep, and its routes, as the options say."""
+    """Return the cases of the study, those of its finer sweep, and its routes, by the options."""
     from waypointctl.studies.case import autonomies_of, fine_grid, grid
     from waypointctl.studies.route import load_routes, refuse_what_is_not_kept
 
@@ -130,7 +138,9 @@ def _flown(fly: Callable[..., DelayStudy | None], folder: Path) -> DelayStudy:
     with interruption() as interrupted, flights_progress() as show:
         found = fly(progress=show, interrupted=interrupted)
     if found is None:
-        typer.echo(f"interrupted; {printable(folder)} has what was flown, and the same command goes on", err=True)
+        typer.echo(
+            f"interrupted; the finished flights are in {printable(folder)}, and the same command continues", err=True
+        )
         raise typer.Exit(INTERRUPTED)
     return found
 
@@ -152,12 +162,12 @@ def rtts_of(text: str) -> tuple[float, ...]:
             raise InputError(f"--rtt: {part} is not within 0 and {_LONGEST_RTT_S:g} s", hint=hint)
         rtts_s.append(rtt_s)
     if len(set(rtts_s)) < len(rtts_s):
-        raise InputError(f"--rtt: {text!r} has one of them twice", hint=hint)
+        raise InputError(f"--rtt: {text!r} has a value twice", hint=hint)
     return tuple(sorted(rtts_s))
 
 
 def _possible(rtts_s: tuple[float, ...], routes: Mapping[str, MissionFile]) -> tuple[float, ...]:
-    """Return those of the usual round trips that the routes' links can have; say which are left out."""
+    """Return those of the usual round trips that the routes' links can have; print those left out."""
     from waypointctl.studies.route import least_round_trip_s
 
     least_s = max(least_round_trip_s(file.mission.link) for file in routes.values())

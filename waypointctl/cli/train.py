@@ -10,8 +10,8 @@ import typer
 from waypointctl.cli.options import rate_from, whole_number
 
 THREADS_HELP: Final = (
-    "For physics and network; 0 is the default: one a core, 8 at most, for the physics and 1 for the network, or those "
-    "that a resumed run was trained with."
+    "Threads for physics and network; 0: one per core, at most 8, for the physics and 1 for the network, or the "
+    "numbers of the resumed run."
 )
 
 Recipe: TypeAlias = Annotated[Path, typer.Argument(metavar="RECIPE.yaml", help="The recipe.", show_default=False)]
@@ -21,14 +21,14 @@ Out: TypeAlias = Annotated[
 ]
 Runs: TypeAlias = Annotated[Path, typer.Option(help="Folder of all runs: RUNS/<recipe>, or -2, -3, ...")]
 Resume: TypeAlias = Annotated[
-    bool, typer.Option("--resume", help="Go on with the recipe's newest run, or with the run that --out names.")
+    bool, typer.Option("--resume", help="Continue the recipe's newest run, or the run that --out names.")
 ]
 Extend: TypeAlias = Annotated[
     Path | None,
     typer.Option(
         metavar="RUN",
-        help="Go on from this run, a folder or a name in RUNS, whose recipe is the beginning of this one; ends in the "
-        "same weights as this recipe from its beginning.",
+        help="Continue this run, a folder or a name in RUNS, whose recipe is the beginning of this one; the weights "
+        "are the same as of a training from the start.",
         show_default=False,
     ),
 ]
@@ -54,7 +54,7 @@ Seeds: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="N|A,B,...",
-        help="Train with N seeds from the recipe's on, or with these, and compare: RUNS/<recipe>-seeds.",
+        help="Train with N seeds from the recipe's on, or with the listed ones, and compare: RUNS/<recipe>-seeds.",
         show_default=False,
     ),
 ]
@@ -62,8 +62,8 @@ StopAt: TypeAlias = Annotated[
     float | None,
     typer.Option(
         metavar="RATE",
-        callback=rate_from(0.01),
-        help="End when a checkpoint has this success rate, 0.01 to 1, in its evaluation.",
+        parser=rate_from(0.01),
+        help="Stop when the evaluation of a checkpoint reaches this success rate, 0.01 to 1.",
         show_default=False,
     ),
 ]
@@ -90,7 +90,7 @@ def train_policy(
 ) -> None:
     """Train a policy by a recipe and evaluate it on the paper's paths.
 
-    Ctrl-C stops it with a checkpoint, which is a policy that can be evaluated and flown; --resume goes on from it and
+    Ctrl-C stops it with a checkpoint, which is a policy that can be evaluated and flown; --resume continues from it and
     ends in the same weights as an uninterrupted training.
     """
     from waypointctl.cli.train_one import train_one

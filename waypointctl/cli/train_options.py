@@ -22,8 +22,8 @@ class TrainOptions:
         recipe: its file.
         out: the folder of the policy, or of the group of seeds.
         runs: the folder of all runs.
-        resume: go on with a run, or with a group of seeds.
-        extend: the run to go on from, by a longer recipe.
+        resume: continue a run or a group of seeds.
+        extend: the run to continue with a longer recipe.
         steps: of all phases together.
         seed: in place of the recipe's.
         seeds: how many, or which.
@@ -93,7 +93,7 @@ class TrainOptions:
 
     @property
     def resume_command(self) -> str:
-        """The command that goes on with the training."""
+        """The command that continues the training."""
         options = [
             ("--seeds", self.seeds),
             ("--out", self.out),

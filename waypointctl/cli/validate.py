@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from waypointctl.cli.options import policy_named
+from waypointctl.cli.options import policy_named, whole_number
 from waypointctl.display_text import printable
 from waypointctl.paths import folder_fault
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class _Warning:
-    """A finding, and where the file says what it is about: "file:line:column", or the file alone."""
+    """A finding, and its place in the file: "file:line:column", or the file alone."""
 
     kind: str
     place: str
@@ -63,23 +63,29 @@ def validate(
         typer.Option(
             parser=policy_named,
             metavar="POLICY",
-            help="Check for this policy, a folder or a name, not the mission's.",
+            help="Check for this policy, a folder or a name, instead of the mission's.",
             show_default=False,
         ),
     ] = None,
     rehearse: Annotated[
         int | None,
         typer.Option(
-            metavar="N", min=1, max=10_000, help="Fly each mission N times, with N seeds.", show_default=False
+            metavar="N",
+            parser=whole_number(1, 10_000),
+            help="Fly each mission N times, with N seeds.",
+            show_default=False,
         ),
     ] = None,
     autonomy: Annotated[
         str | None,
-        typer.Option(metavar="NAME,...|all", help="Rehearse under these autonomies too.", show_default=False),
+        typer.Option(metavar="NAME,...|all", help="Also rehearse under these autonomies.", show_default=False),
     ] = None,
-    jobs: Annotated[int, typer.Option(min=0, max=1024, help="Rehearsals at a time; 0 is one a core.")] = 0,
+    jobs: Annotated[
+        int,
+        typer.Option(metavar="N", parser=whole_number(0, 1024), help="Rehearsals at a time; 0: one per core."),
+    ] = 0,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Exit with 1 if there is a warning, or a rehearsal that failed.")
+        bool, typer.Option("--strict", help="Exit with 1 if there is a warning or a failed rehearsal.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:

@@ -1,4 +1,4 @@
-"""Whether a log holds what its index says, all of it and nothing else: what one reader shows, every reader shows."""
+"""Checks that a log matches its index completely, so that every reader shows the same."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ def audit(log: LogReader) -> None:
     summary that lists exactly these, a footer. How they are chunked and compressed is free.
 
     Raises:
-        FileDiffers: at the first record that is hidden, unknown, out of place, doubled, redefined, not in the index, or
-            not as the index says.
+        FileDiffers: at the first record that is hidden, unknown, misplaced, duplicated, redefined, not in the index, or
+            not as in the index.
     """
     found = _Audit()
     with open_file(log.path) as stream:
@@ -92,7 +92,7 @@ class _Audit:
             self._refuse(f"{kind_of(record.opcode)}, {shown(record.body)}", allowed)
         it = _TYPES[record.opcode].read(body_stream(record.body))
         if encoded(it) != record.raw:
-            self._refuse(f"{kind_of(record.opcode)}, {shown(record.body)}", "no more bytes than it says")
+            self._refuse(f"{kind_of(record.opcode)}, {shown(record.body)}", "no more bytes than it declares")
         if self._unindexed and record.opcode != Opcode.MESSAGE_INDEX:
             self._refuse(kind_of(record.opcode), "a message index of each channel in the chunk before")
         if self._summary_start and record.opcode != Opcode.FOOTER:
@@ -159,7 +159,7 @@ class _Audit:
         self._require(opcode in (Opcode.SCHEMA, Opcode.CHANNEL), where, "schemas, channels and messages in a chunk")
         it = _TYPES[opcode].read(body_stream(body))
         raw = encoded(it)
-        self._require(raw == Record(0, opcode, body).raw, where, "no more bytes than it says")
+        self._require(raw == Record(0, opcode, body).raw, where, "no more bytes than it declares")
         first = self._definitions.setdefault((opcode, it.id), raw)
         self._require(first == raw, f"{kind_of(opcode)} {it.id} defined again as another", "one definition of each")
         if first is raw and opcode == Opcode.CHANNEL:

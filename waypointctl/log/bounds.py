@@ -62,7 +62,7 @@ class Bounds:
         _require("log-entries", self._entries, "entries of metadata, schemas and channels", enough)
 
     def take_chunk(self, unpacked: int) -> None:
-        """Count a chunk that says that it unpacks to this many bytes."""
+        """Count a chunk that declares to unpack to this many bytes."""
         _require("log-chunk", unpacked, "bytes in one chunk")
         self._unpacked += unpacked
         beyond = max(0, self._unpacked - FREE_BYTES)

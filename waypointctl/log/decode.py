@@ -1,7 +1,7 @@
 """Protobuf bytes to messages, equal to those that encode.py was given, floats bit for bit.
 
-A word that an enumeration does not know, or that is no source of an action, raises ValueError; bytes that are no such
-message raise google.protobuf.message.DecodeError. The reader says where they stood.
+A word outside its enumeration, or an unknown source of an action, raises ValueError; bytes that are not such a message
+raise google.protobuf.message.DecodeError. The reader adds their place.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def action(data: bytes) -> Action:
     """Decode an Action."""
     it = pb.Action.FromString(data)
     if it.source not in _SOURCES:
-        raise ValueError(f"{it.source!r} is no source of an action; allowed are {', '.join(_SOURCES)}")
+        raise ValueError(f"{it.source!r} is not a source of an action; allowed: {', '.join(_SOURCES)}")
     return Action(it.time_ns, it.step, it.source, _array(it.commanded), _array(it.applied))
 
 

@@ -1,4 +1,4 @@
-"""What a log says before its first message."""
+"""The header of a log: all that comes before its first message."""
 
 from __future__ import annotations
 

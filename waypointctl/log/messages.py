@@ -19,20 +19,20 @@ FloatArray: TypeAlias = NDArray[np.float64]
 
 
 class CommandKind(StrEnum):
-    """What an operator can ask of the robot."""
+    """The commands of an operator."""
 
     UPLOAD_PLAN = "upload_plan"  # a plan in place of the one there is
     APPEND_PLAN = "append_plan"  # waypoints after those of the plan there is
-    RELEASE = "release"  # how far the robot may walk
+    RELEASE = "release"  # how far the robot may drive
     GO_TO = "go_to"  # a place, in place of the plan
     HOLD = "hold"  # stand where it is
-    RESUME = "resume"  # go on after a hold
-    SKIP = "skip"  # leave the waypoint that it walks to
+    RESUME = "resume"  # continue after a hold
+    SKIP = "skip"  # leave the current waypoint
     CANCEL = "cancel"  # take an earlier command back
     ABORT = "abort"  # drop everything and stand
     SET_TOLERANCE = "set_tolerance"  # of the waypoints to come [m]
     SET_TIMEOUT = "set_timeout"  # of the waypoints to come [s]
-    RETURN_HOME = "return_home"  # walk to where the mission began
+    RETURN_HOME = "return_home"  # drive to the home position
 
 
 class Stage(StrEnum):
@@ -40,7 +40,7 @@ class Stage(StrEnum):
 
     QUEUED = "queued"  # handed to the link by the operator
     SENT = "sent"  # its first bit has left
-    LOST = "lost"  # it will not arrive; nobody is told
+    LOST = "lost"  # it will not arrive; neither end is notified
     RECEIVED = "received"
     REJECTED = "rejected"  # final: it cannot be executed
     ACCEPTED = "accepted"
@@ -85,11 +85,11 @@ class Mode(StrEnum):
 
 
 class Clock(StrEnum):
-    """Whose moment an event is: nothing of the robot's is known to the operator before it is told."""
+    """Whose clock an event's time is on."""
 
     ROBOT = "robot"
     OPERATOR = "operator"
-    LINK = "link"  # what nobody is told: that a message was lost
+    LINK = "link"  # lost messages: neither end is notified
 
 
 class Severity(StrEnum):
@@ -104,10 +104,10 @@ class EventKind(StrEnum):
     """What can happen."""
 
     MISSION_STARTED = "mission_started"  # operator
-    CONSOLE_OPENED = "console_opened"  # operator: a person commands too
+    CONSOLE_OPENED = "console_opened"  # operator: a person can send commands
     CONSOLE_CLOSED = "console_closed"  # operator: nothing more will be typed
     COMMAND_SENT = "command_sent"  # operator
-    COMMAND_KNOWN = "command_known"  # operator: telemetry told of its end, and no acknowledgement came
+    COMMAND_KNOWN = "command_known"  # operator: telemetry reported its end, and no acknowledgement arrived
     COMMAND_RECEIVED = "command_received"  # robot
     LEG_STARTED = "leg_started"  # robot
     WAYPOINT_REACHED = "waypoint_reached"  # robot
@@ -122,7 +122,7 @@ class EventKind(StrEnum):
     OBSERVATION_TAKEN = "observation_taken"  # robot; the State of the same time follows: a picture is made from it
     NAVIGATION_PAUSED = "navigation_paused"  # robot
     NAVIGATION_RESUMED = "navigation_resumed"  # robot
-    SAFE_HOLD_STARTED = "safe_hold_started"  # robot: it stands because a rule on board says so
+    SAFE_HOLD_STARTED = "safe_hold_started"  # robot: it stands by a rule on board
     RETURN_STARTED = "return_started"  # robot
     HOME_REACHED = "home_reached"  # robot
     GEOFENCE_BREACHED = "geofence_breached"  # robot
@@ -171,7 +171,7 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class Reward:
-    """What the control step that ended at `time_ns` was paid, term by term, weighted."""
+    """The reward of the control step that ended at `time_ns`, by term, weighted."""
 
     time_ns: int
     step: int
@@ -205,11 +205,11 @@ class Command:
     issued_ns: int  # by the operator
     received_ns: int  # by the robot
     attempt: int = 1  # which sending of this id it is
-    released: int = -1  # how many waypoints of the plan the robot may walk to; -1 for all
+    released: int = -1  # how many waypoints of the plan the robot may drive to; -1 for all
     target_id: int = -1  # the command that a CANCEL takes back
     value: float = 0.0  # of SET_TOLERANCE [m], of SET_TIMEOUT [s]
     not_before_ns: int = -1  # it starts no earlier; -1 for at once
-    expires_ns: int = -1  # after this it is not to be started or gone on with; -1 for never
+    expires_ns: int = -1  # after this it is not to be started or continued; -1 for never
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,12 +255,12 @@ class Telemetry:
     z_m: float
     heading_rad: float
     speed_mps: float
-    target: int  # index of the waypoint the robot walks to or holds at; -1 for none
+    target: int  # index of the waypoint the robot drives to or holds at; -1 for none
     reached: tuple[int, ...]  # indices of the waypoints reached so far
     issued_ns: int  # sampled by the robot
     received_ns: int  # by the operator
     commands: tuple[CommandStatus, ...] = ()  # those that have not ended and those that ended last, three at most
-    cause: str = ""  # why it stands or walks home, where a rule or a command says so
+    cause: str = ""  # why it stands or returns home: a rule or a command
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,13 +275,13 @@ class GroundControl:
 
 
 class DeliveryOutcome(StrEnum):
-    """What the link did to a message, where it did more than to delay it."""
+    """What the link did to a message beyond delaying it."""
 
     QUEUED = "queued"  # it was not sent at once
     DUPLICATED = "duplicated"  # it arrives twice; it may have been queued too
     LOST = "lost"  # on the way
-    QUEUE_FULL = "queue_full"  # it had to wait, and there was no room
-    NO_CONTACT = "no_contact"  # there is no contact any more that it fits in
+    QUEUE_FULL = "queue_full"  # the queue was full
+    NO_CONTACT = "no_contact"  # no remaining contact has room for it
 
 
 NOT_DELIVERED: Final = frozenset({DeliveryOutcome.LOST, DeliveryOutcome.QUEUE_FULL, DeliveryOutcome.NO_CONTACT})
@@ -316,7 +316,7 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class ConsoleInput:
-    """A line that a person typed at the operator's console and that was obeyed: an order was sent, or it was closed."""
+    """A line typed at the operator's console that was carried out: a command was sent, or the console was closed."""
 
     time_ns: int  # on the operator's clock
     text: str
@@ -329,7 +329,7 @@ class Picture:
     time_ns: int  # of the OBSERVATION_TAKEN, whose State it follows
     frame_id: str  # the camera's name
     format: str  # "png"
-    data: bytes  # the file; png.py says what it says of itself
+    data: bytes  # the file; png.py describes its text chunks
 
 
 @dataclass(frozen=True, slots=True)

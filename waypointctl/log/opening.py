@@ -1,4 +1,4 @@
-"""The file of a log: opened, found to be one, and what is said of one that is damaged."""
+"""The file of a log: opened, checked, and the errors for one that is damaged."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def open_file(path: Path) -> IO[bytes]:
     """Open a log for reading.
 
     Raises:
-        LogError: it is not there, is no regular file, or cannot be read.
+        LogError: it is missing, not a regular file, or cannot be read.
     """
     if path.is_dir():
         raise LogError("is a folder; a log is one .mcap file", where=str(path))
@@ -43,7 +43,7 @@ def damaged(path: str, offset: int, what: str) -> LogError:
     return LogError(
         f"is damaged at byte {offset}: {what}",
         where=path,
-        hint="Its bytes are not those that were written: take another copy of it.",
+        hint="The file is not as it was written: use another copy of it.",
     )
 
 
@@ -63,7 +63,7 @@ def check_magic(stream: IO[bytes], path: Path, size: int) -> None:
 def nothing_flown(path: Path) -> LogError:
     """Return the error for a .part that has nothing in it yet."""
     return LogError(
-        "nothing was flown yet: its flight was killed before it began, or is only just beginning",
+        "has no messages: its flight was killed before it started, or is just starting",
         where=str(path),
         hint=f"Run the mission again: `waypointctl run MISSION.yaml --out {shell_word(str(path.with_suffix('')))} "
         "--force`.",

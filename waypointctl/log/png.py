@@ -1,4 +1,4 @@
-"""Pictures as PNG files that say what they show and what drew them, in text chunks that image viewers display."""
+"""Pictures as PNG files; text chunks name the waypoint and the software, and image viewers display them."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def to_png(pixels: NDArray[np.uint8], title: str, software: str) -> bytes:
 
 
 def texts_of(data: bytes) -> dict[str, str]:
-    """Return what a PNG file says of itself, once each of its checksums has been found right.
+    """Return the text chunks of a PNG file, after checking every checksum.
 
     Raises:
         ValueError: it is none, or is damaged.
     """
     if data.find(_END) != len(data) - len(_END):
-        raise ValueError("is no PNG file, or not all of one")
+        raise ValueError("is not a complete PNG file")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Image.DecompressionBombWarning)
@@ -49,7 +49,7 @@ def texts_of(data: bytes) -> dict[str, str]:
         with image:
             texts = {str(key): str(text) for key, text in image.info.items() if isinstance(text, str)}
             image.verify()
-    # Pillow raises SyntaxError for a broken chunk, OSError for what is no picture, and its own for one too large.
+    # Pillow raises SyntaxError for a broken chunk, OSError for other files, and its own for one too large.
     except (
         OSError,
         SyntaxError,

@@ -30,7 +30,7 @@ def open_log(path: Path, *, allow_truncated: bool = False) -> LogReader:
         allow_truncated: read a file that is cut short up to where it is whole.
 
     Raises:
-        LogError: the file cannot be read, is damaged or cut short, is over a limit, is no log of waypointctl or of
+        LogError: the file cannot be read, is damaged or cut short, is over a limit, is not a log of waypointctl or of
             another schema version.
     """
     return LogReader(path, scan(path, allow_truncated=allow_truncated))
@@ -45,10 +45,10 @@ class EncodedMessage(NamedTuple):
     offset: int  # of its chunk
 
     def message(self) -> Message:
-        """Return what it says.
+        """Return the decoded message.
 
         Raises:
-            LogError: it is no such message, or its times in the file are not those it says.
+            LogError: it is not such a message, or its times in the file differ from its own.
         """
         topic, raw = self.topic, self.raw
         try:
@@ -56,7 +56,7 @@ class EncodedMessage(NamedTuple):
         except DAMAGE as error:
             raise damaged(self.path, self.offset, str(error)) from error
         if topic.times_ns(message) != (raw.log_time_ns, raw.publish_time_ns):
-            problem = f"a message on {topic.name} stands under other times than its own"
+            problem = f"a message on {topic.name} has other times in the file than in itself"
             raise damaged(self.path, self.offset, problem)
         return message
 
@@ -143,8 +143,8 @@ class LogReader:
             end_ns: only with a log time before this.
 
         Raises:
-            LogError: a topic that holds no messages; while iterating, data that is no such message, or one whose times
-                in the file are not those it says.
+            LogError: a topic that holds no messages; while iterating, data that is not such a message, or one whose
+                times in the file differ from its own.
         """
         return self._messages(_decoders(self, topics), start_ns or 0, 1 << 64 if end_ns is None else end_ns)
 
@@ -176,7 +176,7 @@ class LogReader:
         """Return all of the flight's own messages in the order they were written, not yet decoded.
 
         Raises:
-            LogError: while iterating, data that is no message at all.
+            LogError: while iterating, data that is not a message.
         """
         return self._sealed(_decoders(self, None), 0, 1 << 64)
 

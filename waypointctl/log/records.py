@@ -1,6 +1,6 @@
 """The records of an MCAP file, one after the other, with the byte each begins at (https://mcap.dev/spec).
 
-A chunk never unpacks to more than it says, and it must not say too much.
+A chunk never unpacks to more than its declared size, which is bounded.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def records(stream: IO[bytes], start: int, size: int) -> Iterator[Record]:
     """Yield the records from byte `start` of a file of `size` bytes on, up to the closing magic.
 
     Raises:
-        CutShort: a record says it is longer than what is left of the file.
+        CutShort: a record is longer than the rest of the file.
         OverLimit: it is larger than is read.
     """
     most = limit("log-record")
@@ -122,7 +122,7 @@ def body_stream(body: bytes) -> ReadDataStream:
 
 
 def shown(data: bytes) -> str:
-    """Return bytes as people can tell them from others."""
+    """Return size and hash of bytes, for messages."""
     return f"{len(data)} bytes, {hashlib.sha256(data).hexdigest()[:12]}"
 
 
@@ -153,7 +153,7 @@ def chunk_bytes(record: Record) -> bytes:
         raise OverLimit("log-chunk", "bytes in one chunk", chunk.uncompressed_size)
     data = _decompressed(chunk)
     if len(data) != chunk.uncompressed_size:
-        raise ValueError(f"a chunk unpacks to {len(data)} bytes; it says {chunk.uncompressed_size}")
+        raise ValueError(f"a chunk unpacks to {len(data)} bytes; declared were {chunk.uncompressed_size}")
     crc = zlib.crc32(data)
     if chunk.uncompressed_crc not in (0, crc):
         raise ValueError(f"the checksum of a chunk is {crc:#010x}, written was {chunk.uncompressed_crc:#010x}")
@@ -174,8 +174,8 @@ def _decompressed(chunk: Chunk) -> bytes:
 
 def _zstd(data: bytes, size: int) -> bytes:
     said = zstandard.frame_content_size(data)
-    if said not in (size, _UNSAID):  # as much memory is taken as the frame says
-        raise ValueError(f"zstd says {said} bytes, the chunk {size}")
+    if said not in (size, _UNSAID):  # the frame's size decides how much memory is taken
+        raise ValueError(f"zstd declares {said} bytes, the chunk {size}")
     return zstandard.ZstdDecompressor().decompress(data, max_output_size=max(size, 1), allow_extra_data=False)
 
 
@@ -188,5 +188,5 @@ def _lz4(data: bytes, size: int) -> bytes:
     except RuntimeError as error:
         raise ValueError(str(error)) from error
     if decompressor.unused_data or not decompressor.eof:
-        raise ValueError("a chunk has more or less lz4 data than it says")
+        raise ValueError("a chunk has more or less lz4 data than it declares")
     return unpacked

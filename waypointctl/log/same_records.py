@@ -1,6 +1,6 @@
 """Whether a log has the records that are written of its messages here, however they are chunked and compressed.
 
-So it is for waypointctl's reader and for those of mcap, which are asked too.
+So it is for waypointctl's reader and for those of mcap, which are run too.
 """
 
 from __future__ import annotations

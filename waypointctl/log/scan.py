@@ -92,14 +92,14 @@ def _truncated(path: Path, size: int, survey: _Survey) -> LogError:
     kept = "it has no message" if last_ns is None else f"its messages reach to {last_ns / 1e9:.3f} s"
     if is_being_written(path):
         return LogError(
-            f"is being written, {kept}: its flight is under way",
+            f"is being written, {kept}: its flight is still running",
             where=str(path),
-            hint="Wait for its end; `waypointctl info` shows what there is so far.",
+            hint="Wait for its end; `waypointctl info` shows its contents so far.",
         )
     return LogError(
         f"is cut short at byte {size}, {kept}: its writer was killed, or it was not copied to its end",
         where=str(path),
-        hint="`waypointctl info` shows what there is; `waypointctl run --resume` continues a flight that was killed.",
+        hint="`waypointctl info` shows its contents; `waypointctl run --resume` continues a flight that was killed.",
     )
 
 
@@ -143,7 +143,7 @@ class _Survey:
             if not is_complete and Path(self._path).suffix == PART:
                 raise nothing_flown(Path(self._path))
             if not is_complete:
-                raise LogError("is cut short before its metadata: nothing of it can be read", where=self._path)
+                raise LogError("is cut short before its metadata, so it cannot be read", where=self._path)
             raise LogError("is an MCAP file, but not a log of waypointctl", where=self._path)
         _check_version(self._path, self._metadata.get("schema_version", ""))
         return LogIndex(
@@ -225,7 +225,7 @@ class _Survey:
 
 
 def _check_crc(written: int, calculated: int) -> None:
-    # Zero says that the writer made no checksum.
+    # Zero means that the writer made no checksum.
     if written not in (0, calculated):
         raise ValueError(f"the checksum is {calculated:#010x}, written was {written:#010x}")
 
@@ -239,5 +239,5 @@ def _check_version(path: str, text: str) -> None:
         raise LogError(
             f"has the schema version {int(text)}; this waypointctl reads {SCHEMA_VERSION}",
             where=path,
-            hint=f"It was written by {age} waypointctl: read it with that one.",
+            hint=f"It was written by {age} version of waypointctl: read it with that version.",
         )

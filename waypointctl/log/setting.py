@@ -86,7 +86,7 @@ class MissionSetting:
     down: ContactWindows | None = None
 
     def home_to_show(self, *, has_returned: bool) -> PlannedWaypoint | None:
-        """Return home where it matters: the robot has set out for it, or may by what the mission says."""
+        """Return home where it matters: the robot has set out for it, or may do so by the mission's rules."""
         return self.home if has_returned or self.may_return else None
 
     @property

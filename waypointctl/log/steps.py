@@ -1,7 +1,7 @@
 """The messages of every control step to protobuf bytes, put together from pieces: the hot half of encode.py.
 
 Protobuf concatenates: the bytes of a message are the bytes of its fields, one after the other. Arrays are the bulk of
-these messages and stand in memory as protobuf writes them, so only what is around them is asked of protobuf, once.
+these messages and stand in memory as protobuf writes them, so protobuf encodes only what is around them, once.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ class LogWriter:
 
     Messages wait for the end of their simulated second, when they are encoded and handed to the operating system
     together: a process that is killed would lose them either way, and between the steps of a simulation each would
-    take twice as long. No wall clock is asked, so the bytes depend on the messages alone.
+    take twice as long. No wall clock is read, so the bytes depend on the messages alone.
 
     Until it is closed the log stands at `<path>.part`, whole up to the last simulated second even if the process is
     killed. close() gives it its name. An exception that leaves the `with` block closes the file too, so that it can

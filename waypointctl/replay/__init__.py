@@ -1,1 +1,1 @@
-"""What a log proves and tells: re-simulation and its verdict, the summary, pictures."""
+"""Replay of a log: re-simulation with a verdict, summary, pictures."""

@@ -25,7 +25,7 @@ from waypointctl.replay.verdict import Divergence
 
 
 class Diverged(Exception):
-    """The replay has parted from the log; `rounding` says that another way of rounding may be why."""
+    """The replay diverged from the log; `rounding`: a different rounding may be the cause."""
 
     def __init__(self, where: Divergence, *, rounding: bool = False) -> None:
         """Say where."""
@@ -42,7 +42,7 @@ class LogComparator:
     """Takes the replay's messages, with the logged ones to hold them against.
 
     What is computed with numpy's trigonometry, observations and telemetry, may be rounded otherwise on another
-    processor. States never may: physics goes on from them.
+    processor. States never may: physics continues from them.
 
     Most messages are the same bytes as those of the log, which is seen without decoding them.
 
@@ -56,7 +56,7 @@ class LogComparator:
         self._logged = logged
         self._rounded = () if bitwise else (Observation, Telemetry, GroundControl)
         self._next = next(logged, None)
-        self._opened: Message | None = None  # the next one, once it has been asked for
+        self._opened: Message | None = None  # the next one, once it has been read
         self._step = 0
         self._time_ns = 0
         self.compared: Counter[str] = Counter()
@@ -108,7 +108,7 @@ class LogComparator:
         return logged
 
     def diverged(self, topic: str, component: str, logged: str, replayed: str, *, rounding: bool = False) -> Diverged:
-        """Return the error that says where the two part: here."""
+        """Return the error for a divergence at this place."""
         where = Divergence(self._step, self._time_ns, topic, component, logged, replayed)
         return Diverged(where, rounding=rounding)
 
@@ -119,7 +119,7 @@ ROUNDING: Final = 1e-12  # absolute, and relative above 1; numpy's trigonometry 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Where two records part.
+    """The first difference between two records.
 
     Attributes:
         component: the field, with an index where it has many.

@@ -1,4 +1,4 @@
-"""What a log carries to fly its flight again, found to be what was recorded: mission, robot, policy, seed."""
+"""The contents of a log that a replay needs, checked against their hashes: mission, robot, policy, seed."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ _HASHED: Final = {"sha256_mission": MISSION, "sha256_mjb": MJB, "sha256_policy":
 
 @dataclass(frozen=True, slots=True)
 class LogContents:
-    """What flies the flight of a log again."""
+    """The contents of a log that a replay needs."""
 
     mission_file: MissionFile
     robot: Robot
@@ -92,7 +92,7 @@ class LogContents:
 
 
 def contents_of(log: LogReader, plugins: Sequence[Plugin] = ()) -> LogContents | Divergence:
-    """Return what a log carries, or the first thing that is not what its metadata says or the robot compiles to.
+    """Return the contents of a log, or the first that differs from its recorded hash or from the compiled robot.
 
     Raises:
         InputError: it cannot be used.
@@ -102,7 +102,7 @@ def contents_of(log: LogReader, plugins: Sequence[Plugin] = ()) -> LogContents |
         if found != recorded:
             return Divergence(-1, 0, "attachment", name, recorded, found)
     robot = robot_of_files(files_within(ROBOT_FOLDER, log.attachments), f"{log.path}/{ROBOT_FOLDER}".rstrip("/"))
-    recorded = log.metadata["sha256_mjb"]  # as the attachment's has just been found to be
+    recorded = log.metadata["sha256_mjb"]  # equal to the attachment's, checked above
     compiled = hashlib.sha256(robot.to_mjb()).hexdigest()
     if compiled != recorded:
         return Divergence(-1, 0, "attachment", MJB, recorded, compiled)
@@ -114,20 +114,20 @@ def _contents(log: LogReader, robot: Robot, plugins: Sequence[Plugin]) -> LogCon
     mission = parse_mission(attachments[MISSION], f"{log.path}/{MISSION}", files_within(MISSION_FOLDER, attachments))
     seed = log.metadata.get("seed", "")
     if not seed.isdecimal() or len(seed) > _SEED_DIGITS:
-        raise LogError(f"the seed is {seed[:40]!r}, which is none", where=str(log.path))
+        raise LogError(f"the seed is {seed[:40]!r}; a whole number is expected", where=str(log.path))
     mission = mission.model_copy(update={"seed": int(seed)})
     policy: LoadedPolicy | PolicyNotInLog
     if POLICY_CLASS in log.metadata:
         policy = PolicyNotInLog(log.metadata, robot)
     else:
         policy = load_policy_bytes(files_within(POLICY_FOLDER, attachments), f"{log.path}/{POLICY_FOLDER}")
-    # As fly() does: the manifest says how others are to read the observations.
+    # As fly() does: the manifest defines the observations.
     refuse_misfit(policy, robot, plugins)
     return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
 
 
 def platform_differences(log: LogReader, facts: Mapping[str, str] = PROGRAM) -> list[str]:
-    """Return in what the program or processor that a log names differs from this one, in words with both values."""
+    """Return how the program and processor that a log names differ from these, with both values."""
     here = platform_facts()
     compared = [(name, log.metadata.get(key, "unknown"), here[key]) for key, name in facts.items()]
     if facts is PROGRAM:
@@ -141,12 +141,12 @@ def unverifiable(log: LogReader) -> str:
     for key, name in _DECISIVE.items():
         there = log.metadata.get(key, "unknown")
         if there != here[key]:
-            return f"{name} differs: the log was made with {there}, this is {here[key]}; no replay is exact across them"
+            return f"{name} differs: the log has {there}, this is {here[key]}; a replay would not be exact"
     if navigator := log.metadata.get(NAVIGATOR_CLASS):
-        return f"the navigator, {brief(navigator)}, is not in the log"
+        return f"the navigator class {brief(navigator)} is not in the log"
     needed = (*_hashed(log).values(), f"{ROBOT_FOLDER}{ROBOT_FILE}")
     missing = [name for name in needed if name not in log.attachments]
-    return f"the log does not carry {', '.join(missing)}" if missing else ""
+    return f"the log has no {', '.join(missing)}" if missing else ""
 
 
 def _hashed(log: LogReader) -> Mapping[str, str]:
@@ -165,6 +165,6 @@ def _recorded_hashes(log: LogReader) -> Iterator[tuple[str, str]]:
     try:
         manifest = Manifest.model_validate_json(log.attachments.get(_MANIFEST, b""))
     except ValidationError:
-        return  # loading the policy says what is wrong with it
+        return  # loading the policy reports the error
     for name, record in manifest.files.items():
         yield f"{POLICY_FOLDER}{name}", record.sha256

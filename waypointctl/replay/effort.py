@@ -47,7 +47,7 @@ class EffortBuilder:
     """Adds up the way from state to state, by what had the motors.
 
     Attributes:
-        source: of the newest action, as the action says it; empty before the first.
+        source: of the newest action, as named in the action; empty before the first.
     """
 
     source: str = ""

@@ -45,7 +45,7 @@ class FlightLog(LogReader):
 
     @cached_property
     def mission(self) -> Mission | None:
-        """The mission; None where the log carries none that can be read: `verify` says what is wrong with it."""
+        """The mission; None if the log has none that can be read; `verify` reports the error."""
         source = self.attachments.get(MISSION)
         if source is None:
             return None
@@ -87,7 +87,7 @@ def open_log(path: Path | str) -> FlightLog:
 
 
 def summary_of_events(log: LogReader) -> FlightSummary:
-    """Return what a log's events alone say of its flight: outcome, end, console. Quick, and in any log.
+    """Return the summary of a log's events alone: outcome, end, console. Quick, and in any log.
 
     Raises:
         LogError: an event cannot be read.

@@ -1,7 +1,7 @@
-"""What the link did in a flight besides delaying: counts of what it lost, doubled, dropped and let wait, each way.
+"""What the link did besides delaying: counts of messages lost, duplicated, dropped and queued, each way.
 
 They come from the log's records of such messages, which name every kind: commands, acknowledgements, telemetry,
-heartbeats, states and actions. What was only delayed has no record, so nothing is said of how many were sent.
+heartbeats, states and actions. A message that was only delayed has no record, so the number sent is unknown.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ class LinkDirectionSummary:
 
     Attributes:
         lost: how many messages were lost on the way.
-        queue_full: how many were dropped because they had to wait and there was no room.
+        queue_full: how many were dropped because the queue was full.
         no_contact: how many were dropped because no contact was left that they fitted in.
         not_arrived: all these, by kind, such as ("command", 2).
-        doubled: how many arrived twice.
-        waited: how many were not sent at once, whatever became of them then.
+        duplicated: how many arrived twice.
+        waited: how many were queued, whether they arrived or not.
         longest_wait_ns: of these.
         missing_ns: when each of those that did not arrive was handed to the link, (n,).
     """
@@ -35,7 +35,7 @@ class LinkDirectionSummary:
     queue_full: int = 0
     no_contact: int = 0
     not_arrived: tuple[tuple[str, int], ...] = ()
-    doubled: int = 0
+    duplicated: int = 0
     waited: int = 0
     longest_wait_ns: int = 0
     missing_ns: IntArray = field(default_factory=lambda: np.zeros(0, np.int64), compare=False)
@@ -46,8 +46,8 @@ class LinkDirectionSummary:
         return len(self.missing_ns)
 
     def __bool__(self) -> bool:
-        """Tell whether there is anything to tell."""
-        return bool(self.not_arrived or self.doubled or self.waited)
+        """Return whether any message was lost, duplicated, dropped or queued."""
+        return bool(self.not_arrived or self.duplicated or self.waited)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class LinkSummary:
     Attributes:
         up: from the operator to the robot.
         down: from the robot to the operator.
-        lost_spans: when the robot took the link for lost, by its rule, as nothing had arrived for too long.
+        lost_spans: when the link was lost by the robot's rule.
     """
 
     up: LinkDirectionSummary = field(default_factory=LinkDirectionSummary)
@@ -97,7 +97,7 @@ class LinkDirectionBuilder:
             queue_full=self.outcomes[DeliveryOutcome.QUEUE_FULL],
             no_contact=self.outcomes[DeliveryOutcome.NO_CONTACT],
             not_arrived=tuple(sorted(self.not_arrived.items())),
-            doubled=self.outcomes[DeliveryOutcome.DUPLICATED],
+            duplicated=self.outcomes[DeliveryOutcome.DUPLICATED],
             waited=self.waited,
             longest_wait_ns=self.longest_wait_ns,
             missing_ns=np.array(self.missing_ns, np.int64),
@@ -109,7 +109,7 @@ class LinkSummaryBuilder:
     """Gathers what the link did.
 
     Attributes:
-        lost_since_ns: since when the robot has taken the link for lost; None while it hears the ground.
+        lost_since_ns: since when the link is lost by the robot's rule; None while it is not.
     """
 
     up: LinkDirectionBuilder = field(default_factory=LinkDirectionBuilder)

@@ -46,7 +46,7 @@ def _title(picture: Picture) -> str:
     try:
         return texts_of(picture.data).get(TITLE, "")
     except ValueError:
-        return "damaged"  # the proof says what is wrong with it
+        return "damaged"  # verification reports the error
 
 
 def _safe(text: str) -> str:

@@ -60,7 +60,7 @@ class RecordedCamera:
         """What was compared of the pictures, a line each."""
         lines = []
         if self.drawn_again:
-            lines.append(f"{_pictures(self.drawn_again)}, drawn again, byte for byte")
+            lines.append(f"{_pictures(self.drawn_again)}, redrawn byte for byte")
         if self.missing and not self._could_be_there:
             lines.append(self._without)
         return tuple(lines)
@@ -77,7 +77,7 @@ class RecordedCamera:
 
     @property
     def _could_be_there(self) -> bool:
-        """Whether a picture that the log does not have would be there if the flight were flown here."""
+        """Whether a flight here would take the pictures that the log lacks."""
         return bool(self.drawn_again or self.handed_on or self._camera.renderer)
 
     @property
@@ -87,7 +87,7 @@ class RecordedCamera:
     @property
     def _why_not(self) -> str:
         if not self._camera.renderer:
-            return f"nothing can draw here: {self._camera.trouble.splitlines()[0]}"
+            return f"no renderer here: {self._camera.trouble.splitlines()[0]}"
         return f"another renderer drew {'it' if self.handed_on == 1 else 'them'}"
 
 
@@ -121,7 +121,7 @@ class RecordedPolicy(Policy):
 
     @property
     def name(self) -> str:
-        """What the policy is called."""
+        """The policy's name."""
         return self._policy.name
 
     @property
@@ -155,7 +155,7 @@ class RecordedPolicy(Policy):
         computed = self._policy.act(observation)
         logged = self._comparator.upcoming if self._comparator.upcoming_kind in (Action, GroundControl) else None
         if not isinstance(logged, Action | GroundControl) or logged.commanded.shape != computed[0].shape:
-            return computed  # the comparison that follows says what is wrong
+            return computed  # the comparison that follows reports the difference
         if isinstance(self._policy, PolicyNotInLog):
             return logged.commanded[np.newaxis].copy()
         for i in self._unlike(logged.commanded, computed[0]):
@@ -174,7 +174,7 @@ class RecordedPolicy(Policy):
 
 
 class RecordedConsole:
-    """The console of a flight that is flown again: each line comes when it came.
+    """The console of a replayed flight: each line comes at its logged time.
 
     Attributes:
         is_open: whether the flight had one.
@@ -203,7 +203,7 @@ class RecordedConsole:
         return min(until_ns, self._interrupted_ns, until_ns if line is None else line.time_ns)
 
     def interrupted(self) -> bool:
-        """Tell whether the flight was interrupted by now."""
+        """Return whether the flight was interrupted by now."""
         return self._now_ns >= self._interrupted_ns
 
     @property

@@ -1,4 +1,4 @@
-"""A flight that was killed goes on: it is flown again to where its log ends, and from there it is flown.
+"""Continuing a killed flight: it is simulated again to the end of its log, and flown from there.
 
 The first part is a replay, every message compared with the log's, bit for bit. A flight is the same every time, so what
 follows is what would have followed, and the finished log is that of a flight that nobody killed, byte for byte.
@@ -32,7 +32,9 @@ from waypointctl.replay.recorded import RecordedCamera, RecordedConsole, Recorde
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.verdict import Divergence
 
-_KEPT: Final = "The log stays as it is: `waypointctl info` shows what there is. To fly the mission anew, run it."
+_KEPT: Final = (
+    "The log is unchanged; `waypointctl info` shows its contents. `waypointctl run` flies the mission from the start."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +55,12 @@ class Unfinished:
 
 
 class Interrupted(Exception):
-    """Somebody ended it before it was where the log ends; the log is as it was."""
+    """The flight was interrupted before the end of the old log, which is unchanged."""
 
 
 @contextmanager
 def unfinished(path: Path) -> Iterator[Unfinished | None]:
-    """Yield the flight of a log, for nobody else to go on with it meanwhile; None if the flight came to its end.
+    """Yield the flight of a log, locked against other processes; None if the flight has ended.
 
     Args:
         path: of the log: its .part, or the name that it was to have.
@@ -71,7 +73,7 @@ def unfinished(path: Path) -> Iterator[Unfinished | None]:
     found = part if part.exists() else final
     with open_file(found) as stream:
         if not lock(stream):
-            raise LogError("is being written: its flight is not over", where=str(found), hint="Wait for its end.")
+            raise LogError("is being written by a running flight", where=str(found), hint="Wait for its end.")
         log = open_log(found, allow_truncated=True)
         events = summary_of_events(log)
         if log.is_complete and events.has_end:
@@ -90,13 +92,13 @@ def go_on(
     interrupted: Callable[[], bool] = lambda: False,
     console: LineSource | None = None,
 ) -> FlightResult:
-    """Fly a flight again to where its log ends, and from there to its end.
+    """Simulate a flight to the end of its log, and fly it from there.
 
     Args:
         flight: which.
         again: sees every message of the first part.
         watch: sees every message of the second part, as it happens.
-        interrupted: asked before every control step; True ends the flight and closes the log.
+        interrupted: called before every control step; True ends the flight and closes the log.
         console: where a person's commands come from in the second part; without it a console that is open is closed.
 
     Raises:
@@ -110,7 +112,7 @@ def go_on(
     by_hand = RecordedConsole(comparator, contents.mission, flight.events)
     lines = _Lines(by_hand, comparator, console)
 
-    def asked() -> bool:
+    def stopped() -> bool:
         if by_hand.interrupted():
             return True  # it was killed while its interrupted log was being closed
         if interrupted() and not comparator.has_ended:
@@ -122,14 +124,14 @@ def go_on(
             audited = RecordedCamera(camera, comparator)
             sink = with_pictures(_passage(comparator, writer, again, watch), _camera(comparator, audited, camera))
             policy = RecordedPolicy(contents.policy, comparator, bitwise=True)
-            result = fly(contents.mission, policy, sink, robot=contents.robot, interrupted=asked, console=lines)
+            result = fly(contents.mission, policy, sink, robot=contents.robot, interrupted=stopped, console=lines)
             _require_all_seen(comparator, result)
     except Diverged as error:
         raise _not_the_same(flight.log, error.where) from None
     except OutputError as error:
         if not beside.exists():  # it has taken the old one's place, and has all that the old one had
             raise
-        hint = f"Make room on the disk and resume it again: {flight.log.path} is as it was."
+        hint = f"Make room on the disk and resume it again: {flight.log.path} is unchanged."
         raise OutputError(error.problem, where=error.where, hint=hint) from error
     finally:
         beside.unlink(missing_ok=True)  # after an error in the first part; later it has its place
@@ -195,14 +197,14 @@ class _Lines:
 def _contents(log: LogReader) -> LogContents:
     where = str(log.path)
     if reason := unverifiable(log):
-        raise LogError(f"cannot be gone on with: {reason}", where=where, hint=_KEPT)
+        raise LogError(f"cannot be resumed: {reason}", where=where, hint=_KEPT)
     try:
         contents = contents_of(log)
     except InputError as error:
-        problem = f"cannot be gone on with: what it carries cannot be used: {error.problem}"
+        problem = f"cannot be resumed: its contents cannot be used: {error.problem}"
         raise LogError(problem, where=where, hint=_KEPT, details=error.details) from error
     if isinstance(contents, Divergence):
-        problem = f"cannot be gone on with: {contents.component} is not what was recorded"
+        problem = f"cannot be resumed: {contents.component} differs from its recorded hash"
         raise LogError(problem, where=where, hint=_KEPT)
     return contents
 
@@ -210,20 +212,18 @@ def _contents(log: LogReader) -> LogContents:
 def _require_all_seen(comparator: LogComparator, result: FlightResult) -> None:
     if comparator.upcoming is not None:
         raise comparator.diverged(
-            "/event", "end", type(comparator.upcoming).__name__, f"the flight is over: {result.reason}"
+            "/event", "end", type(comparator.upcoming).__name__, f"the flight has ended: {result.reason}"
         )
 
 
 def _not_the_same(log: LogReader, where: Divergence) -> LogError:
-    """Return the error for a flight that is another one when it is flown again."""
+    """Return the error for a flight that diverges from its log."""
     problem = (
-        f"cannot be gone on with: flown again, the flight parts from it at step {where.step} on {where.topic}, "
+        f"cannot be resumed: the simulation diverges from it at step {where.step} on {where.topic}, "
         f"{where.component}: logged {where.logged}, now {where.replayed}"
     )
     others = platform_differences(log)
     why = (
-        f"It was made elsewhere ({', '.join(others)}), where it can be gone on with. "
-        if others
-        else "It has been altered. "
+        f"It was made elsewhere ({', '.join(others)}), where it can be resumed. " if others else "It has been altered. "
     )
     return LogError(problem, where=str(log.path), hint=f"{why}{_KEPT}")

@@ -1,4 +1,4 @@
-"""A flight's summary and its proof as plain data for --json; fields are only ever added."""
+"""A flight's summary and its verification as plain data for --json; fields are only ever added."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Plain = dict[str, object]
 
 
 def json_text(found: Plain) -> str:
-    """Return JSON; a number that JSON has no word for, NaN or infinite, is null."""
+    """Return JSON; a NaN or infinite number is null."""
     return json.dumps(_finite(found), indent=2, allow_nan=False)
 
 
@@ -39,7 +39,7 @@ def _finite(value: object) -> object:
 
 
 def verification_json(verification: Verification) -> Plain:
-    """Return the verdict and what it rests on."""
+    """Return the verdict with its reasons."""
     first = verification.first_divergence
     return {
         "verdict": str(verification.verdict),
@@ -119,7 +119,7 @@ def _direction(it: LinkDirectionSummary) -> Plain:
         "queue_full": it.queue_full,
         "no_contact": it.no_contact,
         "not_arrived": dict(it.not_arrived),
-        "doubled": it.doubled,
+        "duplicated": it.duplicated,
         "waited": it.waited,
         "longest_wait_s": seconds(it.longest_wait_ns),
     }

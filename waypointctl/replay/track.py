@@ -17,7 +17,7 @@ IntArray = NDArray[np.int64]
 
 _SMALLEST_M: Final = 2.0  # a map is never of less than this
 _BEYOND: Final = 0.5  # how far, as a share of the larger side, a map goes beyond the way for the sake of zones
-# A hundred times as far as a mission can ask for. An altered log can say anything, even what no map has room for.
+# A hundred times as far as a mission can ask for. An altered log can hold any value.
 FARTHEST_M: Final = 1e6
 
 

@@ -1,4 +1,4 @@
-"""What a replay proves."""
+"""The result of a replay."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from enum import StrEnum
 
 
 class Verdict(StrEnum):
-    """Whether the log's flight happens again, and how much of the log was compared.
+    """Whether the replay reproduces the log, and how much of the log was compared.
 
-    The first three say that it does: EXACT that the replay writes the same file, byte for byte; EQUIVALENT that the
-    physics and every message are the same, bit for bit, and something else could not be compared; APPROXIMATE that
-    the physics is the same, bit for bit, and what was computed from it the same within rounding.
+    EXACT: the replay writes the same file, byte for byte. EQUIVALENT: physics and every message are the same, bit for
+    bit; something else could not be compared. APPROXIMATE: the physics is the same, bit for bit; what was computed from
+    it is equal within rounding. DIVERGED: the replay differs. UNVERIFIABLE: the log cannot be replayed here.
     """
 
     EXACT = "exact"
@@ -21,16 +21,16 @@ class Verdict(StrEnum):
     UNVERIFIABLE = "unverifiable"
 
     @property
-    def is_proof(self) -> bool:
-        """Whether it says that the flight happens again."""
+    def is_reproduced(self) -> bool:
+        """Whether the replay reproduces the flight: EXACT, EQUIVALENT or APPROXIMATE."""
         return self in (Verdict.EXACT, Verdict.EQUIVALENT, Verdict.APPROXIMATE)
 
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """Where the log and its replay part."""
+    """The first difference between a log and its replay."""
 
-    step: int  # the control step; -1 for what is not of a control step: the file, what it carries
+    step: int  # the control step; -1 for the file and its attachments
     time_ns: int
     topic: str
     component: str
@@ -39,7 +39,7 @@ class Divergence:
 
     @property
     def place(self) -> str:
-        """Where it is, in words."""
+        """The place as text."""
         if self.step >= 0:
             return f"at step {self.step} on {self.topic}, {self.component}"
         return f"in the file: {self.component if self.topic == 'file' else f'{self.topic}, {self.component}'}"
@@ -47,10 +47,10 @@ class Divergence:
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """A verdict and what it rests on.
+    """A verdict with its reasons.
 
     Attributes:
-        verdict: how far the flight happened again.
+        verdict: how far the replay reproduces the flight.
         steps: control steps that were replayed and found equal.
         first_divergence: where it diverged, if it did.
         reason: the verdict in a sentence.

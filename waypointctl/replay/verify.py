@@ -1,4 +1,4 @@
-"""The proof of replay: the flight is flown again from the log and nothing else, and compared bit for bit."""
+"""Verification: simulates the flight again from the log alone, and compares it bit for bit."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from waypointctl.task.plugins import Plugin
 
 
 def verify(path: Path | str, plugins: Sequence[Plugin] = ()) -> Verification:
-    """Simulate the flight of a log again, from the log alone, and compare every message and byte.
+    """Simulate the flight of a log from the log alone, and compare every message and byte.
 
     Args:
         path: of the log.
@@ -39,7 +39,7 @@ def verify(path: Path | str, plugins: Sequence[Plugin] = ()) -> Verification:
 
 
 def verify_log(log: LogReader, plugins: Sequence[Plugin] = ()) -> Verification:
-    """Fly the flight of a log again and compare the whole log.
+    """Simulate the flight of a log and compare the whole log.
 
     Everything comes from the log: mission, model, policy, seed. Physics is driven by the logged actions, each of
     which is computed again from the observation. States, observations, actions, reward terms and sums, events,
@@ -56,9 +56,9 @@ def verify_log(log: LogReader, plugins: Sequence[Plugin] = ()) -> Verification:
     try:
         contents = contents_of(log, plugins)
     except InputError as error:
-        return Verification(Verdict.UNVERIFIABLE, 0, None, f"what the log carries cannot be used: {error}", ())
+        return Verification(Verdict.UNVERIFIABLE, 0, None, f"the contents of the log cannot be used: {error}", ())
     if isinstance(contents, Divergence):
-        reason = f"diverged before the flight: {contents.component} is not what was recorded"
+        reason = f"diverged before the flight: {contents.component} differs from its recorded hash"
         return Verification(Verdict.DIVERGED, 0, contents, reason, ())
     return _fly_again(log, contents, plugins)
 
@@ -85,16 +85,18 @@ def _fly_again(log: LogReader, contents: LogContents, plugins: Sequence[Plugin])
                 plugins=plugins,
             )
             if comparator.upcoming is not None:
-                raise comparator.diverged("/event", "end", type(comparator.upcoming).__name__, "the flight is over")
+                raise comparator.diverged("/event", "end", type(comparator.upcoming).__name__, "the flight has ended")
             whole.finish()
             compared = Compared.of(contents, comparator, policy, pictures, whole)
     except Diverged as error:
         if error.rounding and other_kernels:
-            reason = f"rounded otherwise at step {error.where.step} on {error.where.topic}: {', '.join(other_kernels)}"
+            reason = (
+                f"rounded differently at step {error.where.step} on {error.where.topic}: {', '.join(other_kernels)}"
+            )
             return Verification(Verdict.UNVERIFIABLE, comparator.compared["/reward"], error.where, reason, ())
         return _diverged(error.where, comparator, log)
     except LogEnded:
-        ended = comparator.diverged("/event", "end", "the log ends", "the flight goes on")
+        ended = comparator.diverged("/event", "end", "the log ends", "the flight continues")
         return _diverged(ended.where, comparator, log)
     return compared.verification(comparator.compared["/action"])
 
@@ -103,9 +105,7 @@ def _diverged(where: Divergence, comparator: LogComparator, log: LogReader) -> V
     reason = f"diverged {where.place}"
     wrote, here = _software(log.metadata), _software(platform_facts())
     if wrote != here:
-        reason += (
-            f" (waypointctl {wrote} wrote the log, this is {here}: another program, not an altered log, may be why)"
-        )
+        reason += f" (waypointctl {wrote} wrote the log, this is {here}: the other program may be the cause)"
     return Verification(Verdict.DIVERGED, comparator.compared["/reward"], where, reason, ())
 
 
@@ -114,9 +114,9 @@ def _software(facts: Mapping[str, str]) -> str:
 
 
 _SAME: Final = {
-    Verdict.EXACT: "every bit the same",
-    Verdict.EQUIVALENT: "physics and messages the same, bit for bit",
-    Verdict.APPROXIMATE: "the physics the same, bit for bit, the rest within rounding",
+    Verdict.EXACT: "identical byte for byte",
+    Verdict.EQUIVALENT: "physics and messages identical bit for bit",
+    Verdict.APPROXIMATE: "physics identical bit for bit, the rest equal within rounding",
 }
 _NOUNS: Final = {
     "/observation": "observation",
@@ -127,7 +127,7 @@ _NOUNS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """What a replay that found no difference rests on.
+    """What was compared in a replay without a difference.
 
     Attributes:
         checks: what was compared, a line each.
@@ -148,7 +148,7 @@ class Compared:
         pictures: RecordedCamera,
         whole: WholeFile,
     ) -> Self:
-        """Ask all who compared."""
+        """Collect the results of the comparisons."""
         not_in_log = isinstance(contents.policy, PolicyNotInLog)
         return cls(
             checks=(*_checks(comparator.compared, computed=not not_in_log), *pictures.checks, *whole.checks),
@@ -157,7 +157,7 @@ class Compared:
         )
 
     def verification(self, steps: int) -> Verification:
-        """Return the verdict on a flight of `steps` control steps that happened again."""
+        """Return the verdict on a flight of `steps` control steps that was reproduced."""
         unlike = Verdict.APPROXIMATE if self.rounded else Verdict.EQUIVALENT
         verdict = unlike if self.rounded or self.not_compared else Verdict.EXACT
         reason = f"{steps} control steps replayed, {_SAME[verdict]}"
@@ -168,23 +168,23 @@ def _policy_faults(contents: LogContents, counts: Counter[str]) -> Iterator[str]
     policy = contents.policy
     if isinstance(policy, PolicyNotInLog):
         actions = _several(counts["/action"] + counts["/ground_control"], "action")
-        yield f"{actions}, not computed again: the policy, {policy.class_name}, is not in the log"
+        yield f"{actions}, not recomputed: the policy class {policy.class_name} is not in the log"
     elif fault := weights_fault(policy.files[WEIGHTS], policy.files[NETWORK]):
         yield f"{POLICY_FOLDER}{WEIGHTS}: {fault}"
 
 
 def _checks(counts: Counter[str], *, computed: bool) -> tuple[str, ...]:
     seen, done = _several(counts["/observation"], "observation"), _several(counts["/action"], "action")
-    typed = (f"{_several(counts['/console'], 'line')} typed at the console, each at its time",)
+    typed = (f"{_several(counts['/console'], 'line')} typed at the console, each at its logged time",)
     return (
-        f"{_several(counts['/state'], 'state')}, simulated from the first one and the logged actions alone",
-        f"{seen} and {done}, computed again by the network" if computed else f"{seen}, computed again",
+        f"{_several(counts['/state'], 'state')}, simulated from the first state and the logged actions alone",
+        f"{seen} and {done}, recomputed by the network" if computed else f"{seen}, recomputed",
         f"{_several(counts['/reward'], 'reward')}, every term and sum",
-        f"{_several(counts['/event'], 'event')}, {_several(counts['/link'], 'message')} that the link lost, doubled or "
-        "let wait",
+        f"{_several(counts['/event'], 'event')}, {_several(counts['/link'], 'message')} lost, duplicated or "
+        "queued by the link",
         f"{_several(counts['/command'], 'command')}, {_several(counts['/command_stage'], 'command stage')}, "
         f"{_several(counts['/ack'], 'acknowledgement')} and {_several(counts['/telemetry'], 'telemetry frame')}, with "
-        "each time of delivery",
+        "their delivery times",
         f"{_several(counts['/checkpoint'], 'checkpoint')}, with the link's random streams",
         *(typed if counts["/console"] else ()),
     )

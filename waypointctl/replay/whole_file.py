@@ -47,7 +47,7 @@ class WholeFile:
         self.checks: tuple[str, ...] = ()
         others = ", ".join(platform_differences(log))
         self.not_compared: tuple[str, ...] = (
-            (f"what the log says of its program and processor: {others}",) if others else ()
+            (f"the program and processor named in the log: {others}",) if others else ()
         )
         self._comparison = FileComparison(stream, os.fstat(stream.fileno()).st_size)
         self._log = log
@@ -74,7 +74,7 @@ class WholeFile:
         self._encoder.finish()
         if self._comparison.difference(self._writer.topics) is None:
             size = f"{self._comparison.compared:,} bytes"
-            self.checks = (f"the whole file, written anew and compared byte for byte: {size}",)
+            self.checks = (f"the whole file, rewritten and compared byte for byte: {size}",)
             return
         if not self.not_compared:
             self._raise()
@@ -84,8 +84,10 @@ class WholeFile:
             compare_readers(self._log)
         except FileDiffers as error:
             raise Diverged(_where(error.difference)) from error
-        self.checks = (f"{count} records of the file, and what mcap's readers, streaming and seeking, give of it",)
-        self.not_compared += ("the bytes of the file: its records are divided or compressed otherwise",)
+        self.checks = (
+            f"{count} records of the file, and the messages that mcap's streaming and seeking readers return",
+        )
+        self.not_compared += ("the bytes of the file: its records are chunked or compressed differently",)
 
     def _require_equal(self) -> None:
         """Raise Diverged where the program that is here should have written other bytes."""

@@ -1,1 +1,1 @@
-"""Many flights at once: what a link's delay costs, by how much is decided on board."""
+"""Studies: many flights in parallel; rehearsals, and the cost of delay by autonomy."""

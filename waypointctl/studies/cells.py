@@ -1,4 +1,4 @@
-"""What the flights of one route, autonomy and round trip came to: rates and means with their 95 % intervals."""
+"""The results of one route, autonomy and round trip: rates and means with their 95 % intervals."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NODES: Final = 64  # of the quadrature: exact to ten digits and more
 
 
 class Estimate(BaseModel):
-    """A value, and by how much the true one may be off it; None where one flight says nothing of that."""
+    """A value and the half width of its interval; None where a single flight gives no interval."""
 
     model_config = ConfigDict(frozen=True)
 

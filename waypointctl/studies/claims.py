@@ -13,7 +13,7 @@ from waypointctl.studies.flights import DelayFlight
 
 Finding: TypeAlias = Literal["holds", "refuted", "not measured"]
 
-ALLOWED: Final = 0.05  # beyond what the formula says
+ALLOWED: Final = 0.05  # relative to the formula
 SLOWER: Final = 2.5
 NEAR_S: Final = 0.4  # a round trip that is hardly noticed
 MOON_S: Final = 2.56
@@ -126,9 +126,9 @@ def _joint(cells: list[Cell]) -> tuple[Finding, str]:
         return "refuted", f"it fails without a delay: {zero.successes} of {zero.flights}"
     if not any(0 < cell.rtt_s <= QUARTER_S for cell in cells):
         return UNMEASURED, "needs round trips between 0 s and 0.25 s: --find-joint-limit"
-    told = {cell.rtt_s: f"{cell.successes} of {cell.flights} succeed at {cell.rtt_s:g} s" for cell in cells}
+    texts = {cell.rtt_s: f"{cell.successes} of {cell.flights} succeed at {cell.rtt_s:g} s" for cell in cells}
     ends = (limit.mostly_succeeds_s, limit.mostly_fails_s)
-    text = ", ".join(told[rtt_s] for rtt_s in ends if rtt_s is not None)
+    text = ", ".join(texts[rtt_s] for rtt_s in ends if rtt_s is not None)
     return ("holds" if ends[1] is not None and ends[1] <= QUARTER_S else "refuted"), text
 
 

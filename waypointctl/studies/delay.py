@@ -33,7 +33,7 @@ PICTURE: Final = "delay.png"
 
 
 class Route(BaseModel):
-    """What a table says of a route."""
+    """A route as a table shows it."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -207,9 +207,9 @@ def read_study(path: Path) -> DelayStudy:
     """Read what a study found.
 
     Raises:
-        InputError: the file cannot be read or is no such thing.
+        InputError: the file cannot be read or is not a delay study.
     """
-    hint = "make it again with `waypointctl study delay`"
+    hint = "write it again with `waypointctl study delay`"
     content = read_input(path, RECORD_FILE, hint=hint)
     try:
         return DelayStudy.model_validate_json(content)

@@ -36,10 +36,10 @@ class DelayFlight(BaseModel):
     outcome: Literal["success", "failure"]  # as the operator knows it
     reason: str
     time_s: float  # on the operator's clock, from mission start until it knows the outcome
-    distance_m: float  # that the robot has walked
+    distance_m: float  # driven by the robot
     standing_s: float  # in which it was slower than STILL_MPS
     falls: int
-    exchanges: int  # commands whose end the operator waited for before it went on
+    exchanges: int  # commands whose end the operator waited for before it continued
 
     @property
     def case(self) -> DelayCase:
@@ -97,7 +97,7 @@ def measured(case: DelayCase, result: FlightResult, summary: FlightSummary) -> D
         reason=result.reason,
         time_s=time_s,
         distance_m=round(summary.effort.distance_m, 6),
-        standing_s=min(seconds(standing_ns), time_s),  # the robot goes on to the end of its control period
+        standing_s=min(seconds(standing_ns), time_s),  # the robot moves on to the end of its control period
         falls=sum(event.kind is EventKind.FALL for event in summary.events),
         exchanges=known if AUTONOMIES[case.autonomy].waits else 0,
     )

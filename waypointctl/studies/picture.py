@@ -115,7 +115,7 @@ def _draw_line(
 
 
 def _mark_failures(axes: Axes, cell: Cell, color: str) -> None:
-    """Say how many succeeded where not all did, and put a cross above the axes where none did.
+    """Write how many succeeded where not all did, and put a cross above the axes where none did.
 
     Of `joint` the open marks have to do: in its finer sweep numbers would stand on each other.
     """
@@ -129,7 +129,7 @@ def _mark_failures(axes: Axes, cell: Cell, color: str) -> None:
 
 
 def _mark_limit(axes: Axes, rtt_s: float) -> None:
-    """Say from which round trip on `joint` fails more often than not."""
+    """Write from which round trip on `joint` fails more often than not."""
     color, _ = _PLOT_STYLES[JOINT.name]
     axes.axvline(rtt_s, color=color, linestyle=":", linewidth=1.2)
     axes.annotate(

@@ -1,4 +1,4 @@
-"""Rehearsals: a mission flown several times with several seeds, to tell how it is likely to go."""
+"""Rehearsals: a mission flown several times with several seeds, to predict its outcome."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The flights of a study as a file that grows: JSON Lines, the first of them what decides the flights.
 
 A line is written whole or, by a process that is killed, not: what is left of a torn one is dropped when the file is
-read again. So a study that was interrupted goes on where it was, and a finished one takes more cases in.
+read again. So an interrupted study continues, and a finished one can be extended.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ R = TypeVar("R", bound=BaseModel)
 
 _LARGEST: Final = 2**28  # [bytes]
 _WHAT: Final = "the results"
-_MEND: Final = "Give another --out, or remove that file to begin again."
+_MEND: Final = "Give another --out, or remove that file to start again."
 
 
 class StudyInputs(BaseModel):
@@ -96,7 +96,9 @@ class ResultsFile:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # let go of when the process ends, however it does
             except BlockingIOError:
-                raise OutputError("another study is writing here", where=str(folder), hint="Wait for it.") from None
+                raise OutputError(
+                    "another study is writing here", where=str(folder), hint="Wait for its end."
+                ) from None
             yield cls(folder / RESULTS, inputs)
 
     def add(self, flown: DelayFlight) -> None:

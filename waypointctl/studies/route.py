@@ -50,7 +50,9 @@ def load_routes(names_or_files: Sequence[str]) -> dict[str, MissionFile]:
     routes = [load_route(given) for given in names_or_files]
     counts = Counter(route.mission.name for route in routes)
     if twice := [name for name, count in counts.items() if count > 1]:
-        raise InputError(f"--route: {twice[0]!r} is the name of more than one", hint="Give each mission its own name.")
+        raise InputError(
+            f"--route: {twice[0]!r} is the name of more than one mission", hint="Give each mission its own name."
+        )
     return {route.mission.name: route for route in routes}
 
 
@@ -58,7 +60,7 @@ def with_round_trip(link: Link, rtt_s: float) -> Link:
     """Return a link whose delays add up to a round trip [s], and that is as `link` is otherwise."""
     up_s = rtt_s * _share_up(link)
     ways = {"up": _delayed(link.up, up_s), "down": _delayed(link.down, rtt_s - up_s)}
-    return link.model_copy(update={"preset": None} | ways)  # what the preset says is in the ways
+    return link.model_copy(update={"preset": None} | ways)  # the preset's values are in the directions
 
 
 def least_round_trip_s(link: Link) -> float:
@@ -112,5 +114,5 @@ def _delayed(way: LinkDirection, delay_s: float) -> LinkDirection:
     delay_s = max(delay_s, _uniform_jitter_s(way))  # equal but for rounding, where the round trip is the least
     if way.contact_plan is None:
         return way.model_copy(update={"delay_s": delay_s})
-    # Beside a contact plan a delay of 0 says nothing; a table of one row takes the place of the plan's ranges.
+    # With a contact plan a delay of 0 means the plan's; a table of one row takes the place of the plan's ranges.
     return way.model_copy(update={"delay_s": 0.0, "delay_table": (DelayAt(at_s=0.0, delay_s=delay_s),)})

@@ -1,1 +1,1 @@
-"""What people see of a flight: the live view, plain lines, the summary."""
+"""Text output: the live view, plain lines, tables and summaries."""

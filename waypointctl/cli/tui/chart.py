@@ -1,4 +1,4 @@
-"""The map: zones, waypoints with their acceptance, the way walked, home, the robot, and the operator's belief of it."""
+"""The map: zones, waypoints with their acceptance, the path, home, the robot, and its last known position."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ _STATUS_STYLES: Final = {
 }
 _MARGIN: Final = 0.04  # of the larger side, around everything
 _MOST_NAME: Final = 24  # of a name's letters
-_BELIEF: Final = "operator's belief"
-_SHORT: Final = {_BELIEF: "belief"}  # where the whole legend has no room
+_BELIEF: Final = "last known position"
+_SHORT: Final = {_BELIEF: "last known"}  # where the whole legend has no room
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ def draw_map(scene: Scene, columns: int, lines: int, *, ascii_only: bool = False
 
 
 def _draw_way(canvas: Canvas, frame: _Frame, scene: Scene) -> None:
-    """Draw the way walked: where nothing could be sent from in another style, and the ways home in one of their own."""
+    """Draw the path driven: places without contact in another style, and returns home in a third."""
     truth, down = scene.truth, scene.setting.down
     canvas.polyline(*frame.dots(truth.x_m, truth.y_m), WAY)
     if down is not None:
@@ -101,7 +101,7 @@ def _draw_way(canvas: Canvas, frame: _Frame, scene: Scene) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Sign:
-    """A letter that stands for something, where it is, and what the legend says of it, if anything."""
+    """A letter that stands for something, where it is, and its text in the legend, if any."""
 
     letter: str
     style: str
@@ -207,10 +207,10 @@ def _legend(frame: _Frame, columns: int, signs: Sequence[_Sign], ascii_only: boo
     cells = max(2, round(length_m * frame.dots_per_m / CELL_WIDTH))
     legend.append("|" + "-" * (cells - 2) + "|" if ascii_only else "├" + "─" * (cells - 2) + "┤", "dim")
     legend.append(f" {length_m:g} m", "dim")
-    told = [sign for sign in reversed(signs) if sign.text]
-    if legend.cell_len + sum(len(sign.text) + 4 for sign in told) > columns:
-        told = [replace(sign, text=_SHORT.get(sign.text, sign.text)) for sign in told]
-    for sign in told:
+    shown = [sign for sign in reversed(signs) if sign.text]
+    if legend.cell_len + sum(len(sign.text) + 4 for sign in shown) > columns:
+        shown = [replace(sign, text=_SHORT.get(sign.text, sign.text)) for sign in shown]
+    for sign in shown:
         if legend.cell_len + len(sign.text) + 4 <= columns:
             legend.append("  ").append(sign.letter, sign.style).append(f" {sign.text}", "dim")
     legend.truncate(columns)

@@ -1,4 +1,4 @@
-"""The console on a terminal: what is told scrolls by above; map, commands and the line being typed stay below it.
+"""The console on a terminal: events scroll by above; map, commands and the line being typed stay below it.
 
 Only what the ground knows is shown. The way on the map is where telemetry has seen the robot.
 """
@@ -35,7 +35,7 @@ _WAY_POINTS: Final = 4000
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """How the lines of a terminal are divided; what is told scrolls through the lines that are left.
+    """How the lines of a terminal are divided; events scroll through the lines that are left.
 
     Attributes:
         map_columns: the map's width; 0 for no map.
@@ -93,7 +93,7 @@ class ConsoleScreen:
         self._live.stop()
 
     def restart(self) -> None:
-        """Forget the flight, to be told it again."""
+        """Forget the flight; its messages follow again."""
         self.view = OperatorView(self._waypoints, self._setting)
         self._next_s = 0.0
 

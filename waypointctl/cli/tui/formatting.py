@@ -1,4 +1,4 @@
-"""Times, sizes and happenings as people read them."""
+"""Times, sizes and event lines as text."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from waypointctl.display_text import printable
 from waypointctl.log.messages import Ack, Clock, Event, Message, Severity, Stage
 from waypointctl.units import seconds
 
-# Of a command's acknowledgements these say something new; RECEIVED and ACCEPTED come just before STARTED.
+# Acknowledgements that are listed; RECEIVED and ACCEPTED come just before STARTED.
 _TELLING: Final = (Stage.STARTED, Stage.COMPLETED, Stage.FAILED, Stage.REJECTED)
 
 
 @dataclass(frozen=True, slots=True)
 class Happening:
-    """Something to tell, and whose moment it is."""
+    """A line of the flight's event list, and the clock that its time is on."""
 
     time_ns: int
     clock: Clock
@@ -29,7 +29,7 @@ class Happening:
 
 
 def happening(message: Message) -> Happening | None:
-    """Return what there is to tell of a message, None for most."""
+    """Return the line for a message, None for most messages."""
     match message:
         case Event():
             return Happening(message.time_ns, message.clock, message.severity, printable(message.text))
@@ -37,7 +37,7 @@ def happening(message: Message) -> Happening | None:
             severity = Severity.ERROR if message.stage in (Stage.FAILED, Stage.REJECTED) else Severity.INFO
             why = f" ({printable(message.reason)})" if message.reason else ""
             age_s = seconds(message.received_ns - message.issued_ns)
-            text = f"heard: command {message.command_id} {message.stage}{why}, {age_s:.3f} s ago"
+            text = f"ack received: command {message.command_id} {message.stage}{why}, {age_s:.3f} s ago"
             return Happening(message.received_ns, Clock.OPERATOR, severity, text)
         case _:
             return None

@@ -22,7 +22,7 @@ _STRIKING: Final = "yellow"
 class GridView:
     """A table to print, its title above it and its notes below.
 
-    Where the terminal is too narrow whole columns are left out, and a line says which.
+    Where the terminal is too narrow whole columns are left out, and a line names them.
 
     Attributes:
         grid: the table.

@@ -44,9 +44,9 @@ def _besides(way: LinkDirection) -> Iterator[str]:
     if loss:
         yield f"{100 * loss:.3g} % lost{'' if isinstance(way.loss, float) else ' in bursts'}"
     if way.duplicate:
-        yield f"{100 * way.duplicate:.3g} % doubled"
+        yield f"{100 * way.duplicate:.3g} % duplicated"
     if not way.keep_order:
-        yield "the order not kept"
+        yield "reordering"
     if way.rate_bps is not None:
         yield rate_text(way.rate_bps)
     if way.windows is not None:

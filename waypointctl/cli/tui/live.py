@@ -90,9 +90,9 @@ class LiveView:
     def __call__(self, message: Message) -> None:
         """Take one message, and draw if it is time to."""
         self.flight(message)
-        told = happening(message)
-        if told is not None:
-            self._happenings.append(told)
+        event = happening(message)
+        if event is not None:
+            self._happenings.append(event)
         if time.monotonic() >= self._next_s:
             self.draw()
 
@@ -110,7 +110,7 @@ class LiveView:
         self._live.stop()
 
     def restart(self) -> None:
-        """Forget the flight, to be told it again."""
+        """Forget the flight; its messages follow again."""
         self.flight = FlightSummaryBuilder(self._waypoints, self._setting)
         self._happenings = deque[Happening](maxlen=_MOST_HAPPENINGS)
         self._next_s = 0.0

@@ -23,9 +23,9 @@ class Scene:
     """What a map shows.
 
     Attributes:
-        truth: the way walked; the robot is at its end.
+        truth: the path driven; the robot is at its end.
         waypoints: of the mission.
-        belief: where the operator believes the robot to be, None before it has heard of it.
+        belief: where the operator believes the robot to be, None before the first telemetry.
         setting: home, zones and contact windows.
         returns: the ways home.
         missing_ns: when each message was sent that did not arrive, (n,).

@@ -43,7 +43,7 @@ class Pace:
         self._wall_s, self.rate = now_s, rate
 
     def wait_for(self, time_ns: int, stopped: Callable[[], bool] = lambda: False) -> None:
-        """Return when it is time for `time_ns`, or when `stopped` says so."""
+        """Return when it is time for `time_ns`, or when `stopped` returns True."""
         self._catch_up(time_ns)
         while not stopped():
             left_s = self._wall_s + (seconds(time_ns) - self._simulated_s) / self.rate - time.monotonic()

@@ -24,7 +24,7 @@ _SEVERITY_STYLES: Final = {Severity.INFO: "", Severity.WARNING: "yellow", Severi
 
 
 def heading(title: str, status: str, flight: FlightSummaryBuilder, *, ascii_only: bool) -> Text:
-    """Return one line: the mission, how many waypoints are done and known to be, and a word on the view itself."""
+    """Return one line: the mission, how many waypoints are done and known to be, and the status of the view."""
     from rich.text import Text
 
     waypoints = flight.waypoints
@@ -41,7 +41,7 @@ def heading(title: str, status: str, flight: FlightSummaryBuilder, *, ascii_only
 
 
 def clocks(flight: FlightSummaryBuilder, *, is_known_only: bool = False) -> Table:
-    """Return what time it is for the robot, how old what the operator knows is, and how the link is.
+    """Return what time it is for the robot, the age of the operator's knowledge, and how the link is.
 
     With `is_known_only` the time is the operator's: what is true of the robot is not shown.
     """
@@ -115,7 +115,7 @@ def _operator(flight: FlightSummaryBuilder) -> Rows:
     trip_ns = flight.round_trip_ns
     trip = ("round trip", "", "not yet measured" if trip_ns is None else f"{at(trip_ns)}, newest measured")
     if frame is None:
-        return [("operator", "bold magenta", "has heard nothing yet"), trip]
+        return [("operator", "bold magenta", "no telemetry yet"), trip]
     return [
         ("operator", "bold magenta", f"telemetry from {at(frame.issued_ns)}"),
         ("age", "", f"{at(flight.now_ns - frame.issued_ns)}{_position_error(flight, frame)}"),
@@ -126,7 +126,7 @@ def _operator(flight: FlightSummaryBuilder) -> Rows:
 
 
 def _link(flight: FlightSummaryBuilder) -> Rows:
-    """Return how the link is, which neither end is told: contact, and what was not delivered."""
+    """Return how the link is, which neither end knows: contact, and messages not delivered."""
     setting, link, now_ns = flight.setting, flight.link, flight.now_ns
     contacts = {f"link {way}": windows.state_text(now_ns) for way, windows in setting.ways.items() if windows}
     if len(contacts) == 2 and len(set(contacts.values())) == 1:
@@ -135,7 +135,7 @@ def _link(flight: FlightSummaryBuilder) -> Rows:
     missing = {"up": len(link.up.missing_ns), "down": len(link.down.missing_ns)}
     if any(missing.values()):
         text = ", ".join(f"{count} {way}" for way, count in missing.items() if count)
-        rows.append(("losses", "red", text))
+        rows.append(("not delivered", "red", text))
     if link.lost_since_ns is not None:
         rows.append(("link lost", "bold red", f"on board, at {at(link.lost_since_ns)}"))
     return rows

@@ -49,7 +49,7 @@ def play(log: FlightLog, playback: Playback, interrupted: Callable[[], bool]) ->
     """
     keyboard = Keyboard()
     if playback.start_paused and not keyboard.is_terminal:
-        raise InputError("--start-paused waits for the space bar, but the input is no terminal")
+        raise InputError("--start-paused needs a terminal as input")
     last_ns = log.end_ns or 0
     if ns(playback.start_offset_s) > last_ns:
         problem = f"the flight is over at {last_ns / NS_PER_S:.2f} s"

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from waypointctl.evaluation.grid import Grid
     from waypointctl.evaluation.result import CaseResult, Evaluation
 
-_LONG: Final = 4  # waypoints; of longer paths the legs are told, too
+_LONG: Final = 4  # waypoints; of longer paths the legs are shown, too
 
 
 def policies_grid(entries: Sequence[Entry]) -> Grid:
@@ -40,7 +40,7 @@ def result_text(evaluation: Evaluation) -> str:
 
 
 def _legs_text(case: CaseResult) -> str:
-    """Return the rate of legs on long random paths, where it tells more than that of whole paths."""
+    """Return the rate of legs on long random paths, where it differs from that of whole paths."""
     if case.course is None or case.course.count <= _LONG or case.legs is None or case.legs_reached is None:
         return ""
     return f", legs {case.legs_reached / case.legs:.2%}"

@@ -1,6 +1,6 @@
-"""The console of a flight: a person's lines go to the operator, what the operator hears comes back.
+"""The console of a flight: typed lines go to the operator, received messages are shown.
 
-Only what the ground knows is shown: that the robot has done something is told when the downlink has brought it.
+Only what the operator knows is shown: an event on board appears when the downlink has delivered it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,10 @@ from waypointctl.replay.summary_builder import FlightSummaryBuilder
 from waypointctl.units import seconds
 
 HELP: Final = f"commands: {USAGE}"
-_CLOSED: Final = "the console is closed; the flight goes on to its end"
+_INTRODUCTION: Final = (
+    "commands travel over the link; `status` shows what the operator knows, `quit` closes the console"
+)
+_CLOSED: Final = "the console is closed; the flight continues to its end"
 
 
 class Prompt:
@@ -34,7 +37,7 @@ class Prompt:
 
     Attributes:
         flight: the flight so far, the truth of it too: it is shown when the flight is over.
-        is_open: whether there is somebody: always, at mission start.
+        is_open: whether lines may still come: always, at mission start.
     """
 
     is_open = True
@@ -50,7 +53,7 @@ class Prompt:
     ) -> None:
         """Talk on stdin and stderr. Without a `rate` time is real until the console is closed, then it flies.
 
-        A `screen` is what a terminal shows; without one a line is written for each thing that is told.
+        A `screen` is what a terminal shows; without one a line is written for each event.
         """
         self._mission = mission
         self._waypoints = tuple(waypoints)
@@ -64,11 +67,11 @@ class Prompt:
         self.restart()
 
     def __call__(self, message: Message) -> None:
-        """Take one message of the flight, and tell what the operator learns from it."""
+        """Take one message of the flight, and print the event that the operator learns of."""
         self.learn(message)
-        told = happening(message)
-        if told is not None and told.clock is Clock.OPERATOR:
-            self.say(told.line)
+        event = happening(message)
+        if event is not None and event.clock is Clock.OPERATOR:
+            self.say(event.line)
         self._draw()
 
     def __enter__(self) -> Self:
@@ -76,7 +79,7 @@ class Prompt:
         self._typed.__enter__()
         if self._screen is not None:
             self._screen.__enter__()
-        self.say(f"{HELP}\neach goes over the link; `status` tells what has been heard, `quit` ends the console")
+        self.say(f"{HELP}\n{_INTRODUCTION}")
         return self
 
     def __exit__(
@@ -88,14 +91,14 @@ class Prompt:
         self._typed.__exit__(kind, error, traceback)
 
     def restart(self) -> None:
-        """Forget the flight, to be told it again."""
+        """Forget the flight; its messages follow again."""
         self.flight = FlightSummaryBuilder(self._waypoints, setting_of(self._mission))
         self._view = OperatorView()
         if self._screen is not None:
             self._screen.restart()
 
     def learn(self, message: Message) -> None:
-        """Take one message without a word: it was told before."""
+        """Take one message without printing: it was printed before."""
         self.flight(message)
         self._view(message)
         if self._screen is not None:

@@ -1,4 +1,4 @@
-"""What is said of a flight when it is over, and of a log when it is replayed."""
+"""The printed summary of a flight and the verdict of a replay."""
 
 from __future__ import annotations
 
@@ -46,10 +46,11 @@ def print_flight(summary: FlightSummary, result: FlightResult, wall_s: float, *,
 
 
 def print_verdict(verification: Verification, *, stderr: bool) -> None:
-    """Print whether the flight happened again, what was compared, and where it parted if it did."""
+    """Print the verdict, what was compared, and the first divergence, if any."""
     out = console(stderr=stderr)
     verdict = verification.verdict
-    style = _GOOD if verdict.is_proof and not verification.not_compared else _PART if verdict.is_proof else _BAD
+    is_same = verdict.is_reproduced
+    style = _GOOD if is_same and not verification.not_compared else _PART if is_same else _BAD
     _print_line(out, printable(f"{verdict.upper()}: {verification.reason}"), style=style)
     for check in verification.checks:
         _print_line(out, f"  {check}")

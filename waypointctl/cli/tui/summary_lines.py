@@ -25,9 +25,9 @@ def whereabouts_lines(summary: FlightSummary) -> list[str]:
     if not len(end):
         return lines
     home = "" if summary.home_distance_m is None else f", {summary.home_distance_m:.2f} m from home"
-    last = "the operator has received no position"
+    last = "no position known to the operator"
     if len(believed):
-        last = f"the operator's last frame, sampled at {at(int(believed.time_ns[0]))}, has {_place(believed)}"
+        last = f"last known to the operator: {_place(believed)}, sampled at {at(int(believed.time_ns[0]))}"
     return [*lines, f"ended      at {_place(end)}{home}; {last}"]
 
 
@@ -35,8 +35,8 @@ def _known(each: ReturnHome) -> str:
     if each.ended_known_ns is not None:
         return f"known to the operator at {at(each.ended_known_ns)}"
     if each.began_known_ns is not None:
-        return f"the operator knows that it began, at {at(each.began_known_ns)}"
-    return "the operator does not know of it"
+        return f"its start was known to the operator at {at(each.began_known_ns)}"
+    return "not known to the operator"
 
 
 def _place(track: Track) -> str:
@@ -62,13 +62,13 @@ def effort_lines(summary: FlightSummary) -> list[str]:
 
 
 def _off_map(summary: FlightSummary) -> str:
-    """Return how much of the log no map or sum can take in, in words; nothing of a log that was not altered."""
+    """Return the counts of values that are off the map, as text; empty for a log that was not altered."""
     waypoints = sum(not waypoint.is_on_map for waypoint in summary.waypoints)
     counts = ((summary.states_off_map, "state"), (summary.frames_off_map, "telemetry frame"), (waypoints, "waypoint"))
     return ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for count, what in counts if count)
 
 
-# What the log calls a message, in words.
+# Message kinds as text.
 _KINDS: Final = {
     "ack": "acknowledgement",
     "telemetry": "telemetry frame",
@@ -78,21 +78,21 @@ _KINDS: Final = {
 
 
 def link_lines(link: LinkSummary) -> list[str]:
-    """Return a line for each way on which anything was lost, doubled, dropped or had to wait."""
+    """Return a line for each way on which messages were lost, duplicated, dropped or queued."""
     ways = (("link up    ", link.up), ("link down  ", link.down))
     return [f"{label}{', '.join(_direction(way))}" for label, way in ways if way]
 
 
 def _direction(way: LinkDirectionSummary) -> Iterator[str]:
     missing = [f"{way.lost} lost"] if way.lost else []
-    missing += [f"{way.queue_full} dropped, the queue was full"] if way.queue_full else []
-    missing += [f"{way.no_contact} dropped, no contact was left"] if way.no_contact else []
+    missing += [f"{way.queue_full} dropped because the queue was full"] if way.queue_full else []
+    missing += [f"{way.no_contact} dropped because no contact was left"] if way.no_contact else []
     if missing:
         yield f"{'; '.join(missing)} ({', '.join(_several(kind, count) for kind, count in way.not_arrived)})"
-    if way.doubled:
-        yield f"{way.doubled} doubled"
+    if way.duplicated:
+        yield f"{way.duplicated} duplicated"
     if way.waited:
-        yield f"{way.waited} waited, at most {_wait(way.longest_wait_ns)}"
+        yield f"{way.waited} queued, for at most {_wait(way.longest_wait_ns)}"
 
 
 def _wait(time_ns: int) -> str:

@@ -40,7 +40,7 @@ _COMMANDS: Final = (
     Column("up", spare=7),
     Column("down", spare=6),
     Column("RTT [s]"),
-    Column("known as", is_text=True),
+    Column("known stage", is_text=True),
 )
 _SENT: Final = Column("sent", spare=8)
 _REWARD: Final = (Column("reward", is_text=True), Column("sum"), Column("a step", spare=1))
@@ -54,7 +54,7 @@ def waypoint_table(summary: FlightSummary) -> GridView:
 
 
 def command_table(summary: FlightSummary) -> GridView:
-    """Return the commands: issued, received, acknowledged, ended, its end heard of; delays and round trip.
+    """Return the commands: issued, received, acknowledged, ended, end known; delays and round trip.
 
     How often each was sent, and lost, has a column where one was sent more than once.
     """
@@ -101,7 +101,7 @@ def _command_row(command: CommandSummary) -> tuple[str, ...]:
 
 
 def flights_table(outcomes: Iterable[Outcome]) -> Table:
-    """Return what came of each mission file: its flight's outcome, waypoints, time and log."""
+    """Return a row for each mission file: its flight's outcome, waypoints, time and log."""
     from rich import box
     from rich.table import Table
 

@@ -1,4 +1,4 @@
-"""What is typed at stdin while something else goes on: single keys, or lines that are edited in place on a terminal."""
+"""What is typed at stdin while a flight runs: single keys, or lines that are edited in place on a terminal."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class KeyByKey:
 
 
 class Keyboard(KeyByKey):
-    """Reads keys in a `with` block; where stdin is no terminal there never is one."""
+    """Reads keys in a `with` block; without a terminal as stdin there are none."""
 
     def __init__(self) -> None:
         """Look whether there is a terminal; it is left as it is until the block is entered."""

@@ -58,7 +58,7 @@ class TrainingView(AbstractContextManager["TrainingView"], Protocol):
 
 
 def training_view(recipe: Recipe, title: str, interrupted: Callable[[], bool]) -> TrainingView:
-    """Return what shows a training on stderr, under a title; `interrupted` says whether it has been asked to end."""
+    """Return what shows a training on stderr, under a title; `interrupted` returns whether its end was requested."""
     stderr = console(stderr=True)
     return LivePanel(stderr, recipe, title, interrupted) if is_live(stderr) else PlainLines(recipe)
 

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 def print_result(
     result: TrainingResult, recipe_file: RecipeFile, curves_in: Path | None, resume_command: str, *, stderr: bool
 ) -> None:
-    """Print how the policy did, or, of a training that was interrupted, the commands to go on with.
+    """Print how the policy did, or, of a training that was interrupted, the commands to continue.
 
     Args:
         result: of the training.
         recipe_file: that it followed.
         curves_in: the folder of the learning curves; None where there are none.
-        resume_command: goes on with an interrupted training.
+        resume_command: continues an interrupted training.
         stderr: print there.
     """
     import typer
@@ -37,7 +37,7 @@ def print_result(
     if result.evaluation is None:
         lines = [
             f"interrupted after {result.steps} of {last_step} steps",
-            f"  to go on:   {resume_command}",
+            f"  to resume:  {resume_command}",
             f"  to try it:  waypointctl eval {shell_word(result.folder)}",
         ]
         closing = []
@@ -54,7 +54,7 @@ def print_result(
 
 
 def result_json(result: TrainingResult, recipe_file: RecipeFile, run: Path, *, drawn: bool) -> str:
-    """Return the JSON object of `waypointctl train --json`; `drawn` says whether there are learning curves."""
+    """Return the JSON object of `waypointctl train --json`; `drawn`: whether there are learning curves."""
     import json
 
     from waypointctl.training.curves import CURVES, PICTURE

@@ -50,7 +50,7 @@ class SeedsTrained:
 
 
 def print_seeds(trained: SeedsTrained, resume_command: str, *, stderr: bool) -> None:
-    """Print a row for each seed, or, of a training that was interrupted, the command to go on with."""
+    """Print a row for each seed, or, of a training that was interrupted, the command to continue."""
     import typer
 
     from waypointctl.cli.console import console
@@ -60,7 +60,7 @@ def print_seeds(trained: SeedsTrained, resume_command: str, *, stderr: bool) -> 
 
     if trained.compared is None:
         typer.echo(f"interrupted with {len(trained.complete)} of {len(trained.seeds)} seeds trained", err=stderr)
-        typer.echo(f"  to go on:   {resume_command}", err=stderr)
+        typer.echo(f"  to resume:  {resume_command}", err=stderr)
         return
     if trained.already_complete:
         typer.echo(

@@ -98,7 +98,7 @@ def threads_text(threads: Threads) -> str:
 
 
 def resumed_text(event: Resumed) -> str:
-    """Return where a training goes on, or that it is complete."""
+    """Return where a training continues, or that it is complete."""
     at = f"step {event.steps} of {event.total_steps}"
     return f"the training is complete at {at}; nothing is left to train" if event.complete else f"resumed at {at}"
 

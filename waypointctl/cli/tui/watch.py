@@ -1,4 +1,4 @@
-"""Watching a flight: the live view on a terminal, a line for each happening elsewhere."""
+"""Watching a flight: the live view on a terminal, a line for each event elsewhere."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Watch(AbstractContextManager["Watch"], Protocol):
         """Take one message."""
 
     def restart(self) -> None:
-        """Forget the flight, to be told it again."""
+        """Forget the flight; its messages follow again."""
 
     def say(self, status: str) -> None:
         """Put a word about the view itself beside what it shows, where there is room for one."""
@@ -55,9 +55,9 @@ class PlainLines:
     def __call__(self, message: Message) -> None:
         """Take one message."""
         self.flight(message)
-        told = happening(message)
-        if told is not None:
-            print(told.line, file=sys.stderr, flush=True)
+        event = happening(message)
+        if event is not None:
+            print(event.line, file=sys.stderr, flush=True)
 
     def __enter__(self) -> Self:
         """Begin."""
@@ -69,7 +69,7 @@ class PlainLines:
         """Leave what has been written."""
 
     def restart(self) -> None:
-        """Forget the flight, to be told it again."""
+        """Forget the flight; its messages follow again."""
         self.flight = FlightSummaryBuilder(self._waypoints, self._setting)
 
     def say(self, status: str) -> None:

@@ -34,8 +34,8 @@ def layout(root: str, *, camera: bool = False) -> bytes:
             "paths": [
                 {"value": path, "label": label, "timestampMethod": "receiveTime"}
                 for label, path in {
-                    "mode, as told": "/telemetry.mode",
-                    "command, as told": "/ack.stage",
+                    "mode, as received": "/telemetry.mode",
+                    "command, as received": "/ack.stage",
                     "motors": "/action.source",
                 }.items()
             ],
@@ -44,7 +44,7 @@ def layout(root: str, *, camera: bool = False) -> bytes:
         "RosOut!log": {"topicToRender": "/log", "minLogLevel": 1, "searchTerms": []},
     }
     plots = _split("column", "Plot!speed", _split("column", "Plot!reward", "Plot!latency", 50), 34)
-    story = _split("column", "StateTransitions!modes", "RosOut!log", 45)
+    history = _split("column", "StateTransitions!modes", "RosOut!log", 45)
     scene: Any = "3D!scene"
     if camera:
         panels["Image!camera"] = {"imageMode": {"imageTopic": "/camera"}}
@@ -54,7 +54,7 @@ def layout(root: str, *, camera: bool = False) -> bytes:
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": {"speed": 1},
-        "layout": _split("row", _split("column", scene, story, 62), plots, 58),
+        "layout": _split("row", _split("column", scene, history, 62), plots, 58),
     }
     return json.dumps(whole, indent=2).encode() + b"\n"
 

@@ -30,7 +30,7 @@ _QUATERNION = Quaternion(x=NUMBER, y=NUMBER, z=NUMBER, w=NUMBER)
 
 
 class Moved(NamedTuple):
-    """What viewers are told of one state."""
+    """The viewers' messages for one state."""
 
     transforms: bytes  # foxglove.FrameTransforms: every body's pose in the world, so that no chain can break
     odometry: bytes  # foxglove.Odometry: the root's pose in the world, its velocities in its own frame

@@ -176,7 +176,7 @@ class GoalMarker:
                 self._goals[command.id] = waypoint
 
     def happened(self, event: Event) -> bytes | None:
-        """Return foxglove.SceneUpdate where an event changes what the robot walks to."""
+        """Return foxglove.SceneUpdate where an event changes the robot's goal."""
         if event.kind not in _SETS_OUT:
             return None
         goal = self._goals.get(event.command_id)

@@ -52,7 +52,7 @@ class Surroundings:
         self._has_returned = False
         self._lost: list[tuple[float, float]] = []
         self._stride, self._counts = 1, {"up": 0, "down": 0}
-        self._heard = ""  # what the robot's rule makes of the link; nothing before it has been lost
+        self._link_state = ""  # the link by the robot's rule; empty before it was lost
         self._place = (0.0, 0.0)
         self._drawn_ns = 0
         self._contact_change_ns: int | None = -1
@@ -65,7 +65,7 @@ class Surroundings:
         home = self._setting.home_to_show(has_returned=self._has_returned)
         if home is not None:
             yield region("home", home, self._home, home.name)
-        lines = [*self._contact(time_ns), *filter(None, [self._heard]), *self._undelivered()]
+        lines = [*self._contact(time_ns), *filter(None, [self._link_state]), *self._undelivered()]
         if lines:
             link = SceneEntity(id="link", frame_id=self._root)
             link.texts.append(_text((0.0, 0.0, _TEXT_HEIGHT_M), "\n".join(lines)))
@@ -76,11 +76,11 @@ class Surroundings:
             yield SceneEntity(id="not delivered", frame_id=WORLD, spheres=spheres)
 
     def happened(self, event: Event) -> bool:
-        """Take an event; tell whether the scene has to be drawn."""
+        """Take an event; return whether the scene has to be drawn."""
         if event.kind is EventKind.LINK_LOST:
-            self._heard, self._is_changed = f"link lost on board at {seconds(event.time_ns):.2f} s", True
+            self._link_state, self._is_changed = f"link lost on board at {seconds(event.time_ns):.2f} s", True
         elif event.kind is EventKind.LINK_RESTORED:
-            self._heard, self._is_changed = "link restored", True
+            self._link_state, self._is_changed = "link restored", True
         home = _HOME.get(event.kind)
         if event.kind is EventKind.RETURN_STARTED or (home is not None and self._home is Standing.TARGET):
             self._has_returned, self._home = True, home or Standing.TARGET
@@ -89,7 +89,7 @@ class Surroundings:
         return is_over or self.is_due(event.time_ns)
 
     def lost(self, record: LinkRecord) -> None:
-        """Take note of a message that the link did more to than to delay it."""
+        """Take a message that was lost, duplicated or queued."""
         if record.outcome in NOT_DELIVERED and record.direction in self._counts:
             count = sum(self._counts.values())
             self._counts[record.direction] += 1
@@ -101,12 +101,12 @@ class Surroundings:
             self._has_lost = True
 
     def moved(self, state: State) -> bool:
-        """Take where the robot is; tell whether the scene has to be drawn."""
+        """Take where the robot is; return whether the scene has to be drawn."""
         self._place = (float(state.qpos[0]), float(state.qpos[1]))
         return self.is_due(state.time_ns)
 
     def is_due(self, now_ns: int) -> bool:
-        """Tell whether the link has changed since a scene was drawn, so much or so long ago that one is to be drawn."""
+        """Return whether the link has changed since the last scene so much, or so long ago, that a new one is due."""
         change_ns = self._contact_change_ns
         is_changed = self._is_changed or (change_ns is not None and 0 <= change_ns <= now_ns)
         since_ns = now_ns - self._drawn_ns

@@ -87,7 +87,7 @@ class FoxgloveView:
         return [*self._targets(0), self._scene(0)]
 
     def __call__(self, message: Message) -> Sequence[Frame]:
-        """Return what viewers are to be told of `message`, often nothing."""
+        """Return the viewers' messages for `message`, often none."""
         match message:
             case State():
                 return self._moved(message)

@@ -53,7 +53,7 @@ class Labels:
     def put(
         self, text: str, places: Iterable[Place], color: str, *, size_pt: float = SIZE_PT, rotation: float = 0.0
     ) -> bool:
-        """Write a text at the best of some places; tell whether there is room at any."""
+        """Write a text at the best of some places; return whether there was room."""
         label = self._axes.text(
             0.0,
             0.0,

@@ -64,10 +64,10 @@ def _write_heading(figure: Figure, summary: FlightSummary, title: str, alarm: st
         color = palette.REACHED if summary.outcome == "success" else palette.FAILED
         figure.text(0.05, 0.96, name, fontsize=17, fontweight="bold", va="center")
         figure.text(0.05, 0.922, outcome, fontsize=11.5, color=color, va="center")
-    else:  # what the log says of itself is then no headline, and its success not green
+    else:  # without a verified replay the logged outcome is no headline, and success is not green
         figure.text(0.05, 0.968, alarm.upper(), fontsize=22, fontweight="bold", color=palette.UNPROVEN, va="center")
-        said = _wrapped(f"{name}; the log says {summary.headline}")
-        figure.text(0.05, 0.922, said, fontsize=11.5, va="center")
+        logged = _wrapped(f"{name}; logged outcome: {summary.headline}")
+        figure.text(0.05, 0.922, logged, fontsize=11.5, va="center")
 
 
 def _wrapped(text: str) -> str:
@@ -81,7 +81,7 @@ def _wrapped(text: str) -> str:
 
 def _write_facts(figure: Figure, summary: FlightSummary, proof: str) -> None:
     effort = summary.effort
-    facts = [f"{effort.distance_m:.1f} m walked"]
+    facts = [f"distance {effort.distance_m:.1f} m"]
     if effort.mean_speed_mps is not None:
         facts.append(f"{effort.mean_speed_mps:.2f} m/s while walking")
     if effort.standing_share is not None:

@@ -1,4 +1,4 @@
-"""The map: zones, acceptance regions, home, the way walked, and the operator's belief at each waypoint."""
+"""The map: zones, acceptance regions, home, the path, and the position known to the operator at each waypoint."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from waypointctl.units import seconds
 
 _POINTS: Final = 6000  # drawn of the way
 _MOST_LOST: Final = 300  # crosses drawn of messages that were not delivered
-MANY: Final = 60  # above that many waypoints they are drawn faintly, and beliefs are left out
+MANY: Final = 60  # above that many waypoints they are drawn faintly, and known positions are left out
 _MOST_TIMES: Final = 12  # above that many waypoints their labels would cover each other
 _LETTERS: Final = 24  # of a name
 _MARGIN: Final = 0.08  # of the larger side, all round
@@ -39,7 +39,7 @@ def draw_path(axes: Axes, summary: FlightSummary) -> None:
     way = summary.truth.thinned(_POINTS)
     _draw_way(axes, summary, way)
     if len(waypoints) <= MANY:
-        _draw_beliefs(axes, summary)
+        _draw_known_positions(axes, summary)
     if summary.home is not None:
         axes.plot(
             summary.home.x_m, summary.home.y_m, marker=_HOUSE, label="home", linestyle="none", zorder=5, **_HOME_LOOK
@@ -70,9 +70,9 @@ def _draw_way(axes: Axes, summary: FlightSummary, way: Track) -> None:
         look: dict[str, Any] = {"color": "white", "linewidth": 0.9, "zorder": 3.5}
         axes.plot(way.x_m * lost_spans, way.y_m * lost_spans, **look)
         axes.plot([], [], color=palette.FAINT, linewidth=2.2, label=label)
-    told = summary.belief.thinned(_POINTS)
-    if len(told):
-        axes.plot(told.x_m, told.y_m, ".", color=palette.OPERATOR, markersize=5, label="telemetry frame", zorder=4)
+    known = summary.belief.thinned(_POINTS)
+    if len(known):
+        axes.plot(known.x_m, known.y_m, ".", color=palette.OPERATOR, markersize=5, label="telemetry frame", zorder=4)
     if len(way):
         axes.plot(way.x_m[0], way.y_m[0], "o", color="white", markeredgecolor=palette.INK, label="start", zorder=5)
         axes.plot(way.x_m[-1], way.y_m[-1], "s", color=palette.INK, markersize=6, label="end", zorder=5)
@@ -101,10 +101,10 @@ def _set_limits(axes: Axes, summary: FlightSummary, goals: Sequence[PlannedWaypo
     plans = [*goals] + ([] if summary.home is None else [summary.home])
     reach = np.array([plan.tolerance_m for plan in plans])
     x_m, y_m = (np.array([getattr(plan, name) for plan in plans]) for name in ("x_m", "y_m"))
-    told = summary.belief
+    known = summary.belief
     shown = extent(
-        np.concatenate([way.x_m, told.x_m, x_m - reach, x_m + reach]),
-        np.concatenate([way.y_m, told.y_m, y_m - reach, y_m + reach]),
+        np.concatenate([way.x_m, known.x_m, x_m - reach, x_m + reach]),
+        np.concatenate([way.y_m, known.y_m, y_m - reach, y_m + reach]),
         summary.setting.zones,
     )
     room = axes.get_window_extent()
@@ -184,9 +184,9 @@ def _region(plan: PlannedWaypoint, color: str, *, faint: bool) -> Patch:
     return region
 
 
-def _draw_beliefs(axes: Axes, summary: FlightSummary) -> None:
+def _draw_known_positions(axes: Axes, summary: FlightSummary) -> None:
     """At the moment the robot reached a waypoint, join it to where the operator believed it to be just then."""
-    label = "belief when reached"
+    label = "known when reached"
     news = summary.belief.newest()
     for waypoint in summary.waypoints:
         if waypoint.reached_ns is None:

@@ -73,7 +73,7 @@ def name_messages(axes: Axes, summary: FlightSummary) -> None:
     wrong, others = (tuple(compress(summary.commands, which)) for which in (is_wrong, map(not_, is_wrong)))
     if len(summary.commands) > _MOST_ARROWS:
         others = ()
-        axes.set_title(f"Messages ({len(summary.commands)} commands; only what went wrong is labelled)")
+        axes.set_title(f"Messages ({len(summary.commands)} commands; only failures are labelled)")
     for command in (*wrong, *others):
         at_px, y_px = labels.pixels(seconds(command.issued_ns), _OPERATOR_Y)
         state = "" if command.received_ns is not None else f" ({_undelivered(command)})"
@@ -99,7 +99,7 @@ def _undelivered(command: CommandSummary) -> str:
 
 
 def _told(acks: Sequence[Ack]) -> Iterable[Ack]:
-    """Yield the last of those acknowledgements that were sent and have arrived together, where it says something."""
+    """Yield the last of those acknowledgements that were sent and have arrived together, that are worth a label."""
     for _, together in groupby(acks, lambda ack: (ack.issued_ns, ack.received_ns)):
         last = list(together)[-1]
         if last.stage in _TOLD:
@@ -159,7 +159,7 @@ def _draw_contact(axes: Axes, summary: FlightSummary) -> None:
 
 
 def _draw_robot(axes: Axes, summary: FlightSummary) -> None:
-    """Draw when the robot walked, was on its way home, reached what, and took the link for lost."""
+    """Draw when the robot moved, returned home, reached waypoints, and lost the link."""
     _bars(axes, summary.moving, _ROBOT_Y, palette.ROBOT, _WALK_WIDTH, _WALK_ALPHA)
     ways = [(way.began_ns, summary.ended_ns if way.ended_ns is None else way.ended_ns) for way in summary.returns]
     _bars(axes, ways, _ROBOT_Y, palette.HOME, _WALK_WIDTH, 1.0)

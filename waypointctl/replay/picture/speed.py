@@ -1,4 +1,4 @@
-"""Speed over time: the robot's own, and what the operator was told, when it was told."""
+"""Speed over time: the robot's own, and the speed known to the operator."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ def draw_speed(axes: Axes, summary: FlightSummary) -> None:
     truth, mean_mps = _drawn(summary.truth, summary.resting)
     axes.plot(truth.time_ns / NS_PER_S, truth.speed_mps, color=palette.ROBOT, linewidth=0.6, alpha=0.35)
     axes.plot(truth.time_ns / NS_PER_S, mean_mps, color=palette.ROBOT, linewidth=1.8, label="robot, mean of 0.5 s")
-    told = summary.belief.newest().thinned(_POINTS)
+    known = summary.belief.newest().thinned(_POINTS)
     axes.step(
-        told.known_ns / NS_PER_S,
-        told.speed_mps,
+        known.known_ns / NS_PER_S,
+        known.speed_mps,
         where="post",
         color=palette.OPERATOR,
         linewidth=1.0,
-        label="as last heard by the operator",
+        label="last known to the operator",
     )
     for event in summary.events:
         if event.kind in _SHOWN:
             axes.axvline(seconds(event.time_ns), color=palette.FAILED, linewidth=1.2)
     axes.set(ylabel="speed [m/s]", title="Speed")
-    top = max((float(np.nanmax(track.speed_mps)) for track in (truth, told) if len(track)), default=0.0)
+    top = max((float(np.nanmax(track.speed_mps)) for track in (truth, known) if len(track)), default=0.0)
     axes.set_ylim(0.0, max(top, 0.1) * _HEADROOM)
     axes.grid(color=palette.FAINT, linewidth=0.4)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
@@ -87,7 +87,7 @@ def _shade(axes: Axes, begin_ns: int, end_ns: int | None, ended_ns: int, color: 
 def _drawn(track: Track, resting: tuple[Span, ...]) -> tuple[Track, FloatArray]:
     """Return the rows of a line and the mean speed at each (n,).
 
-    Where physics slept the robot stood: the line goes there at zero. In any other gap there is no line.
+    While physics sleeps the robot stands, so the line is at zero. Any other gap has no line.
     """
     mean_mps = _moving_mean(track)
     if len(track) < 2:
@@ -110,7 +110,7 @@ def _drawn(track: Track, resting: tuple[Span, ...]) -> tuple[Track, FloatArray]:
 
 
 def _rests_in(begin_ns: IntArray, end_ns: IntArray, resting: tuple[Span, ...]) -> FloatArray:
-    """Tell of each gap (n,) whether physics slept in it."""
+    """Return for each gap (n,) whether physics slept in it."""
     rests = np.array(resting, np.int64).reshape(-1, 2)
     return np.asarray(np.searchsorted(rests[:, 0], end_ns, "left") > np.searchsorted(rests[:, 1], begin_ns, "right"))
 

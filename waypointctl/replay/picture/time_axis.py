@@ -107,9 +107,9 @@ def _knots(waits: tuple[Wait, ...], end_s: float) -> tuple[FloatArray, FloatArra
 
 
 def _ticks(waits: tuple[Wait, ...], end_s: float, apart_s: float) -> tuple[list[float], list[str]]:
-    """Return round times between the waits, about `apart_s` apart, and what they are called.
+    """Return round times between the waits, about `apart_s` apart, and their labels.
 
-    The first after a wait is told whole, those that follow by how much later they are.
+    The first after a wait is written in full, those that follow as differences.
     """
     power = 10.0 ** np.floor(np.log10(apart_s))
     step_s = next(step * power for step in _ROUND if step * power >= apart_s)
@@ -128,7 +128,7 @@ def _tick(time_s: float) -> str:
 
 
 def time_text(time_s: float) -> str:
-    """Return a time in the units in which people say it: "12.50 s", "1 h 3 min", "5 d 2.5 s"."""
+    """Return a time in readable units: "12.50 s", "1 h 3 min", "5 d 2.5 s"."""
     if time_s < _UNITS_S[1][0]:
         return f"{time_s:.2f} s"
     parts, left_s = [], round(time_s, 2)
