@@ -86,7 +86,7 @@ def test_log_that_is_cut_short_is_shown_as_such(log_path: Path, tmp_path: Path) 
 
 @pytest.mark.parametrize(
     ("is_whole", "said"),
-    [(True, "the log has no such event"), (False, "the log has no end (the flight was killed or is still running)")],
+    [(True, "the log has no outcome event"), (False, "the log has no end (the flight was killed or is still running)")],
 )
 def test_a_flight_whose_end_is_not_in_the_log(tmp_path: Path, is_whole: bool, said: str) -> None:
     path = tmp_path / "flight.mcap"

@@ -82,7 +82,7 @@ def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
         (("--rtt", "0,x"), "--rtt: 'x' is not a number\n  Give seconds"),
         (("--rtt", "-1"), "--rtt: -1 is not within 0 and 86400 s"),
         (("--rtt", "nan"), "--rtt: nan is not within"),
-        (("--rtt", "1,1.0"), "has one of them twice"),
+        (("--rtt", "1,1.0"), "has a value twice"),
         (("--autonomy", "steer"), "--autonomy: 'steer' is not an autonomy; choose from mission"),
         (("--route", "nowhere"), "nowhere: there is no such file"),
         (("--route", "easy.yaml,easy.yaml"), "'easy' is the name of more than one"),

@@ -68,7 +68,7 @@ def test_damage_in_a_chunk_names_its_byte(log_path: Path, tmp_path: Path) -> Non
     whole[chunk.offset + len(chunk.body) // 2] ^= 1
     path = tmp_path / "damaged.mcap"
     path.write_bytes(whole)
-    with pytest.raises(LogError, match=rf"is damaged at byte {chunk.offset}: .*\n  Its bytes are not those"):
+    with pytest.raises(LogError, match=rf"is damaged at byte {chunk.offset}: .*\n  The file is not as it was written"):
         open_log(path)
     with pytest.raises(LogError, match="is damaged at byte"):
         open_log(path, allow_truncated=True)

@@ -86,7 +86,7 @@ def test_a_message_under_other_times_than_its_own_is_refused(
         with LogWriter(path, header()) as writer:
             for message in flight():
                 writer(message)
-    with pytest.raises(LogError, match="a message on /ack stands under other times than its own"):
+    with pytest.raises(LogError, match="a message on /ack has other times in the file than in itself"):
         list(open_log(path).messages())
 
 
