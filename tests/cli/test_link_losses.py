@@ -19,8 +19,8 @@ def test_a_line_for_each_way_on_which_there_is_something_to_tell() -> None:
     assert link_lines(LinkSummary(up, down)) == [
         "link up    3 lost (1 command, 2 heartbeats), 1 duplicated",
         "link down  61 lost; 4 dropped because the queue was full; 2 dropped because no contact was left "
-        "(1 acknowledgement, 2 states, 63 telemetry frames, 1 tele\\u001bgram), 12 waited, "
-        "at most 3.20 s",
+        "(1 acknowledgement, 2 states, 63 telemetry frames, 1 tele\\u001bgram), 12 queued, "
+        "for at most 3.20 s",
     ]
     assert link_lines(
         LinkSummary(LinkDirectionSummary(), LinkDirectionSummary(waited=1, longest_wait_ns=10_000_000))

@@ -63,6 +63,6 @@ def test_a_flight_that_is_another_one_here_is_refused_with_both_programs(
     assert (code, out) == (2, "")
     assert "cannot be resumed: the simulation diverges from it at step 9 on /state, qvel[3]: logged " in err
     assert "It was made elsewhere (waypointctl was 0.0.9 and is " in err
-    assert "The log stays as it is" in err
+    assert "The log is unchanged" in err
     assert part.read_bytes() == before
     assert not list(tmp_path.glob("*resumed*"))

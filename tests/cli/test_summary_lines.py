@@ -57,7 +57,7 @@ def test_where_the_robot_ended_and_where_the_operator_last_heard_of_it() -> None
 def test_a_frame_that_was_overtaken_is_not_the_last_one() -> None:
     late = replace(frame(0, 1.0, 0.5, ()), received_ns=5 * NS_PER_S)
     *_, line = whereabouts_lines(summarize([*flight(), late]))
-    assert "sampled at 2.00 s, has (2.00, 0.00) m" in line
+    assert "(2.00, 0.00) m, sampled at 2.00 s" in line
 
 
 def test_as_json() -> None:

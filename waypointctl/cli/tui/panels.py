@@ -135,7 +135,7 @@ def _link(flight: FlightSummaryBuilder) -> Rows:
     missing = {"up": len(link.up.missing_ns), "down": len(link.down.missing_ns)}
     if any(missing.values()):
         text = ", ".join(f"{count} {way}" for way, count in missing.items() if count)
-        rows.append(("not delivered", "red", text))
+        rows.append(("losses", "red", text))
     if link.lost_since_ns is not None:
         rows.append(("link lost", "bold red", f"on board, at {at(link.lost_since_ns)}"))
     return rows
