@@ -37,6 +37,7 @@ def test_what_it_writes_is_valid_and_flies(empty: Path, program: Program) -> Non
     assert (code, json.loads(out)["outcome"]) == (0, "success")
 
 
+@pytest.mark.slow
 def test_the_next_steps_do_what_they_say(empty: Path, program: Program) -> None:
     _, out, _ = program("init", ".")
     steps = [shlex.split(line)[1:] for line in out.splitlines() if line.startswith("  waypointctl ")]

@@ -99,6 +99,7 @@ def test_ctrl_c_while_the_program_loads_its_modules(yard: Path, presses: int) ->
     assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"")
 
 
+@pytest.mark.slow
 def test_a_terminal_that_is_closed_ends_a_flight_with_its_log_whole(yard: Path) -> None:
     master, slave = pty.openpty()
     flight = start(
@@ -114,6 +115,7 @@ def test_a_terminal_that_is_closed_ends_a_flight_with_its_log_whole(yard: Path) 
     assert open_log(yard / "log.mcap").is_complete
 
 
+@pytest.mark.slow
 def test_flying_and_replaying_put_nothing_into_the_folder_for_temporary_files(yard: Path) -> None:
     """So that nothing is left there by a program that is killed."""
     (yard / "temporary").mkdir()

@@ -112,6 +112,7 @@ def require_done_once(whole: Uninterrupted) -> None:
     assert sorted(each.name for each in whole.folder.glob("flight.mcap*")) == ["flight.mcap"]
 
 
+@pytest.mark.slow
 def test_a_flight_killed_twice_in_a_row_does_each_thing_once(
     tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
 ) -> None:

@@ -69,6 +69,7 @@ def survey(field: Path, survey_log: bytes) -> Path:
     return field
 
 
+@pytest.mark.slow
 def test_two_processes_write_the_same_bytes(field: Path, survey_log: bytes) -> None:
     assert fly(field) == survey_log
     assert open_log(field / "a.mcap").count("/camera") == 2

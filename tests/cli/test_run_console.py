@@ -126,6 +126,7 @@ def test_commands_go_over_the_link_while_it_flies(yard: Path) -> None:
     assert verify(yard / "log.mcap").verdict is Verdict.EXACT
 
 
+@pytest.mark.slow
 def test_a_flight_with_a_console_is_held_to_real_time_until_it_closes(yard: Path) -> None:
     flight = fly(yard, mission="long.yaml")
     wait_for(flight, b"ack received: command 1 started")
@@ -245,6 +246,7 @@ def test_a_flight_is_of_something(yard: Path, program: Program) -> None:
     assert "name a mission file, or a log with --resume" in err
 
 
+@pytest.mark.slow
 def test_a_resumed_flight_keeps_to_a_rate_from_where_the_log_ends(yard: Path, program: Program) -> None:
     part, data = cut(yard)
     began_s = time.monotonic()

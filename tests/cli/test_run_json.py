@@ -9,6 +9,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from tests.cli.flying import Program, start
 from waypointctl.replay.flight_log import FlightLog
 from waypointctl.replay.summary_json import json_text, summary_json
@@ -23,6 +25,7 @@ def told(path: Path) -> Any:
     return json.loads(json_text(summary_json(log.summary, log.mission_name)))
 
 
+@pytest.mark.slow
 def test_of_several_shipped_missions(yard: Path, program: Program) -> None:
     missions = [str(ROOT / "missions" / f"{name}.yaml") for name in ("crater-detour", "lossy-link")]
     code, out, _ = program("run", *missions, "--json")

@@ -68,6 +68,7 @@ def test_an_answer_to_a_closed_stream_is_an_error(flown: Path, arguments: tuple[
     assert b"Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", COMMANDS[1:2], ids=" ".join)
 def test_a_stream_that_is_not_utf8_is_no_failure(flown: Path, arguments: tuple[str, ...]) -> None:
     (flown / "easy.yaml").write_text((flown / "easy.yaml").read_text().replace("name: here", "name: 近い"))

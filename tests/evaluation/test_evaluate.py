@@ -80,6 +80,7 @@ def test_the_seed_decides_whatever_the_threads(tmp_path: Path, make_policy: Make
     assert evaluate(policy, TIGHT, trials=8, seed=6, threads=1).cases != first.cases
 
 
+@pytest.mark.slow
 def test_two_fresh_processes_say_the_same(tmp_path: Path, make_policy: Make) -> None:
     make_policy(tmp_path / "wild", gain=3.0)
     (tmp_path / "tight.yaml").write_text(

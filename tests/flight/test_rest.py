@@ -2,12 +2,15 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import pytest
+
 from tests.flight.flying import OUT_OF_REACH, UNDER_FOOT, flown, mission_of, only, times_ns
 from waypointctl.flight.vehicle import REST_AFTER_NS
 from waypointctl.log.messages import Event, EventKind, State, Telemetry
 from waypointctl.units import NS_PER_S
 
 
+@pytest.mark.slow
 def test_a_delay_of_days_costs_no_more_physics_than_one_of_a_minute() -> None:
     steps = []
     for delay_s in (60.0, 5 * 86_400.0):

@@ -41,7 +41,13 @@ def test_flights(name: str) -> None:
     check(recording.flight(name), "flights", name)
 
 
-@pytest.mark.parametrize("name", recording.EVALUATIONS)
+QUICK = ("ant-waypoint paper", "ant-waypoint region", "ant-waypoint station", "policy5 paper")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in recording.EVALUATIONS],
+)
 def test_evaluations(name: str) -> None:
     check(recording.evaluation(*recording.EVALUATIONS[name]), "evaluations", name)
 

@@ -147,6 +147,7 @@ TestFuzzed = Fuzzed.TestCase
 TestFuzzed.settings = settings(max_examples=examples(40), stateful_step_count=30, deadline=None)
 
 
+@pytest.mark.slow
 def test_seeded_streams_take_every_transition_there_is() -> None:
     """A table with a row that nothing can take would be a table of something else."""
     CountingMachine.taken.clear()
