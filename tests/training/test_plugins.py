@@ -78,6 +78,15 @@ def test_a_policy_is_trained_evaluated_and_flown_with_them(tmp_path: Path) -> No
         fly(mission, load_policy(tmp_path / "run"), messages.append)
 
 
+def test_a_run_does_not_go_on_with_a_plugin_that_was_changed(tmp_path: Path) -> None:
+    trained(with_plugins(recipe_of(tmp_path), allowed=True), tmp_path / "run", rollouts=1)
+    changed = with_plugins(recipe_of(tmp_path, plugin=PLUGIN.replace("0.5", "0.6")), allowed=True)
+    with pytest.raises(RecipeError, match="plugins"):
+        trained(changed, tmp_path / "run", resume=True)
+    same = with_plugins(recipe_of(tmp_path), allowed=True)
+    assert trained(same, tmp_path / "run", rollouts=0, resume=True).steps == 128
+
+
 def test_a_plugin_is_executed_only_where_that_is_allowed(tmp_path: Path) -> None:
     flag = tmp_path / "executed"
     recipe_file = recipe_of(tmp_path, plugin=f"from pathlib import Path\nPath({str(flag)!r}).touch()\n{PLUGIN}")

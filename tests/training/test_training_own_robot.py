@@ -27,6 +27,15 @@ def test_a_run_and_its_policy_keep_the_robot_and_go_on_without_its_folder(tmp_pa
     assert policy.manifest.action.meaning.startswith("position_target of *")
 
 
+def test_a_run_does_not_go_on_with_a_robot_that_was_changed(tmp_path: Path) -> None:
+    folder = write_folder(tmp_path / "robots" / "beetle", beetle())
+    asked, run = tiny_recipe(tmp_path, f"{RECIPE}robot: ./robots/beetle\n"), tmp_path / "run"
+    trained(asked, run, rollouts=1)
+    (folder / "robot.yaml").write_bytes(beetle()["robot.yaml"] + b"# another\n")
+    with pytest.raises(RecipeError, match="robot"):
+        trained(asked, run, resume=True)
+
+
 @pytest.mark.parametrize(
     ("named", "more", "problem"),
     [

@@ -18,6 +18,8 @@ from waypointctl.units import bare_name
 
 # What is wrong, by pydantic's error types; {names} are filled from the error's context.
 _SAYS: Final = {
+    "union_tag_invalid": "{discriminator} is '{tag}', not one of {expected_tags}",
+    "union_tag_not_found": "{discriminator} is missing",
     "too_short": "has {actual_length} entries; at least {min_length} are needed",
     "too_long": "has more than the {max_length} entries that are allowed",
 }

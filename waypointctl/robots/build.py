@@ -88,6 +88,9 @@ class _Builder:
         for number in missing_geoms(model, description.feet):
             self.problems.append((("feet", number), f"there is no geom {description.feet[number]!r}"))
         self.symmetries = self._symmetries()
+        if description.termination.min_height_m >= description.nominal.height_m:
+            text = f"a robot at its nominal height of {description.nominal.height_m:g} m has fallen"
+            self.problems.append((("termination", "min_height_m"), text))
 
     def _nominal(self) -> FloatArray:
         degrees = np.zeros(len(self._names))

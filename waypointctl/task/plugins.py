@@ -10,10 +10,11 @@ file was named with the permission to execute it. A bundle or a log never names 
 
 from __future__ import annotations
 
+import hashlib
 import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
@@ -54,6 +55,7 @@ class ObservationGroup:
         units: of each number, or one for all.
         scales: that multiply the numbers, or one for all.
         built_in: whether it comes with waypointctl; the results of others are checked.
+        source_sha256: of the file that it was loaded from; empty for one that was not loaded from a file.
     """
 
     name: str
@@ -62,6 +64,7 @@ class ObservationGroup:
     units: str | Sequence[str]
     scales: float | Sequence[float] = 1.0
     built_in: bool = False
+    source_sha256: str = ""
 
     def named(self, robot: Robot) -> tuple[tuple[str, str, float], ...]:
         """Return (name, unit, scale) of each number for a robot."""
@@ -106,6 +109,7 @@ class RewardTerm:
         unit: of what it returns.
         factor: that multiplies the weight: -1 of a cost.
         built_in: whether it comes with waypointctl; another one's results are checked.
+        source_sha256: of the file that it was loaded from; empty for one that was not loaded from a file.
     """
 
     name: str
@@ -113,6 +117,7 @@ class RewardTerm:
     unit: str
     factor: float = 1.0
     built_in: bool = False
+    source_sha256: str = ""
 
     def filler(self) -> ViewFunction:
         """Return the function that computes (n,), before the weight."""
@@ -156,12 +161,14 @@ def load_plugins(paths: Iterable[Path | str]) -> tuple[Plugin, ...]:
     """
     found: list[Plugin] = []
     for path in paths:
-        module = _executed(Path(path))
-        own = [value for value in vars(module).values() if isinstance(value, ObservationGroup | RewardTerm)]
+        source = read_input(Path(path), _LARGEST)
+        sha256 = hashlib.sha256(source).hexdigest()
+        values = vars(_executed(Path(path), source)).values()
+        own = {id(value): value for value in values if isinstance(value, ObservationGroup | RewardTerm)}
         if not own:
             hint = "decorate a function with @waypointctl.observation_group(...) or @waypointctl.reward_term(...)"
             raise InputError("defines no observation group and no reward term", where=str(path), hint=hint)
-        found += [value for value in own if all(value is not other for other in found)]
+        found += [replace(value, source_sha256=sha256) for value in own.values()]
     return tuple(found)
 
 
@@ -180,8 +187,7 @@ def by_name(built_in: Iterable[T], plugins: Iterable[T], what: str) -> dict[str,
     return found
 
 
-def _executed(path: Path) -> ModuleType:
-    source = read_input(path, _LARGEST)
+def _executed(path: Path, source: bytes) -> ModuleType:
     module = ModuleType(f"waypointctl_plugin_{path.stem}")
     module.__file__ = str(path)
     sys.modules[module.__name__] = module  # dataclasses look their module up

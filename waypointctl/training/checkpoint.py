@@ -40,6 +40,8 @@ class Facts(BaseModel):
         wall_time_s: spent on training until then.
         selection: of the run, which need not be the file's.
         start: the policy that the run began with the weights of, which need not be there any more.
+        robot_sha256: of the files of its folder.
+        plugins_sha256: of the files of the recipe's plugins; empty without any.
         torch_threads: of the run, on which the weights depend.
         state: of the robots and the learner.
     """
@@ -52,6 +54,8 @@ class Facts(BaseModel):
     wall_time_s: float
     selection: SelectionRecipe | None
     start: StartRecord | None
+    robot_sha256: str
+    plugins_sha256: str
     torch_threads: int
     state: StateFacts
 
@@ -103,7 +107,7 @@ def load_checkpoint(state: TrainingState, recipe_file: RecipeFile, folder: Path)
     """Let a training that has not begun go on from a checkpoint; return the wall time spent until then [s].
 
     Raises:
-        RecipeError: the checkpoint is damaged, or of another recipe, seed or number of steps.
+        RecipeError: the checkpoint is damaged, or of another recipe, seed, number of steps, robot or plugins.
     """
     facts, arrays = _read(folder)
     _refuse_other_file(facts, recipe_file, folder)
@@ -111,6 +115,8 @@ def load_checkpoint(state: TrainingState, recipe_file: RecipeFile, folder: Path)
     for what, began, now in (
         ("seed", facts.seed, recipe.seed),
         ("steps", facts.phase_steps, [phase.steps for phase in recipe.phases]),
+        ("a robot of SHA-256", facts.robot_sha256, _robot_sha256(state)),
+        ("plugins of SHA-256", facts.plugins_sha256, _plugins_sha256(state)),
     ):
         if began != now:
             problem = f"the run began with {what} {began}, not {now}"
@@ -134,9 +140,22 @@ def _facts(state: TrainingState, recipe_file: RecipeFile, wall_time_s: float, fa
         wall_time_s=wall_time_s,
         selection=recipe.selection,
         start=state.start,
+        robot_sha256=_robot_sha256(state),
+        plugins_sha256=_plugins_sha256(state),
         torch_threads=state.threads.torch,
         state=facts,
     )
+
+
+def _robot_sha256(state: TrainingState) -> str:
+    digest = hashlib.sha256()
+    for name, content in sorted(state.env.robot.files.items()):
+        digest.update(f"{name}\0{len(content)}\0".encode() + content)
+    return digest.hexdigest()
+
+
+def _plugins_sha256(state: TrainingState) -> str:
+    return " ".join(sorted({plugin.source_sha256 for plugin in state.env.config.plugins} - {""}))
 
 
 def _sha256(facts: Facts, arrays: bytes) -> str:
