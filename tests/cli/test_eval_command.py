@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.robots.folders import write_folder
 from waypointctl.cli.main import main
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.robots.load import load_robot
 
 Make = Callable[..., LoadedPolicy]
 
@@ -53,6 +55,19 @@ def evaluated(
 
 
 Evaluated = Callable[..., tuple[int, str, str]]
+
+
+def test_a_suite_without_a_robot_is_run_with_the_robot_in_the_policys_folder(
+    workplace: Path, make_policy: Make, evaluated: Evaluated
+) -> None:
+    make_policy(workplace / "run", gain=0.0, robot="mule")
+    files = dict(load_robot("ant").files)
+    files["robot.yaml"] = files["robot.yaml"].replace(b"name: ant", b"name: mule")
+    arguments = ("run", "--suite", "easy.yaml", "--trials", "1")
+    code, _, err = evaluated(*arguments)
+    assert (code, "there is no robot 'mule'" in err) == (2, True)
+    write_folder(workplace / "run" / "robot", files)
+    assert evaluated(*arguments)[0] == 0
 
 
 def test_people_get_a_table_on_stdout(evaluated: Evaluated) -> None:

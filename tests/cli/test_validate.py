@@ -2,16 +2,20 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import signal
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from tests.cli.flying import Program, start
+from tests.robots.folders import CART, CART_XML, write_folder
 from waypointctl.cli.app import app
 from waypointctl.mission.link import LinkDirection
+from waypointctl.policy.bundle import LoadedPolicy
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(str(path) for path in (ROOT / "missions").glob("*.yaml"))
@@ -20,6 +24,7 @@ BAD = "name: n\npolicy: p\nsead: 3\nwaypoints:\n  - {position: [1 m, 2 m], timeo
 
 def written(folder: Path, rest: str) -> Path:
     (folder / "p").mkdir()
+    shutil.copy(ROOT / "policies" / "ant-waypoint" / "manifest.json", folder / "p")
     path = folder / "m.yaml"
     path.write_text(f"name: dog\npolicy: p\n{rest}")
     return path
@@ -76,7 +81,7 @@ def test_an_ok_line_tells_what_the_link_does(tmp_path: Path, link: str, text: st
     (tmp_path / "plan").write_text("a contact +0 +9 1 2 1\na contact +0 +9 2 1 1\na range +0 +9 1 2 1\n")
     (tmp_path / "j").write_text("0.1\n")
     path = tmp_path / "m.yaml"
-    path.write_text(f"name: dog\npolicy: .\nwaypoints: [[3, 4]]\nlink: {link}\n")
+    path.write_text(f"name: dog\npolicy: ant-waypoint\nwaypoints: [[3, 4]]\nlink: {link}\n")
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert f"{text}, autonomy mission" in result.stdout
 
@@ -114,6 +119,35 @@ def test_a_robot_that_is_not_there_is_a_problem(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.exit_code == 2
     assert result.stdout.startswith(f"{path}:4:8: robot: {tmp_path}/./dog: no such folder")
+
+
+@pytest.mark.parametrize(
+    ("mjcf", "policy", "place"),
+    [
+        ("<mujoco/>", {}, "4:8: robot: "),
+        (CART_XML, {}, "2:9: policy: policy 'tiny': made for the robot 'ant', not 'cart'"),
+        (CART_XML, {"robot": "cart", "control_period_ns": 10_000_000}, "2:9: policy: "),
+    ],
+)
+def test_a_robot_that_is_wrong_or_not_the_policys_is_a_problem(
+    tmp_path: Path, make_policy: Callable[..., LoadedPolicy], mjcf: str, policy: dict[str, object], place: str
+) -> None:
+    make_policy(tmp_path / "tiny", **policy)
+    write_folder(tmp_path / "cart", CART | {"cart.xml": mjcf.encode()})
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: ./tiny\nwaypoints: [[3, 4]]\nrobot: ./cart\n")
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    assert (result.exit_code, result.stdout[: len(f"{path}:{place}")]) == (2, f"{path}:{place}")
+
+
+def test_a_policy_that_is_not_the_shipped_robots_is_a_problem(
+    tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
+) -> None:
+    make_policy(tmp_path / "tiny", robot="cart")
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: ./tiny\nwaypoints: [[3, 4]]\n")
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    assert (result.exit_code, "made for the robot 'cart', not 'ant'" in result.stdout) == (2, True)
 
 
 def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:

@@ -127,7 +127,7 @@ def test_a_mission_cannot_be_changed() -> None:
         (MINIMAL + "expect: {reached: 2}", "4:19: expect.reached: 2 is more than the 1 waypoints of the mission"),
         (
             MINIMAL + "expect: {reached: most}",
-            "4:19: expect.reached: 'most' is not 'all', or 'most' is not a whole number",
+            "4:19: expect.reached: 'most' is neither 'all' nor a whole number",
         ),
         (MINIMAL + "expect: {max_time: 0 s}", "4:20: expect.max_time: 0 s is not > 0 s"),
         (MINIMAL + "seed: -1", "4:7: seed: -1 is not >= 0"),

@@ -130,6 +130,10 @@ def test_an_mjcf_that_is_no_robots_is_refused(source: bytes, message: str) -> No
     ("before", "after", "message"),
     [
         ("substeps: 4", "substeps: 0", "cart/robot.yaml:3:11: substeps: 0 is not >= 1"),
+        ("min_height: 0.1 m", "min_height: 0.25 m", "robot.yaml:8:14: termination: min_height 0.25 m is not below"),
+        ("kind: position_target", "kind: postion_target", "robot.yaml:6:12: actions[1].kind: 'postion_target' is not "
+         "'torque_fraction', 'position_target' or 'velocity_target'; did you mean 'position_target'?"),
+        ("{kind: position_target, ", "{", "robot.yaml:6:5: actions[1].kind: is missing"),
         ("mjcf: cart.xml", "mjcf: ../cart.xml", "robot.yaml:2:7: mjcf: '../cart.xml' is not a file of this folder"),
         ("mjcf: cart.xml", "mjcf: other.xml", "cart/robot.yaml: mjcf: cart/other.xml: there is no such file"),
         ("min_up: 0.3", "min_tilt: 0.3", "cart/robot.yaml:8:34: termination.min_tilt: unknown key"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +20,8 @@ from waypointctl.evaluation.suite import Suite, SuiteCase, load_suite
 from waypointctl.mission.fields import Acceptance
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import SelectionRecord
+from waypointctl.robots.description import ROBOT_FILE
+from waypointctl.training.recipe import ROBOT_COPY
 from waypointctl.training.recipe_file import trained_on
 from waypointctl.units import NUMBER_PATTERN
 
@@ -97,7 +100,7 @@ def evaluate_loaded(
     threads: int = 0,
     progress: Progress | None = None,
 ) -> list[Evaluated]:
-    """Evaluate policies one after the other.
+    """Evaluate policies one after the other, each with the robot in its folder where the suite names none.
 
     Args:
         loaded: each with its folder; what it was trained on is read from the recipe there.
@@ -113,8 +116,10 @@ def evaluate_loaded(
     own = None if suite.other_acceptance is None else suite.own.acceptance
     found = []
     for folder, policy in loaded:
-        rollouts = _RolloutsByCase()
-        evaluation = evaluate(policy, suite.used, trials, seed, threads, progress, on_case=rollouts.keep)
+        rollouts, used = _RolloutsByCase(), suite.used
+        if (folder / ROBOT_COPY / ROBOT_FILE).is_file():  # a training keeps a user's robot there
+            used = used.with_robot(os.path.join(folder, ROBOT_COPY))
+        evaluation = evaluate(policy, used, trials, seed, threads, progress, on_case=rollouts.keep)
         facts = {"suite_acceptance": own, "training": trained_on(folder, policy.manifest)}
         found.append(Evaluated(folder, evaluation.model_copy(update=facts), rollouts.by_case))
     return found

@@ -95,7 +95,8 @@ def validate(
     and what the link did not deliver. The first flight has the mission's own seed.
 
     A mission is OK, or FAILS if it cannot succeed or no rehearsal under its own autonomy does. Exit with 0 if all are
-    OK, 1 if one fails, 2 if a file has problems or its policy is not there, 130 if it was interrupted.
+    OK, 1 if one fails, 2 if a file, its robot or its policy has problems or the policy was not made for the robot, 130
+    if it was interrupted.
     """
     if rehearse is None and autonomy is not None:
         raise typer.BadParameter("needs --rehearse N.", param_hint="--autonomy")
@@ -137,6 +138,7 @@ def _check(path: Path, policy: Path | None) -> _Checked:
     from waypointctl.errors import MissionError
     from waypointctl.evaluation.walking_speed import walking_speed
     from waypointctl.flight.checks.check import cannot_succeed, check_mission
+    from waypointctl.flight.checks.robot_and_policy import robot_and_policy_problems
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
     from waypointctl.mission.references import beside, examine_mission
@@ -153,34 +155,8 @@ def _check(path: Path, policy: Path | None) -> _Checked:
     flown_by = policy or file.policy_path
     findings = check_mission(file.mission, walking_speed(flown_by).mps)
     prevented = cannot_succeed(file.mission, findings)
-    problems = (*_robot_problems(file), *_policy_problems(file, flown_by))
+    problems = robot_and_policy_problems(file, flown_by)
     return _Checked(path, file, problems, flown_by, tuple(_warnings(file, findings)), prevented)
-
-
-def _robot_problems(file: MissionFile) -> tuple[Problem, ...]:
-    from waypointctl.errors import RobotError
-    from waypointctl.mission.problems import Problem
-    from waypointctl.mission.yaml_tree import read_tree
-    from waypointctl.robots.folder import robot_folder
-
-    try:
-        robot_folder(file.mission.robot)
-    except RobotError as error:
-        mark = read_tree(file.source).values[("robot",)]
-        return (Problem(str(file.path), mark.line, mark.column, "robot", f"{error.problem}; {error.hint}"),)
-    return ()
-
-
-def _policy_problems(file: MissionFile, policy: Path) -> tuple[Problem, ...]:
-    from waypointctl.mission.policy_name import policies_there_are
-    from waypointctl.mission.problems import Problem
-    from waypointctl.mission.yaml_tree import read_tree
-
-    if not folder_fault(policy):
-        return ()
-    mark = read_tree(file.source).values[("policy",)]
-    text = f"there is no folder {policy}. {policies_there_are(file.mission.policy)}"
-    return (Problem(str(file.path), mark.line, mark.column, "policy", text),)
 
 
 def _warnings(file: MissionFile, findings: tuple[Finding, ...]) -> Iterator[_Warning]:

@@ -85,15 +85,14 @@ class Problem:
 def problems_of(error: ValidationError, tree: Tree, where: str, model: type[BaseModel]) -> list[Problem]:
     """Return what is wrong in the order of the file, each thing once."""
     found: dict[tuple[Mark, str], list[str]] = {}
-    for details in error.errors(include_url=False):
+    for details in map(_without_tags, error.errors(include_url=False)):
         if _is_echo(details, tree):
             continue
         mark, path, text = _placed(details, tree, model)
         texts = found.setdefault((mark, path), [])
         if text not in texts:
             texts.append(text)
-    # Several errors at one place are the branches of a union: none of them fits.
-    return [Problem(where, mark.line, mark.column, path, ", or ".join(t)) for (mark, path), t in found.items()]
+    return [Problem(where, mark.line, mark.column, path, _joined(t)) for (mark, path), t in found.items()]
 
 
 def duplicate_problems(tree: Tree, where: str) -> list[Problem]:
@@ -102,6 +101,30 @@ def duplicate_problems(tree: Tree, where: str) -> list[Problem]:
         Problem(where, mark.line, mark.column, path_text(path), f"duplicate key, first in line {tree.keys[path].line}")
         for path, mark in tree.duplicates
     ]
+
+
+def _without_tags(details: ErrorDetails) -> ErrorDetails:
+    """Return an error of a union's tag as one of the field that has the tag."""
+    if details["type"] not in ("union_tag_invalid", "union_tag_not_found"):
+        return details
+    context = details["ctx"]
+    field = context["discriminator"].strip("'")
+    loc = (*details["loc"], field)
+    if details["type"] == "union_tag_not_found":
+        return {**details, "type": "missing", "loc": loc}
+    *others, last = context["expected_tags"].split(", ")
+    expected = f"{', '.join(others)} or {last}" if others else last
+    return {**details, "type": "literal_error", "loc": loc, "ctx": {"expected": expected}}
+
+
+def _joined(texts: list[str]) -> str:
+    """Return several errors at one place as one: they are the branches of a union, and none of them fits."""
+    parts = [re.fullmatch(r"([^ ]+) is not ([^;]+)(;.*)?", text) for text in texts]
+    if len(texts) == 1 or not all(parts) or len({part[1] for part in parts if part}) > 1:
+        return ", or ".join(texts)
+    expected = " nor ".join(part[2] for part in parts if part)
+    hints = "".join(part[3] or "" for part in parts if part)
+    return f"{texts[0].split(' ', 1)[0]} is neither {expected}{hints}"
 
 
 def _is_echo(details: ErrorDetails, tree: Tree) -> bool:

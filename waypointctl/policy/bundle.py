@@ -124,6 +124,15 @@ def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 
     return LoadedPolicy(manifest, own, hashlib.sha256(own[MANIFEST]).hexdigest(), network)
 
 
+def read_manifest(folder: Path) -> Manifest:
+    """Read the manifest of the bundle in a folder, without the other files.
+
+    Raises:
+        PolicyError: it is missing or damaged.
+    """
+    return _manifest(_read(folder, MANIFEST), f"{folder}/{MANIFEST}")
+
+
 def _read(folder: Path, name: str) -> bytes:
     if name == MANIFEST:
         return read_input(folder / name, LARGEST_MANIFEST, PolicyError, within=folder)

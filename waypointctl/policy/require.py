@@ -7,7 +7,7 @@ from typing import Final
 
 from waypointctl.errors import PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.policy.manifest import ActionSpec, ObservationSpec
+from waypointctl.policy.manifest import ActionSpec, Manifest, ObservationSpec
 from waypointctl.policy.protocol import Policy
 from waypointctl.units import NS_PER_S
 
@@ -50,7 +50,7 @@ def require(
         raise PolicyError(problem, where=where, hint="use a policy trained at the robot's control period")
 
 
-def refuse_other_robot(policy: Policy, robot: str) -> None:
+def refuse_other_robot(policy: Policy | Manifest, robot: str) -> None:
     """Refuse a policy that was made for another robot.
 
     Raises:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import PurePosixPath
 from typing import Annotated, Final, Literal, TypeAlias
 
-from pydantic import AfterValidator, Field, Strict
+from pydantic import AfterValidator, Field, Strict, ValidationInfo, field_validator
 
 from waypointctl.mission.checks import line_of_text
 from waypointctl.mission.file_model import FileModel
@@ -139,3 +139,14 @@ class RobotDescription(FileModel):
     symmetries: Annotated[dict[JointName, SymmetryMap], Field(max_length=16)] = Field(
         default_factory=dict, description="by name; the symmetries of the robot are these and all that they combine to"
     )
+
+    @field_validator("termination")
+    @classmethod
+    def _stands_at_start(cls, termination: Termination, info: ValidationInfo) -> Termination:
+        nominal = info.data.get("nominal")  # absent where it is wrong itself
+        if nominal is not None and termination.min_height_m >= nominal.height_m:
+            raise ValueError(
+                f"min_height {termination.min_height_m:g} m is not below nominal.height, {nominal.height_m:g} m: "
+                "the robot would count as fallen at its start"
+            )
+        return termination

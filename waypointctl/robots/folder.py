@@ -46,7 +46,7 @@ def robot_folder(named: str | Path) -> Path:
         if named not in robot_names():
             near = difflib.get_close_matches(named, robot_names(), n=1)
             meant = f"; did you mean {near[0]!r}?" if near else ""
-            hint = f"give the path of a folder with {ROBOT_FILE}, such as ./robots/hexapod, or a name without a slash"
+            hint = f"a folder with {ROBOT_FILE} is named with a slash: './{named}'"
             raise RobotError(f"there is no robot {named!r}; there are: {', '.join(robot_names())}{meant}", hint=hint)
         return SHIPPED / named
     folder = Path(named)

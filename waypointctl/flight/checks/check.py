@@ -35,6 +35,7 @@ def check_mission(mission: Mission, speed_mps: float) -> tuple[Finding, ...]:
         *_steering(mission, speed_mps, traffic),
         *unused_findings(mission),
         *_time_limit(mission, least_s),
+        *_last_contact(mission, speed_mps, traffic),
     )
     return tuple(_once(findings))
 
@@ -59,6 +60,19 @@ def _time_limit(mission: Mission, least_s: float) -> Iterator[Finding]:
     if limit_s is not None and least_s > limit_s and not ends_plan(mission):
         text = f"{limit_s:g} s is too short: the mission takes at least {least_s:.1f} s at the policy's mean speed"
         yield Finding("max_time", ("expect", "max_time_s"), text)
+
+
+def _last_contact(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
+    """Yield contacts down of which the last ends before the robot can be at its last waypoint."""
+    contacts, walking_s = traffic.down.contacts, walking_time_s(mission, speed_mps)
+    last_s = seconds(contacts.windows[-1].end_ns)
+    if not contacts.period_ns and last_s < walking_s and not ends_plan(mission):
+        field = "windows" if mission.link.down.contact_plan is None else "contact_plan"
+        text = (
+            f"the last contact down ends at {last_s:g} s; the robot needs at least {walking_s:.1f} s to its last "
+            "waypoint at the policy's mean speed, and cannot report that it is there"
+        )
+        yield Finding("contact", ("link", "down", field), text)
 
 
 def _steering(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
