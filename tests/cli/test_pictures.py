@@ -183,9 +183,7 @@ def test_a_log_without_pictures_writes_none_and_says_so(yard: Path, program: Pro
 def test_shown_again_it_writes_no_pictures(survey: Path, program: Program) -> None:
     code, out, err = program("replay", "survey.mcap", "--rate", "2", "--pictures", "seen")
     assert (code, out) == (2, "")
-    assert "cannot be used with --verify, --strict, --json, --png or --pictures" in err.replace("\n", " ").replace("│", "").replace(
-        "  ", " "
-    )
+    assert "--png or --pictures" in err.replace("\n", " ").replace("│", "").replace("  ", " ")
 
 
 def test_a_complete_log_says_how_many_it_has_when_it_is_to_be_resumed(survey: Path, program: Program) -> None:
