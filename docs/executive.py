@@ -57,7 +57,7 @@ def page() -> str:
 
 
 def _meanings(kind: type[Mode] | type[Signal]) -> dict[str, str]:
-    """Return what the source says beside each member."""
+    """Return the comment of each member in the source."""
     source = inspect.getsource(kind)
     found = re.findall(r"^    ([A-Z_]+) = \"(\w+)\"  # (.+)$", source, re.MULTILINE)
     assert len(found) == len(kind)

@@ -1,9 +1,9 @@
-"""Fly a policy class of your own that is no network: a gait of sines, with a state of its own.
+"""Fly your own policy class that is not a network: a gait of sines, with a state.
 
     python examples/custom_policy.py
 
-The log names the class and does not hold it. Its verification simulates the states again from the logged actions, bit
-for bit, and says that the actions were not computed again.
+The log names the class and does not contain it. Verification simulates the states again from the logged actions, bit
+for bit, and reports that the actions were not computed again.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ class Wriggle(waypointctl.Policy):
         return 0.3 * np.sin(self.phase + np.arange(8) * np.pi / 2)
 
     def state(self) -> dict[str, NDArray[np.float64]]:
-        """Return the phase, which goes into the log's checkpoints."""
+        """Return the phase, for the log's checkpoints."""
         return {"phase": self.phase}
 
     def restore(self, state: waypointctl.PolicyState) -> None:
-        """Go on from a checkpoint."""
+        """Continue from a checkpoint."""
         self.phase = state["phase"]
 
 

@@ -1,4 +1,4 @@
-"""Read a log into pandas: telemetry beside the true position at the time of each frame.
+"""Read a log into pandas: telemetry joined with the true position at the arrival of each frame.
 
 python examples/log_to_pandas.py [LOG.mcap]
 """

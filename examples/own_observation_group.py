@@ -2,8 +2,8 @@
 
     python examples/own_observation_group.py
 
-A recipe names groups in `observation: [height, foot_contacts]`; own_reward_term.py says how it gets their file. The log
-does not hold the group: whoever verifies it gives the group again.
+A recipe names groups in `observation: [height, foot_contacts]`; own_reward_term.py describes how to name their file.
+The log does not contain the group, so verification needs the plugin again.
 """
 
 from __future__ import annotations

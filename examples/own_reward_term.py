@@ -2,8 +2,8 @@
 
     python examples/own_reward_term.py [--steps 100000]
 
-To train with it, put the function into a file, name the file in a recipe (`plugins: [my_terms.py]`), and give
-`waypointctl train` the option --allow-plugins: without it no recipe executes a file.
+To train with it, put the function into a file, name the file in a recipe (`plugins: [my_terms.py]`), and run
+`waypointctl train` with --allow-plugins; without it the file is not executed.
 """
 
 from __future__ import annotations

@@ -77,7 +77,7 @@ def test_a_suite_that_borrows_a_name_is_not_saved(place: Path, program: Program)
     (place / "easy.yaml").write_text(SUITE.replace("easy", "paper"))
     code, _, err = program("eval", "still", *EASY, "--save")
     assert code == 2
-    assert err.startswith("error: a suite that comes with waypointctl is called 'paper', and is another\n")
+    assert err.startswith("error: a suite that comes with waypointctl has the name 'paper'\n")
     (place / "easy.yaml").write_text(SUITE.replace("easy", "../easy"))
     code, _, err = program("eval", "still", *EASY, "--save")
     assert code == 2

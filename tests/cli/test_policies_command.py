@@ -98,7 +98,7 @@ def test_results_of_another_policy_are_told_and_left_out(tmp_path: Path, make_po
     make_policy(tmp_path / "mine" / "still", seed=1)
     _, out, err = run("policies", "mine")
     assert "not evaluated" in out
-    assert err == "warning: mine/still/evaluation-easy.json: of another policy than the one beside it\n"
+    assert err == "warning: mine/still/evaluation-easy.json: of another policy than the one in this folder\n"
 
 
 def test_the_built_in_suites_come_first(tmp_path: Path, make_policy: Make, run: Run) -> None:

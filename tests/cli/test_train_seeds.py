@@ -117,7 +117,7 @@ def test_a_target_that_is_not_met_is_said(command: Program) -> None:
         ),
         (SHORT.replace("{trials: 1}", "{seed: 1000}"), ("--stop-at", "0.9"), "--stop-at: evaluation.seed is 1000"),
         (SHORT, ("--seeds", "x"), "--seeds: expected a count or a comma-separated list of seeds"),
-        (SHORT, ("--seeds", "2", "--resume"), "no group of seeds of 'tiny' to go on with"),
+        (SHORT, ("--seeds", "2", "--resume"), "no group of seeds of 'tiny' to continue"),
         (SHORT, ("--stop-at", "2"), "'--stop-at'"),
         (SHORT, ("--out", "/proc/x"), "error: /proc/x: the folder cannot be written"),
         (SHORT, ("--out", "/proc/x", "--seeds", "2"), "error: /proc/x: the folder cannot be written"),

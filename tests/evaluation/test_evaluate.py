@@ -127,7 +127,7 @@ def test_a_policy_for_something_else_is_refused(
 @pytest.mark.parametrize(
     ("layout", "message"),
     [
-        ("polar", "policy 'tiny': there is no observation layout called 'polar'; there are: "),
+        ("polar", "policy 'tiny': unknown observation layout 'polar'; available: "),
         ("state_goal", "policy 'tiny': made for another observation layout 'state_goal': it has 31 numbers, not 29"),
     ],
 )

@@ -62,7 +62,7 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
         ("name: x\n", ":1:1: a suite needs 'cases', 'courses' or both"),
         (
             "name: x\ncourses: [{name: a, leg: [3 m, 2 m], perimeter: legs}]\n",
-            "leg: [3.0, 2.0] is not in order; the shortest",
+            "leg: [3.0, 2.0] is not in order: the shortest",
         ),
         (
             "name: x\ncourses: [{name: a, perimeter: legs, side: 3 m}]\n",
@@ -75,7 +75,7 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
         ),
         ("name: x\ncourses: [{name: a, side: 0 m}]\n", ":2:27: courses[0].side: 0 m is not > 0 m"),
         ("name: x\ncourses: [{name: a, count: 0}]\n", "courses[0].count: 0 is not > 0"),
-        ("name: x\ncourses: [{name: a}]\ncases: [{name: a, waypoints: [[1, 2]]}]\n", "more than one is called a"),
+        ("name: x\ncourses: [{name: a}]\ncases: [{name: a, waypoints: [[1, 2]]}]\n", "used more than once: a"),
         ("name: x\ntrials: 0\ncourses: [{name: a}]\n", ":2:9: trials: 0 is not > 0"),
         ("name: x\nhold: {within: 0 m}\ncourses: [{name: a}]\n", ":2:16: hold.within: 0 m is not > 0 m"),
         (
@@ -108,7 +108,10 @@ def test_a_file_of_the_documented_shape_is_read(tmp_path: Path) -> None:
         ("name: x\ncases: [{name: a, waypoints: [[true, 1]]}]\n", "waypoints[0][0]: true is not a number"),
         ("name: x\ncases: [{name: a, waypoints: [[1]]}]\n", "cases[0].waypoints[0][1]: is missing"),
         ("name: x\ncases: [{name: a, waypoints: [[1, 2]], paper: 90}]\n", "cases[0].paper: 90 is not <= 1"),
-        ("name: x\ncases: [{name: a, waypoints: [[1, 2]]}, {name: a, waypoints: [[3, 4]]}]\n", "called a"),
+        (
+            "name: x\ncases: [{name: a, waypoints: [[1, 2]]}, {name: a, waypoints: [[3, 4]]}]\n",
+            "used more than once: a",
+        ),
         ("name: x\nacceptance: {shape: disc}\ncases: [{name: a, waypoints: [[1, 2]]}]\n", "acceptance.shape: 'disc'"),
         (
             "name: x\nacceptance: {size_m: 0}\ncases: [{name: a, waypoints: [[1, 2]]}]\n",

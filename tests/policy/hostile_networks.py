@@ -101,12 +101,12 @@ HOSTILE: dict[str, tuple[bytes, str]] = {
     ),
     "attribute twice": (
         network(_two_values("value_ints", "value_ints"), ENLARGED, LAST),
-        "'value_ints' is there twice",
+        "'value_ints' occurs twice",
     ),
-    "attribute of another type": (network(_of_another_type(), ENLARGED, LAST), "of another type than it says"),
+    "attribute of another type": (network(_of_another_type(), ENLARGED, LAST), "has another type than declared"),
     "constant that another one replaces": (
         network(ENLARGED, node("Constant", "", "k", value_ints=[2**28]), LAST, k=sized(1)),
-        "gives 'k', which is there already",
+        "gives 'k', which already exists",
     ),
     "Tile": (network(node("Tile", "x s", "c"), LAST, s=sized(2**30, 1)), "the operator 'Tile'"),
     "Pad": (network(node("Pad", "x s", "c"), LAST, s=sized(0, 0, 0, 2**40)), "the operator 'Pad'"),

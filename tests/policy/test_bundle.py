@@ -141,7 +141,7 @@ def test_a_file_is_no_folder(tmp_path: Path) -> None:
     ("damage", "message"),
     [
         (lambda content: content[:-1], "truncated: it has"),
-        (lambda content: b"", "truncated: it has 0 bytes, its manifest says"),
+        (lambda content: b"", "truncated: it has 0 bytes, its manifest has"),
         (lambda content: content + b"\0", "altered: it has"),
         (lambda content: content[:-1] + bytes([content[-1] ^ 1]), "altered: its SHA-256 is not the manifest's"),
     ],
@@ -168,7 +168,10 @@ def test_a_git_lfs_pointer_is_named_for_what_it_is(folder: Path, name: str) -> N
         ("{}", "must be an object with a whole number as schema_version"),
         ('{"schema_version": true}', "must be an object with a whole number as schema_version"),
         ('{"schema_version": 7}', "schema_version is 7; this waypointctl reads 2"),
-        ('{"schema_version": 1, "name": "a", "name": "b"}', "not JSON: a key of schema_version, name is there twice"),
+        (
+            '{"schema_version": 1, "name": "a", "name": "b"}',
+            "not JSON: one of the keys schema_version, name occurs twice",
+        ),
         ('{"schema_version": 2}', "name: Field required"),
     ],
 )
@@ -206,7 +209,7 @@ def test_a_field_that_is_wrong_is_named(folder: Path, change: Callable[[dict[str
 
 def test_a_network_of_other_sizes_than_the_manifest_says_is_refused(folder: Path) -> None:
     change_manifest(folder, lambda m: m["action"].update(size=12))
-    assert "the network maps 31 numbers to 8, but the manifest says 31 observations and 12 actions" in refusal(folder)
+    assert "the network maps 31 numbers to 8, but the manifest has 31 observations and 12 actions" in refusal(folder)
 
 
 def test_a_network_that_someone_replaced_hash_and_all_is_still_examined(folder: Path) -> None:

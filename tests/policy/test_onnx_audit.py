@@ -95,8 +95,8 @@ def test_a_model_that_draws_repeats_or_grows_without_bound_is_refused(name: str)
     [
         (network(node("MatMul", "w x", "y")), "the operator MatMul does not fit what it takes"),
         (network(node("Gemm", "x", "y")), "the operator Gemm does not fit what it takes: input 1 is missing"),
-        (network(node("Relu", "z", "y")), "Relu takes 'z', which nothing before it gives"),
-        (network(node("Relu", "y", "r"), LAST), "Relu takes 'y', which nothing before it gives"),
+        (network(node("Relu", "z", "y")), "Relu takes 'z', which no operator before it produces"),
+        (network(node("Relu", "y", "r"), LAST), "Relu takes 'y', which no operator before it produces"),
         (network(), "the output for 256 observations is nothing"),
         (
             network(node("Relu", "x", "y")),
@@ -192,12 +192,12 @@ def test_a_model_nested_beyond_any_reason_does_not_exhaust_the_stack() -> None:
 @pytest.mark.parametrize(
     ("model", "message"),
     [
-        (network(LAST) + network(LAST), "field 7 is there 2 times"),  # other parsers put the two graphs together
+        (network(LAST) + network(LAST), "field 7 occurs 2 times"),  # other parsers put the two graphs together
         (b"\xba\x80\x80\x80\x10" + network(LAST)[1:], "no field at byte"),  # 2**32 more than the graph's field
         (b"\x02\x01a", "no field at byte 1"),
         (field(7 << 3 | 2, b"\x08\x01"), "field 1 is not a message"),
         (field(7 << 3 | 2, b"\x0d\x01\x01\x01\x01"), "field 1 is not a message"),
-        (field(7 << 3 | 2, field(1 << 3 | 2, field(4 << 3 | 2, b"Relu") * 2)), "field 4 is there 2 times"),
+        (field(7 << 3 | 2, field(1 << 3 | 2, field(4 << 3 | 2, b"Relu") * 2)), "field 4 occurs 2 times"),
         (field(7 << 3 | 2, field(1 << 3 | 2, field(4 << 3 | 2, b"\xff"))), "invalid start byte"),
         (b"\x12\x00" * 200_001, "more than 200,000 parts"),
         (b"\x0b", "wire type 3"),

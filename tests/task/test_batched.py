@@ -197,7 +197,7 @@ def test_a_robots_second_episode_does_not_depend_on_when_it_begins() -> None:
 def test_names_that_do_not_exist_are_refused() -> None:
     with pytest.raises(InputError, match="there is no robot 'rover'"):
         BatchedWaypointEnv(TaskConfig(robot="rover"), 1, 0)
-    with pytest.raises(InputError, match="there is no observation layout called 'pixels'"):
+    with pytest.raises(InputError, match="unknown observation layout 'pixels'"):
         BatchedWaypointEnv(TaskConfig(observation="pixels"), 1, 0)
 
 
@@ -206,7 +206,7 @@ def test_names_that_do_not_exist_are_refused() -> None:
     [
         (np.zeros((2, 8)), r"the actions must have the shape \(3, 8\), not \(2, 8\)"),
         (np.zeros(8), r"the actions must have the shape \(3, 8\), not \(8,\)"),
-        (np.where(np.arange(24).reshape(3, 8) == 13, np.nan, 0.0), r"must be finite: joint 5 of robot 1 is given nan"),
+        (np.where(np.arange(24).reshape(3, 8) == 13, np.nan, 0.0), r"must be finite: joint 5 of robot 1 is nan"),
     ],
 )
 def test_actions_that_are_none_are_refused(actions: FloatArray, problem: str) -> None:

@@ -123,15 +123,15 @@ def test_a_given_course_is_walked_to_its_end() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"waypoint": [[1, 2]]}, "there is no option 'waypoint' of reset; there are: waypoints, position_m, heading_"),
-        ({"waypoints": [1, 2]}, r"options\['waypoints'\] has the shape \(2,\); it is to be \(m, 2\)"),
+        ({"waypoint": [[1, 2]]}, "unknown option of reset: 'waypoint'; allowed: waypoints, position_m, heading_"),
+        ({"waypoints": [1, 2]}, r"options\['waypoints'\] has the shape \(2,\); expected \(m, 2\)"),
         ({"waypoints": []}, r"options\['waypoints'\] has the shape"),
-        ({"waypoints": [[1, 2], [3]]}, r"options\['waypoints'\] is to be numbers"),
-        ({"waypoints": [["a", "b"]]}, r"options\['waypoints'\] is to be numbers"),
-        ({"waypoints": [[1, np.nan]]}, r"options\['waypoints'\] is .*; every number is to be finite"),
-        ({"position_m": [1, 2, 3]}, r"options\['position_m'\] has the shape \(3,\); it is to be \(2,\)"),
-        ({"heading_rad": [1.0]}, r"options\['heading_rad'\] has the shape \(1,\); it is to be one number"),
-        ({"heading_rad": np.inf}, r"options\['heading_rad'\] is inf; every number is to be finite"),
+        ({"waypoints": [[1, 2], [3]]}, r"options\['waypoints'\] must be numbers"),
+        ({"waypoints": [["a", "b"]]}, r"options\['waypoints'\] must be numbers"),
+        ({"waypoints": [[1, np.nan]]}, r"options\['waypoints'\] is .*; every number must be finite"),
+        ({"position_m": [1, 2, 3]}, r"options\['position_m'\] has the shape \(3,\); expected \(2,\)"),
+        ({"heading_rad": [1.0]}, r"options\['heading_rad'\] has the shape \(1,\); expected one number"),
+        ({"heading_rad": np.inf}, r"options\['heading_rad'\] is inf; every number must be finite"),
     ],
 )
 def test_options_that_make_no_sense_are_refused(env: WaypointEnv, options: dict[str, Any], message: str) -> None:
@@ -190,9 +190,9 @@ def test_actions_may_be_of_either_precision(env: WaypointEnv) -> None:
 @pytest.mark.parametrize(
     ("action", "problem"),
     [
-        ([np.nan] * 8, r"the action must be finite: joint 0 is given nan\n  An action is a number from -1 to 1"),
-        ([0.0] * 7 + [np.inf], r"must be finite: joint 7 is given inf"),
-        ([0.0, -np.inf] + [0.0] * 6, r"must be finite: joint 1 is given -inf"),
+        ([np.nan] * 8, r"the action must be finite: joint 0 is nan\n  An action is a number from -1 to 1"),
+        ([0.0] * 7 + [np.inf], r"must be finite: joint 7 is inf"),
+        ([0.0, -np.inf] + [0.0] * 6, r"must be finite: joint 1 is -inf"),
         ([0.0] * 7, r"the action must have the shape \(8,\), not \(7,\)"),
         ([[0.0] * 8], r"must have the shape \(8,\), not \(1, 8\)"),
         (0.0, r"must have the shape \(8,\), not \(\)"),

@@ -136,6 +136,6 @@ def test_a_robots_row_does_not_depend_on_the_others(name: str) -> None:
 
 
 def test_an_unknown_layout_is_refused_with_those_there_are() -> None:
-    message = "there is no observation layout called 'ego'; there are: state, state_noise, state_goal, egocentric"
+    message = "unknown observation layout 'ego'; available: state, state_noise, state_goal, egocentric"
     with pytest.raises(InputError, match=message):
         ant_layout("ego")

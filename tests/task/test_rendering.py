@@ -103,20 +103,20 @@ def test_the_metadata_are_what_gymnasium_reads() -> None:
 def test_without_a_render_mode_nothing_is_rendered_and_a_warning_says_why() -> None:
     env = WaypointEnv()
     env.reset(seed=0)
-    with pytest.warns(UserWarning, match="give 'rgb_array' or 'human'"):
+    with pytest.warns(UserWarning, match="use 'rgb_array' or 'human'"):
         assert env.render() is None
 
 
 @pytest.mark.parametrize("mode", ["ansi", "rgb", ""])
 def test_a_render_mode_that_there_is_not_is_refused(mode: str) -> None:
-    with pytest.raises(InputError, match=f"there is no render_mode '{mode}'; there are: human, rgb_array, None"):
+    with pytest.raises(InputError, match=f"unknown render_mode '{mode}'; allowed: human, rgb_array, None"):
         WaypointEnv(render_mode=mode)
 
 
 def test_a_window_without_a_display_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    with pytest.warns(UserWarning, match=r"nothing is shown: a window needs a display, and neither DISPLAY nor WAY"):
+    with pytest.warns(UserWarning, match=r"no window is shown: a window needs a display, and neither DISPLAY nor WAY"):
         env = WaypointEnv(render_mode="human")
     env.reset(seed=0)
     assert env.render() is None
@@ -124,7 +124,7 @@ def test_a_window_without_a_display_is_a_warning(monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.usefixtures("drawing")
-@pytest.mark.filterwarnings("ignore:nothing is shown")
+@pytest.mark.filterwarnings("ignore:no window is shown")
 def test_gymnasiums_checker_has_no_complaint_about_any_render_mode() -> None:
     check_env(gymnasium.make(ENV_ID).unwrapped)
 
@@ -134,7 +134,7 @@ def test_a_display_that_does_not_answer_is_a_warning() -> None:
     environment = {"DISPLAY": ":4711", "PATH": "", "PYTHONPATH": ":".join(sys.path)}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert done.returncode == 0
-    assert "nothing is shown: a window cannot be opened on DISPLAY=:4711" in done.stderr
+    assert "no window is shown: a window cannot be opened on DISPLAY=:4711" in done.stderr
 
 
 def test_a_window_shows_every_step_at_the_robots_speed(monkeypatch: pytest.MonkeyPatch) -> None:

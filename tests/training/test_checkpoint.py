@@ -87,7 +87,7 @@ def test_a_missing_file_is_named(checkpoint: Path, recipe_file: RecipeFile, name
 @pytest.mark.parametrize("text", ["[]", "{}", '{"sha256": "0", "facts": {}}', "null", "\ud83d", ""])
 def test_facts_of_another_shape_are_damage(checkpoint: Path, recipe_file: RecipeFile, text: str) -> None:
     (checkpoint / FACTS).write_bytes(text.encode("utf-8", "surrogatepass"))
-    with pytest.raises(RecipeError, match=r"damaged: training\.json is not what it was"):
+    with pytest.raises(RecipeError, match=r"damaged: training\.json was changed"):
         begun_as(recipe_file, checkpoint.parents[1])
 
 

@@ -39,7 +39,7 @@ def test_an_update_that_torch_ends_halfway_is_told_with_its_step(
     assert isinstance(caught.value.__context__, ValueError)
     assert str(caught.value).startswith(
         f"{tmp_path}/recipe.yaml: the training diverged: at step {ROLLOUT} the network has numbers that are not "
-        "finite; there is no checkpoint yet\n  Begin another run with a lower"
+        "finite; there is no checkpoint yet\n  Start a new run with a lower"
     )
 
 

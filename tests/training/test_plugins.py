@@ -147,10 +147,10 @@ def test_a_group_that_fails_is_named(tmp_path: Path, body: str, message: str) ->
     ("plugin", "message"),
     [
         ("x = 1", "my_terms.py: defines no observation group and no reward term"),
-        ("x = ", r"my_terms.py:1: is not Python"),
+        ("x = ", r"my_terms.py:1: is not valid Python"),
         ("import nothing_there", "my_terms.py: ModuleNotFoundError"),
         ("raise SystemExit(0)", "my_terms.py: SystemExit"),
-        (PLUGIN.replace('name="low_torso"', 'name="Low torso"'), "my_terms.py: .*'Low torso' is not a name"),
+        (PLUGIN.replace('name="low_torso"', 'name="Low torso"'), "my_terms.py: .*'Low torso' is not a valid name"),
     ],
 )
 def test_a_file_that_is_no_plugin_is_refused(tmp_path: Path, plugin: str, message: str) -> None:
@@ -184,5 +184,5 @@ def test_a_term_may_be_called_as_a_method_of_the_weights() -> None:
 
 def test_a_name_that_is_built_in_is_refused(tmp_path: Path) -> None:
     plugin = PLUGIN.replace('name="foot_clearance"', 'name="height"')
-    with pytest.raises(RecipeError, match="two observation groups called 'height'"):
+    with pytest.raises(RecipeError, match="two observation groups have the name 'height'"):
         with_plugins(recipe_of(tmp_path, plugin=plugin), allowed=True)

@@ -48,7 +48,7 @@ WRONG = [
     ),
     ("{radius_m: 3}", "20: course.radius_m: is not used by 'perimeter: square', which takes"),
     ("{perimeter: legs, min_distance: 3 m}", "41: course.min_distance: is not used by 'perimeter: legs'"),
-    ("{perimeter: ring, radius: 3 m}", "21: course.perimeter: a ring needs 'inner_radius', too"),
+    ("{perimeter: ring, radius: 3 m}", "21: course.perimeter: a ring also needs 'inner_radius'"),
     (
         "{perimeter: ring, radius: 3 m, inner_radius: 4 m}",
         "54: course.inner_radius: 4 m is not less than the radius of 3 m",

@@ -29,7 +29,7 @@ WRONG = [
     ("steps: 640", "steps: 640.5", "recipe.yaml:9:13: phases[0].steps: 640.5 is not a whole number"),
     ("[1.0e-3, 5.0e-4]", "['1e-3', 5.0e-4]", "recipe.yaml:9:34: phases[0].learning_rate[0]: '1e-3' is not a number"),
     ("[1.0e-3, 5.0e-4]", "[1.0e-3]", "recipe.yaml:9:33: phases[0].learning_rate[1]: is missing"),
-    ("[0.6 m, 1 m]", "[3 m, 1 m]", "recipe.yaml:3:42: course.leg: [3.0, 1.0] is not in order; the shortest"),
+    ("[0.6 m, 1 m]", "[3 m, 1 m]", "recipe.yaml:3:42: course.leg: [3.0, 1.0] is not in order: the shortest"),
     (
         "[0.6 m, 1 m]",
         "[3 s, 1 m]",

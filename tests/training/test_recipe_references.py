@@ -36,7 +36,7 @@ def test_what_is_not_there_is_told_with_everything_else_in_the_order_of_the_file
     )
     assert [head, *others] == [
         "recipe.yaml: 3 problems",
-        "recipe.yaml:2:20: selection.suite: there is no suite 'regoin'; did you mean 'region'?",
+        "recipe.yaml:2:20: selection.suite: unknown suite 'regoin'; did you mean 'region'?",
         "recipe.yaml:9:32: algorithm.robots: 0 is not > 0",
     ]
 
@@ -46,9 +46,9 @@ def test_two_uses_of_one_seed_are_told_with_everything_else(tmp_path: Path) -> N
     assert refused(tmp_path, f"{text}selection: {{seed: 5, suite: regoin}}\n") == [
         "recipe.yaml: 3 problems",
         "recipe.yaml:7:32: algorithm.robots: 0 is not > 0",
-        f"recipe.yaml:{LAST + 1}:19: selection.seed: the seed 5 is evaluation.seed too: a policy must not be "
-        "reported on the trials that selected it; give selection another seed",
-        f"recipe.yaml:{LAST + 1}:29: selection.suite: there is no suite 'regoin'; did you mean 'region'?",
+        f"recipe.yaml:{LAST + 1}:19: selection.seed: the seed 5 is also evaluation.seed: a policy must not be "
+        "reported on the trials that selected it; use another seed for selection",
+        f"recipe.yaml:{LAST + 1}:29: selection.suite: unknown suite 'regoin'; did you mean 'region'?",
     ]
 
 
@@ -57,12 +57,12 @@ def test_two_uses_of_one_seed_are_told_with_everything_else(tmp_path: Path) -> N
     [
         (
             "mine",
-            "there is no suite 'mine'; give paper, region, anywhere, station or a YAML file, relative to this one",
+            "unknown suite 'mine'; use paper, region, anywhere, station or a YAML file, relative to this one",
         ),
-        ("mine.yaml", "mine.yaml: there is no such file; a suite's file is looked for beside the recipe"),
-        ("sub/mine", "sub/mine: there is no such file; a suite's file is looked for beside the recipe"),
-        ("'.'", "there is no suite '.'; give paper, region, anywhere, station or a YAML file, relative to this one"),
-        ("'a.yaml\\0'", r"there is no such file; a suite's file is looked for beside the recipe"),
+        ("mine.yaml", "mine.yaml: there is no such file; a suite's path is relative to the recipe"),
+        ("sub/mine", "sub/mine: there is no such file; a suite's path is relative to the recipe"),
+        ("'.'", "unknown suite '.'; use paper, region, anywhere, station or a YAML file, relative to this one"),
+        ("'a.yaml\\0'", r"there is no such file; a suite's path is relative to the recipe"),
     ],
 )
 def test_a_suite_that_is_not_there(tmp_path: Path, suite: str, problem: str) -> None:
@@ -99,7 +99,9 @@ def test_a_policy_to_start_from_that_does_not_fit(tmp_path: Path, make_policy: C
         "its hidden layers are [8, 8], the recipe's [16, 16]; give the recipe the network and an observation of that "
         "policy's sizes, or another policy in warm_start"
     )
-    assert seed.startswith("it was selected in 'region' with seed 5, which is evaluation.seed here; give eval")
+    assert seed.startswith(
+        "it was selected in 'region' with seed 5, which is also this recipe's evaluation.seed; give eval"
+    )
     (tmp_path / "other" / "manifest.json").unlink()
     (line,) = refused(tmp_path, text)
     assert line.startswith(f"recipe.yaml:{LAST + 1}:13: warm_start: other: no manifest.json; a policy has")

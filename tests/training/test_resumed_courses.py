@@ -37,7 +37,7 @@ def test_stopped_three_times_it_ends_in_the_weights_of_one_that_nobody_disturbed
         assert checkpoint is not None
         remembered = load((checkpoint / ARRAYS).read_bytes())
         assert remembered["failed.size"].sum() > 16, "more courses than robots are remembered"
-        assert (remembered["failed.walking"] >= 0).any(), "some course is being walked again"
+        assert (remembered["failed.current"] >= 0).any(), "some course is being walked again"
     trained(recipe_file, run, resume=True)
     assert weights_of(run) == weights_of(whole)
     plain = tiny_recipe(tmp_path, recipe_with(COURSES[name].replace("probability: 0.", "probability: 0.000")))

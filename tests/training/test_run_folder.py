@@ -50,7 +50,7 @@ def test_a_newest_run_without_a_checkpoint_is_not_passed_over_in_silence(tmp_pat
     begin(tmp_path / "ant", 100, at_s=30)
     killed = tmp_path / "ant-2"
     killed.mkdir()
-    with pytest.raises(RecipeError, match=r"the newest run .*ant-2 has no checkpoint\n  Name the run .*by --out"):
+    with pytest.raises(RecipeError, match=r"the newest run .*ant-2 has no checkpoint\n  Name the run .*with --out"):
         places("ant", tmp_path, None, resume=True)
     assert places("ant", tmp_path, tmp_path / "ant", resume=True).run == tmp_path / "ant"
     # A run that was gone on with since the other was killed is the newest again.

@@ -91,14 +91,16 @@ def test_a_group_goes_on_as_it_began(recipe_file: RecipeFile, tmp_path: Path) ->
     with pytest.raises(RecipeError, match=rf"made by another recipe than .*\n  Resume with {group}/train\.yaml"):
         group_begun_as(other, group)
     (group / GROUP).write_text("{}")
-    with pytest.raises(RecipeError, match=r"no group of trainings to go on with: .*group\.json"):
+    with pytest.raises(RecipeError, match=r"no group of trainings to continue: .*group\.json"):
         group_begun_as(recipe_file, group)
 
 
 def test_a_group_that_has_begun_is_not_begun_again(recipe_file: RecipeFile, tmp_path: Path) -> None:
     (run_of(tmp_path, 1) / "checkpoints" / "step-0000000128").mkdir(parents=True)
     assert not is_complete(run_of(tmp_path, 1))
-    with pytest.raises(OutputError, match=r"seed-1: has the checkpoints of an earlier training\n  Go on with --resume"):
+    with pytest.raises(
+        OutputError, match=r"seed-1: has the checkpoints of an earlier training\n  Use --resume to continue it"
+    ):
         begin_group(recipe_file, tmp_path, [0, 1])
     begin_group(recipe_file, tmp_path, [0, 2])
 
@@ -117,7 +119,7 @@ def test_where_a_group_is(tmp_path: Path) -> None:
     runs = tmp_path / "runs"
     taken = [group_place("ant", runs, None, resume=False) for _ in range(2)]
     assert taken == [runs / "ant-seeds", runs / "ant-seeds-2"]
-    with pytest.raises(RecipeError, match=r"no group of seeds of 'ant' to go on with\n  Train without --resume"):
+    with pytest.raises(RecipeError, match=r"no group of seeds of 'ant' to continue\n  Train without --resume"):
         group_place("ant", runs, None, resume=True)
     for number, group in enumerate(taken):
         (group / GROUP).write_text("{}")

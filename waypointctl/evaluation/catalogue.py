@@ -1,4 +1,4 @@
-"""The policies in a folder, and what is known of each."""
+"""The policies in a folder, with their evaluations."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from waypointctl.policy.manifest import MANIFEST
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A folder with a policy, what the evaluations beside it say, and what is wrong with any of them.
+    """A folder with a policy, its evaluations, and the errors in any of these files.
 
     Attributes:
-        shipped: it comes with waypointctl, and is found by its name wherever ./policies has no other of that name.
+        shipped: it comes with waypointctl, and is found by its name unless ./policies has one of that name.
     """
 
     folder: Path
@@ -50,7 +50,7 @@ def catalogue(folder: Path) -> list[Entry]:
         PolicyError: `folder` is not a folder.
     """
     if fault := folder_fault(folder):
-        raise PolicyError(fault, where=str(folder), hint="give a folder that has policies in it")
+        raise PolicyError(fault, where=str(folder), hint="use a folder that contains policies")
     return [_entry(manifest.parent) for manifest in sorted(folder.glob(f"*/{MANIFEST}"))]
 
 
@@ -69,7 +69,7 @@ def _entry(folder: Path) -> Entry:
         if policy is None or evaluation.policy_sha256 == policy.sha256:
             evaluations.append(evaluation)
         else:
-            faults.append(f"{path}: of another policy than the one beside it")
+            faults.append(f"{path}: of another policy than the one in this folder")
     return Entry(folder, policy, tuple(evaluations), tuple(faults))
 
 

@@ -1,4 +1,4 @@
-"""Testing a policy on a suite of paths."""
+"""Evaluating a policy on a suite of paths."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ def evaluate(
     Args:
         policy: itself, its folder, or its name.
         suite: itself, its file, or its name: "paper", "region", "anywhere", "station".
-        trials: of each case, > 0, simulated side by side; None: as many as the suite says.
+        trials: of each case, > 0, simulated in parallel; None: the suite's number.
         seed: of the starts and of random paths, not negative.
-        threads: of the physics; 0 is one a core, 8 at most. The result does not depend on it.
+        threads: of the physics; 0 is one per core, 8 at most. The result does not depend on it.
         progress: called with a case's name and the number of its trials that have ended, whenever it grows.
         on_case: called with each case and the rollouts of its trials.
         plugins: observation groups that the policy was trained with and that are not built in.
 
     Raises:
         PolicyError: the policy is missing, damaged, or made for another robot, observation layout or control period.
-        SuiteError: there is no such suite, or it is not one.
-        InputError: a number of trials or a seed that is none.
+        SuiteError: the suite does not exist, or the file is not a suite.
+        InputError: the number of trials or the seed is invalid.
     """
     policy = load_policy(policy) if isinstance(policy, Path | str) else policy
     suite = load_suite(suite) if isinstance(suite, Path | str) else suite
@@ -106,7 +106,7 @@ def case_result(case: SuiteCase, rollouts: Rollouts) -> CaseResult:
         orbiting=int(rollouts.orbiting.sum()),
         stuck=int(rollouts.stuck.sum()),
         strayed=int(rollouts.strayed.sum()),
-        # A trial that ends on its way to a waypoint had set out on that leg, and on none after it.
+        # A trial that ends before a waypoint has started that leg, and none after it.
         legs=legs_reached + int((rollouts.legs_reached < rollouts.legs).sum()),
         legs_reached=legs_reached,
         mean_leg_time_s=float(rollouts.legs_time_s.sum()) / legs_reached if legs_reached else None,

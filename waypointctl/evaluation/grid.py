@@ -15,7 +15,7 @@ class Column:
     Attributes:
         heading: what stands above it.
         is_text: text, which may be wrapped; a number may not.
-        spare: which columns to leave out first where there is no room, the highest first; 0 stays.
+        spare: which columns to leave out first if the table is too wide, the highest first; 0 stays.
         of: whose, where other columns have the same heading.
     """
 
@@ -26,7 +26,7 @@ class Column:
 
     @property
     def called(self) -> str:
-        """The heading, and whose it is where that does not say it."""
+        """The heading, with its owner if the heading does not name it."""
         return f"{self.heading} of {self.of}" if self.of else self.heading
 
 

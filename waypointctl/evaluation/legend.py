@@ -20,7 +20,7 @@ Handle: TypeAlias = Line2D | Patch
 
 _FONT_PT: Final = 9
 _LETTER_IN: Final = 0.082
-_HANDLE_IN: Final = 0.62  # the sign beside a label, and the gap to the next
+_HANDLE_IN: Final = 0.62  # the sign before a label, and the gap to the next
 _ROW_IN: Final = 0.23
 _FOOT_IN: Final = 0.24  # the line below
 _AXIS_IN: Final = 0.42  # the axes' numbers above
@@ -77,7 +77,7 @@ def margin_in(handles: Sequence[Handle], width_in: float) -> float:
 
 
 def draw_legend(figure: Figure, handles: Sequence[Handle], left_in: float, *, is_sample: bool) -> None:
-    """Draw the legend into the margin, from `left_in` on, and say how the trials were chosen if not all are shown."""
+    """Draw the legend into the margin, from `left_in` on, and state how the trials were chosen if not all are shown."""
     width_in, height_in = figure.get_size_inches()
     columns = math.ceil(len(handles) / _rows(handles, width_in))
     figure.legend(

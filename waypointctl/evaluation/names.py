@@ -1,4 +1,4 @@
-"""What evaluated policies are called in tables and pictures, so that no two look alike."""
+"""Names of evaluated policies in tables and pictures, each different."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from waypointctl.evaluation.result import Evaluation
 def names_of(evaluations: Sequence[Evaluation], folders: Sequence[Path] | None = None) -> list[str]:
     """Return what each policy is called: its name, where others have the same name its folder.
 
-    Without folders it is the beginning of its hash that tells it from others; what is given twice is numbered.
+    Without folders the beginning of its hash is added; equal names are numbered.
     """
     known = Counter(evaluation.policy for evaluation in evaluations)
     names = [

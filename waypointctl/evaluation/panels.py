@@ -22,7 +22,7 @@ End: TypeAlias = Literal["success", "fall", "time-out", "strayed"]
 MOST_PANELS: Final = 48
 _SHOWN: Final = 100  # trials of given paths in a panel, at least _LEAST of each
 _LEAST: Final = 10
-_WAYPOINTS: Final = 60  # of drawn paths in a panel: with more, nothing is told from anything
+_WAYPOINTS: Final = 60  # of drawn paths in a panel: with more, they cannot be distinguished
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class Panel:
 
 
 def refuse_too_many(suite: Suite, num_policies: int) -> None:
-    """Refuse to draw so many policies in a suite, before they are evaluated.
+    """Refuse a picture with too many panels, before the policies are evaluated.
 
     Raises:
         InputError: there would be more panels than a picture can hold.
@@ -118,7 +118,7 @@ def _panel(
 
 
 def _sample(rollouts: Rollouts, count: int) -> list[Trial]:
-    """Return the first trials, and the first of those that failed: falls are rare, and what one looks for."""
+    """Return the first trials, and the first of those that failed: falls are rare, and of most interest."""
     traced = np.arange(len(rollouts.trajectories))
     failed = traced[~rollouts.success[: len(traced)]]
     return [

@@ -1,4 +1,4 @@
-"""The tables of the paper that a suite is from: its figures beside those found here."""
+"""The tables of a suite's paper, with the published rates next to the measured ones."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def published_note(evaluation: Evaluation) -> str | None:
 
 
 def is_of_the_paper(evaluation: Evaluation) -> bool:
-    """Return whether an evaluation's cases are the paper's: a suite of somebody else's may have its name."""
+    """Return whether an evaluation's cases are the paper's: a user's suite may have the same name."""
     if evaluation.suite != _PAPER:
         return False
     theirs = {(case.path, case.paper) for case in load_suite(_PAPER).cases}
@@ -55,7 +55,7 @@ def number_of(suite: Suite, evaluation: Evaluation) -> int | None:
 
 
 def paper_tables(suite: Suite, evaluations: Sequence[Evaluation], names: Sequence[str] | None = None) -> list[Grid]:
-    """Return the paper's tables in its own layout, with what was found beside its figures.
+    """Return the paper's tables in its own layout, with the measured rates next to the published ones.
 
     A policy that is none of the paper's has a row, or a column, of its own. Of the paper's policies a table shows
     those that it has in the paper, whether they were evaluated or not.

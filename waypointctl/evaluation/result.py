@@ -1,4 +1,4 @@
-"""What an evaluation found: the JSON of `waypointctl eval` and of evaluation.json."""
+"""The results of an evaluation: the JSON of `waypointctl eval` and of evaluation.json."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.task.course import Deadline
 
-EVALUATION: Final = "evaluation.json"  # its name in a policy's folder: what the paper's suite found
+EVALUATION: Final = "evaluation.json"  # its name in a policy's folder, for the paper's suite
 
 Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
 Count: TypeAlias = Annotated[int, Field(ge=0, le=10**15)]
@@ -31,7 +31,7 @@ class _Record(BaseModel):
 
 
 class CaseResult(_Record):
-    """How often and how well a policy walked one path, or paths drawn in one way.
+    """The results of a policy on one path, or on paths drawn in one way.
 
     What an evaluation of an earlier version did not measure is None.
     """
@@ -39,7 +39,7 @@ class CaseResult(_Record):
     name: Name
     waypoints: tuple[Point, ...]  # [m]; none where they were drawn
     trials: Several
-    successes: Count  # all waypoints reached in time, and the last one held where that was asked for
+    successes: Count  # all waypoints reached in time, and the last one held if the suite has `hold`
     rate: Rate
     wilson95: tuple[Rate, Rate]
     falls: Count
@@ -47,13 +47,13 @@ class CaseResult(_Record):
     mean_time_s: Number | None  # from the start to the last waypoint, of the successes; None if there are none
     spl: Number  # success weighted by path length, mean over all trials
     paper: Rate | None  # the published rate, where there is one
-    orbiting: Count | None = None  # of the time-outs, those that ended walking round their waypoint
-    stuck: Count | None = None  # of the time-outs, those that ended walking nowhere; the others were just late
+    orbiting: Count | None = None  # of the time-outs, those that ended in an orbit around the waypoint
+    stuck: Count | None = None  # of the time-outs, those that ended without moving; the others were late
     strayed: Count | None = None  # reached the last waypoint, but did not stay there: neither fall nor time-out
-    legs: Several | None = None  # legs that were set out on
+    legs: Several | None = None  # legs that were started
     legs_reached: Count | None = None  # of those, the ones whose waypoint was reached
     mean_leg_time_s: Number | None = None  # of the legs that were reached, in all trials
-    mean_speed_mps: Number | None = None  # of the successes: all metres walked to the last waypoint by all seconds
+    mean_speed_mps: Number | None = None  # of the successes: total distance to the last waypoint divided by total time
     course: RandomPaths | None = None  # how the paths were drawn; None where they were given
 
     @model_validator(mode="after")
@@ -75,7 +75,7 @@ class CaseResult(_Record):
 
 
 class Evaluation(_Record):
-    """How a policy did in a suite."""
+    """The results of a policy in a suite."""
 
     policy: Name
     suite: Name
@@ -87,9 +87,9 @@ class Evaluation(_Record):
     versions: dict[str, str]
     start: Start = Start()
     hold: Hold | None = None
-    suite_acceptance: Acceptance | None = None  # the suite's own, where another one was asked for
+    suite_acceptance: Acceptance | None = None  # the suite's own, if another one was used
     observation: str | None = None  # the policy's observation layout
-    training: Training | None = None  # what the policy was trained on, where its recipe says so
+    training: Training | None = None  # what the policy was trained on, if its recipe states it
 
     @property
     def trials(self) -> int:
@@ -113,7 +113,7 @@ class Evaluation(_Record):
 
     @property
     def conditions(self) -> str:
-        """The suite as people call it, with the acceptance where it is not the suite's own."""
+        """The suite's name, with the acceptance if it is not the suite's own."""
         return self.suite if self.suite_acceptance is None else f"{self.suite}, {self.acceptance}"
 
     def to_json(self) -> str:

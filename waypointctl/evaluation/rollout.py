@@ -1,4 +1,4 @@
-"""Rollouts: a policy on many paths at once, each robot on one."""
+"""Rollouts: a policy on many paths in parallel, one robot on each."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ class Rollouts:
     """How n trials went, each an array (n,). A trial ends in exactly one of success, fell, timed_out and strayed.
 
     Attributes:
-        success: all waypoints were reached, and the last one was held where that was asked for.
+        success: all waypoints were reached, and the last one was held if the suite has `hold`.
         fell: it ended in a fall, also in one at the last waypoint.
         timed_out: it ended at the deadline.
         strayed: the last waypoint was reached, but the robot did not stay there.
         orbiting: of the time-outs, the robot circled its waypoint.
         stuck: of the time-outs, the robot had stopped making way.
         time_s: from the start until the last waypoint was reached, or the trial ended before [s].
-        walked_m: length of the torso's path over the ground in that time [m].
+        walked_m: length of the base's path over the ground in that time [m].
         straight_m: length of the straight lines from the start through the waypoints [m].
         legs: waypoints of the path.
         legs_reached: how many of them were reached.
         legs_time_s: from the start until the last of those [s].
         paths: each the waypoints (m, 2) [m].
-        trajectories: each the positions of the torso, ten times a second, (k, 2) [m]; of the first TRACED trials.
+        trajectories: each the positions of the base, ten times a second, (k, 2) [m]; of the first TRACED trials.
     """
 
     success: BoolArray
@@ -91,7 +91,7 @@ def rollout(
         step = env.step(trials.actions(policy, observation))
         observation = step.observation
         if trials.take(step):
-            env.batch.stepped = trials.going  # whose trial has ended costs no more time
+            env.batch.stepped = trials.going  # robots whose trial has ended are not simulated further
             ended(trials.num_ended)
     env.batch.stepped = None
     return trials.rollouts()

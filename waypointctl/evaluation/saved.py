@@ -1,4 +1,4 @@
-"""Evaluations as files: beside the policy that they are of, or where they were asked for."""
+"""Evaluations as files: in their policy's folder, or at a given path."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from waypointctl.mission.checks import file_name
 from waypointctl.mission.fields import Acceptance
 from waypointctl.paths import write_whole
 
-PATTERN: Final = "evaluation*.json"  # the files that evaluations are saved to beside a policy
+PATTERN: Final = "evaluation*.json"  # names of evaluation files in a policy's folder
 
 _PAPER: Final = "paper"
 
@@ -38,7 +38,7 @@ def write_evaluation(evaluation: Evaluation, path: Path) -> None:
 
 
 def write_evaluations(evaluations: Sequence[Evaluation], path: Path) -> None:
-    """Write one evaluation as it is, several as {"evaluations": [...]}; what stands at `path` is never half of it.
+    """Write one evaluation as it is, several as {"evaluations": [...]}; the file appears whole.
 
     Raises:
         OutputError: the file cannot be written.
@@ -57,7 +57,7 @@ def saved_name(suite: str, other_acceptance: Acceptance | None = None) -> str:
 
 
 def remove_outdated(folder: Path, policy_sha256: str) -> None:
-    """Remove what an earlier policy's evaluations left in a folder that another is about to go into.
+    """Remove an earlier policy's evaluations from a folder before another policy is written to it.
 
     evaluation.json goes in any case; those in other suites stay if they are of the very same policy.
 
@@ -80,7 +80,7 @@ def _is_of_another(path: Path, policy_sha256: str) -> bool:
 
 
 def refuse_unsavable(suite: Suite) -> None:
-    """Refuse a suite whose results could not be told from another's by their file's name.
+    """Refuse a suite whose results would have the same file name as another suite's.
 
     Raises:
         SuiteError: its name cannot name a file, or is that of a suite that comes with waypointctl and is another.
@@ -90,12 +90,12 @@ def refuse_unsavable(suite: Suite) -> None:
     except ValueError as error:
         raise SuiteError(f"--save names a file after the suite, and {error}", hint="rename the suite") from error
     if suite.name in BUILT_IN and suite != load_suite(suite.name):
-        problem = f"a suite that comes with waypointctl is called {suite.name!r}, and is another"
-        raise SuiteError(problem, hint="rename yours, so that --save keeps the results of both")
+        problem = f"a suite that comes with waypointctl has the name {suite.name!r}"
+        raise SuiteError(problem, hint="rename your suite, so that --save keeps the results of both")
 
 
 def refuse_other_files(path: Path) -> None:
-    """Refuse to replace what is there unless it is evaluations, or empty.
+    """Refuse to replace a file unless it is an evaluation or empty.
 
     Raises:
         OutputError: it is something else.

@@ -67,17 +67,19 @@ SuiteCase: TypeAlias = Case | RandomPaths
 
 
 class Hold(FileModel):
-    """Stand at the last waypoint: from the moment it is reached the robot's standing controller has the motors."""
+    """Stand at the last waypoint: once it is reached, the standing controller drives the motors."""
 
     time_s: Annotated[float, Quantity("s", gt=0, le=DAY_S)] = Field(10.0, description="how long")
-    within_m: Tolerance = Field(0.5, description="how far from the waypoint the torso may be, all that time")
+    within_m: Tolerance = Field(0.5, description="largest distance of the torso from the waypoint during that time")
 
 
 class PaperPolicy(FileModel):
-    """A policy of the paper: how it was trained and what it sees."""
+    """A policy of the paper: its training waypoints and its observation."""
 
     number: Annotated[int, Strict(), Field(ge=1, le=1000)]
-    training: Training = Field(description="single point: always to one and the same; waypoints: drawn each episode")
+    training: Training = Field(
+        description="single point: the same waypoint in every episode; waypoints: drawn for each episode"
+    )
     observation: Name = Field(description="the layout: state, state_noise, state_goal")
     paper: dict[Name, Rate] | None = Field(
         None, description="its published success rates by case; where left out, the cases' own"
@@ -106,7 +108,7 @@ class Suite(FileModel):
     acceptance: Acceptance = Acceptance()
     deadline: Deadline = Deadline()
     start: Start = Start()
-    hold: Hold | None = Field(None, description="to stand at the last waypoint; left out: reaching it is enough")
+    hold: Hold | None = Field(None, description="standing at the last waypoint; default: it only has to be reached")
     cases: Annotated[tuple[Case, ...], Field(min_length=1, max_length=1000)] = Field((), description="given paths")
     courses: Annotated[tuple[RandomPaths, ...], Field(min_length=1, max_length=1000)] = Field(
         (), description="random paths"
@@ -137,7 +139,7 @@ class Suite(FileModel):
     def _names_are_unique(self) -> Suite:
         counts = Counter(case.name for case in self.all_cases)
         if twice := [name for name, count in counts.items() if count > 1]:
-            raise ValueError(f"each case needs a name of its own; more than one is called {', '.join(twice)}")
+            raise ValueError(f"each case needs its own name; used more than once: {', '.join(twice)}")
         return self
 
     @model_validator(mode="after")
@@ -160,7 +162,7 @@ def load_suite(name_or_file: Path | str) -> Suite:
     """Return a suite that comes with waypointctl, by its name, or the one in a YAML file.
 
     Raises:
-        SuiteError: there is no such suite or file, or what is in the file is not a suite.
+        SuiteError: the suite or file does not exist, or the file is not a suite.
     """
     if name_or_file in BUILT_IN:
         source = files("waypointctl.evaluation").joinpath("suites", f"{name_or_file}.yaml").read_bytes()

@@ -1,4 +1,4 @@
-"""What evaluations found, as tables."""
+"""Evaluations as tables."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ _COLUMNS: Final = (
 
 
 def tables(suite: Suite, evaluations: Sequence[Evaluation], names: Sequence[str] | None = None) -> list[Grid]:
-    """Return the paper's tables where several policies walked its suite, else one table of all results.
+    """Return the paper's tables if several policies were evaluated on its suite, else one table of all results.
 
     Below the last one it is said whose figures the paper's are, and which policies could be taken for one another.
 
     Args:
-        suite: what was walked.
+        suite: of the evaluations.
         evaluations: of each policy.
         names: what each policy is called; None: as `names_of` has it.
     """

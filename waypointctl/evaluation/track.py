@@ -12,14 +12,14 @@ from waypointctl.units import NS_PER_S
 FloatArray: TypeAlias = NDArray[np.float64]
 
 SAMPLES_PER_S: Final = 10
-WINDOW_S: Final = 5  # before the time-out: what it is judged by
+WINDOW_S: Final = 5  # before the time-out: the window that classifies it
 NEAR_M: Final = 3.0  # an orbit stays this near the waypoint
-STILL_M: Final = 0.5  # a robot that gets no farther from the middle of its last seconds is stuck
+STILL_M: Final = 0.5  # a robot that stays this near the middle of its last positions is stuck
 TRACED: Final = 1000  # trials whose whole trajectory is kept
 
 
 class Track:
-    """Where n robots have been, ten times a second: the last seconds of each, all seconds of the first ones."""
+    """Positions of n robots, ten times a second: the last seconds of each, all of the first ones."""
 
     def __init__(self, position: FloatArray, control_period_ns: int) -> None:
         """Begin with the robots at position (n, 2) [m]."""

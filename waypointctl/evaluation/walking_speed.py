@@ -1,4 +1,4 @@
-"""How fast a policy rollouts, from the evaluations that are kept beside it."""
+"""The mean speed of a policy, from the evaluations in its folder."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 from waypointctl.input_file import RECORD_FILE, read_input
 
-_FILES: Final = ("evaluation-region.json", "evaluation.json")  # the first that tells goes first
+_FILES: Final = ("evaluation-region.json", "evaluation.json")  # the first with a speed is used
 _USUAL_MPS: Final = 2.0
 
 
@@ -25,7 +25,7 @@ class WalkingSpeed:
 
 
 class _Case(BaseModel):
-    """What of a CaseResult tells the speed; the whole record would load the simulator with it."""
+    """The fields of a CaseResult for the speed; importing the whole record would load the simulator."""
 
     successes: int = Field(ge=0)
     mean_time_s: float | None = Field(None, ge=0, allow_inf_nan=False)
@@ -39,7 +39,7 @@ class _Evaluation(BaseModel):
 
 
 def walking_speed(policy: Path) -> WalkingSpeed:
-    """Return the mean speed of a policy's successes in the suite `region`, else in `paper`; else 2 m/s, which it says.
+    """Return a policy's mean speed over successes in the suite `region`, else `paper`; else 2 m/s, marked as assumed.
 
     Args:
         policy: its folder.

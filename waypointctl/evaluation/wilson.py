@@ -9,7 +9,7 @@ from statistics import NormalDist
 def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tuple[float, float]:
     """Return the interval (low, high) in which the true rate lies with the given confidence.
 
-    Unlike the normal approximation it stays within [0, 1] and says something of 0 or all of `trials`
+    Unlike the normal approximation it stays within [0, 1] and is meaningful for 0 or all of `trials`
     (E. B. Wilson 1927; method 3 in R. G. Newcombe, Statistics in Medicine 17, 1998).
 
     Raises:

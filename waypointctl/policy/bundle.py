@@ -43,7 +43,7 @@ class LoadedPolicy(Policy):
 
     @property
     def name(self) -> str:
-        """What its manifest calls it."""
+        """Its name in the manifest."""
         return self.manifest.name
 
     @property
@@ -93,7 +93,7 @@ def load_policy(folder: Path | str, *, threads: int = 1) -> LoadedPolicy:
         try:
             files[name] = _read(folder, name)
         except PolicyError as error:
-            if error.problem != NOT_THERE:  # load_policy_bytes says which file is missing
+            if error.problem != NOT_THERE:  # load_policy_bytes names the missing file
                 raise
     if not files:
         raise PolicyError(_missing(FILES), where=str(folder), hint=policies_near(folder))
@@ -166,10 +166,10 @@ def _manifest(text: bytes, where: str) -> Manifest:
 
 
 def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return a JSON object; of a key that is there twice, one reader takes the first and another the last."""
+    """Return a JSON object; a repeated key is refused, since readers differ in which one they use."""
     found = dict(pairs)
     if len(found) < len(pairs):
-        raise ValueError(f"a key of {', '.join(found)[:200]} is there twice")
+        raise ValueError(f"one of the keys {', '.join(found)[:200]} occurs twice")
     return found
 
 
@@ -190,7 +190,7 @@ def _refuse_damaged(manifest: Manifest, files: Mapping[str, bytes], where: str) 
         size = len(files[name])
         if size != expected.size:
             how = "truncated" if size < expected.size else "altered"
-            problem = f"{how}: it has {size} bytes, its manifest says {expected.size}"
+            problem = f"{how}: it has {size} bytes, its manifest has {expected.size}"
         elif hashlib.sha256(files[name]).hexdigest() != expected.sha256:
             problem = f"altered: its SHA-256 is not the manifest's {expected.sha256}"
         else:
@@ -202,7 +202,7 @@ def _refuse_other_sizes(manifest: Manifest, network: Network, where: str) -> Non
     sizes = (network.input_size, network.output_size)
     if sizes != (manifest.observation.size, manifest.action.size):
         problem = (
-            f"the network maps {sizes[0]} numbers to {sizes[1]}, but the manifest says "
+            f"the network maps {sizes[0]} numbers to {sizes[1]}, but the manifest has "
             f"{manifest.observation.size} observations and {manifest.action.size} actions"
         )
         raise PolicyError(problem, where=f"{where}/{NETWORK}", hint=_COPY_AGAIN)

@@ -1,4 +1,4 @@
-"""What a policy bundle says of itself: manifest.json."""
+"""The manifest of a policy bundle: manifest.json."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class _Record(BaseModel):
 
 
 class ObservationSpec(_Record):
-    """What the policy sees: `size` numbers, each with its name, its unit and the scale that multiplies it."""
+    """The observation of the policy: `size` numbers, each with its name, its unit and the scale that multiplies it."""
 
     layout: Name  # "custom" for a list of groups that has no name
     groups: tuple[Name, ...]  # that the numbers belong to, in order
@@ -44,7 +44,7 @@ class ObservationSpec(_Record):
 
 
 class ActionSpec(_Record):
-    """What the policy gives: `size` numbers, clipped to `limits` before they are applied."""
+    """The action of the policy: `size` numbers, clipped to `limits` before they are applied."""
 
     size: Count
     meaning: Name
@@ -65,26 +65,26 @@ class NetworkSpec(_Record):
 
 
 class SelectionRecord(_Record):
-    """How the weights were chosen among a training's checkpoints: by the most successes, the later of equals."""
+    """How the weights were selected among a training's checkpoints: by the most successes, the later of equals."""
 
     suite: Name
     seed: Seed
     trials: Count  # of all cases together
     successes: Whole
-    candidates: Count  # how many were tested
+    candidates: Count  # how many were evaluated
     last_step: Whole  # where training ended, in control steps
-    stop_at: Annotated[Number, Field(gt=0, le=1)] | None  # the success rate that training was to end at
+    stop_at: Annotated[Number, Field(gt=0, le=1)] | None  # the success rate at which training was to end
 
 
 class StartRecord(_Record):
-    """The policy that a training began with the weights of."""
+    """The policy of a training's warm start."""
 
     policy: Name
     observation: Name  # its layout
     steps: Whole  # of its own training
     policy_sha256: Sha256  # of its manifest.json
     weights_sha256: Sha256
-    selection: SelectionRecord | None = None  # how its own weights were chosen; none: they were the last
+    selection: SelectionRecord | None = None  # how its own weights were selected; None: the last checkpoint
 
 
 class TrainingRecord(_Record):
@@ -109,7 +109,7 @@ class FileRecord(_Record):
 
 
 class PolicyDescription(_Record):
-    """All that whoever trains a policy says of it."""
+    """The part of a manifest that the training provides."""
 
     schema_version: Literal[2] = SCHEMA_VERSION
     name: Name
@@ -118,7 +118,7 @@ class PolicyDescription(_Record):
     observation: ObservationSpec
     action: ActionSpec
     network: NetworkSpec
-    reward: dict[Name, Weight]  # the weight of each term; a cap that is none is "Infinity"
+    reward: dict[Name, Weight]  # the weight of each term; "Infinity" without a cap
     training: TrainingRecord
 
 

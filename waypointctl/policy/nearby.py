@@ -1,4 +1,4 @@
-"""Where policies are, for whoever has named a folder that is none."""
+"""Nearby policies, for the message about a folder that is not a policy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from waypointctl.mission.policy_name import policies_there_are
 from waypointctl.policy.manifest import MANIFEST
 
 _NAMED: Final = 3  # policies in a message
-_LOOKED_AT: Final = 2000  # folders: the one that was named may be a whole disk
+_LOOKED_AT: Final = 2000  # folders: the named folder may be a whole disk
 
 
 def policies_near(folder: Path) -> str:
@@ -37,7 +37,7 @@ def _policies(folders: Iterator[Path]) -> list[Path]:
 
 
 def _folders(folder: Path) -> Iterator[Path]:
-    """Yield the folders in a folder; none of one that cannot be read, and none that is hidden."""
+    """Yield the folders in a folder; without unreadable and hidden ones."""
     try:
         yield from (path for path in folder.iterdir() if not path.name.startswith(".") and path.is_dir())
     except OSError:

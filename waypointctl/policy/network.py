@@ -34,7 +34,7 @@ class Network:
         Args:
             model: the ONNX file's bytes.
             where: the file's name, for messages.
-            threads: how many share one call; more than one only pays for large networks and batches.
+            threads: threads of one call; more than one is only faster for large networks and batches.
 
         Raises:
             PolicyError: it is not an ONNX model of that shape, has what a policy must not have, or does not run.
@@ -53,8 +53,8 @@ class Network:
         """Return actions (n, nu) for observations (n, k).
 
         Raises:
-            PolicyError: onnxruntime cannot run the network, or must not on so many observations, or an action is not a
-                finite number.
+            PolicyError: onnxruntime cannot run the network, the network exceeds the limit for this many
+                observations, or an action is not a finite number.
         """
         if len(observation) not in self._allowed:
             with _refusing(self._where):
@@ -81,7 +81,7 @@ _OTHER: Final = "choose another policy, or train this one again"
 
 @contextmanager
 def _refusing(where: str) -> Iterator[None]:
-    """Say of a network that must not run what is wrong with it."""
+    """Refuse a network that is not allowed, with the reason."""
     try:
         yield
     except Refused as error:

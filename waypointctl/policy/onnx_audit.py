@@ -1,7 +1,7 @@
-"""Looking at an ONNX model before onnxruntime does: what it may have, and how much it may ask for.
+"""Checking an ONNX model before onnxruntime reads it: allowed operators, and bounds of memory and work.
 
-onnxruntime would look up operators of foreign domains, follow tensors into other files, repeat a loop for ever, draw
-random numbers, and take whatever memory a shape asks for, where no signal ends it. A policy is one file of standard,
+onnxruntime would load operators of foreign domains, read tensors from other files, repeat a loop for ever, draw
+random numbers, and allocate the memory of any shape, uninterruptibly. A policy is one file of standard,
 deterministic operators whose shapes are known from the graph alone.
 """
 
@@ -17,7 +17,7 @@ from waypointctl.policy.onnx_shapes import output_values
 from waypointctl.policy.onnx_values import Value, constant
 from waypointctl.policy.protobuf_fields import Refused
 
-ROWS: Final = 256  # observations that a network is thought to be given at once; the limits are for as many
+ROWS: Final = 256  # observations that the limits are for
 MOST_NODES: Final = 2_000
 MOST_NUMBERS: Final = 2**24  # of one tensor, and 4 times as many of all that are computed
 LIMIT: Final = "policy-work"
@@ -34,7 +34,7 @@ class Audited:
     graph: Graph
 
     def require(self, rows: int) -> None:
-        """Work out every shape for another number of observations: a shape can depend on it in any way.
+        """Compute every shape for another number of observations: a shape can depend on it in any way.
 
         Raises:
             Refused, TooLarge, ValueError: as for `audit`.
@@ -49,7 +49,7 @@ class TooLarge(ValueError):
     """The network takes more multiplications, `work`, than the limit."""
 
     def __init__(self, work: int) -> None:
-        """Say how many, and what is allowed."""
+        """State the number and the limit."""
         super().__init__(over_limit(LIMIT, work, f"multiplications for {ROWS} observations"))
         self.work = work
 
@@ -75,17 +75,17 @@ def _evaluated(graph: Graph, into: int, rows: int) -> dict[str, Value]:
     if len(graph.nodes) > MOST_NODES:
         raise Refused(f"more than {MOST_NODES:,} operators")
     values: dict[str, Value] = {each.name: constant(each) for each in graph.constants}
-    if len(values) < len(graph.constants):  # of two, another reader may take the other
+    if len(values) < len(graph.constants):  # readers differ in which of two they use
         raise ValueError("two constants of one name")
     values[graph.inputs[0].name] = Value((rows, into))
-    share = max(1.0, rows / ROWS)  # who runs it on more observations has asked for more
+    share = max(1.0, rows / ROWS)  # the limit scales with the observations
     most = share * MOST_NUMBERS
     numbers = work = 0
     for node in graph.nodes:
         if missing := [name for name in node.inputs if name and name not in values]:
-            raise ValueError(f"{node.operator[:40]} takes {missing[0][:80]!r}, which nothing before it gives")
+            raise ValueError(f"{node.operator[:40]} takes {missing[0][:80]!r}, which no operator before it produces")
         if doubled := [name for name in node.outputs if name and name in values]:
-            raise ValueError(f"{node.operator[:40]} gives {doubled[0][:80]!r}, which is there already")
+            raise ValueError(f"{node.operator[:40]} gives {doubled[0][:80]!r}, which already exists")
         try:
             found, more = output_values(node, [values[name] if name else None for name in node.inputs])
         except Refused:
@@ -97,7 +97,7 @@ def _evaluated(graph: Graph, into: int, rows: int) -> dict[str, Value]:
         if max(sizes, default=0) > most or numbers > 4 * most:
             raise Refused(f"more than {MOST_NUMBERS:,} numbers in a tensor, or {4 * MOST_NUMBERS:,} in all")
         values |= zip(node.outputs, found, strict=False)
-    if work > share * limit(LIMIT):  # at the end, so that the message says how much it takes
+    if work > share * limit(LIMIT):  # at the end, so that the message has the total
         raise TooLarge(math.ceil(work / share))
     return values
 

@@ -78,7 +78,7 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """What a model computes."""
+    """The graph of a model."""
 
     nodes: tuple[Node, ...]
     constants: tuple[Tensor, ...]
@@ -103,7 +103,7 @@ def read_graph(model: bytes) -> Graph:
     if 15 in graph:
         raise Refused("a sparse tensor")
     constants = tuple(_tensor(each) for each in reader.messages(graph, 5))
-    names = {each.name for each in constants}  # models of long ago list them among the inputs too
+    names = {each.name for each in constants}  # old models also list them as inputs
     ports = [_port(reader, each) for each in reader.messages(graph, 11)]
     return Graph(
         tuple(_node(reader, each) for each in reader.messages(graph, 1)),
@@ -124,7 +124,7 @@ def _node(reader: Reader, fields: Fields) -> Node:
             raise Refused("an attribute of a kind that is not read")
         name, value = text(attribute, 1), _attribute(reader, attribute)
         if name in attributes or any(number(attribute, 20) != _ATTRIBUTE_TYPES[field] for field in held):
-            raise ValueError(f"the attribute {name[:40]!r} is there twice, or of another type than it says")
+            raise ValueError(f"the attribute {name[:40]!r} occurs twice, or has another type than declared")
         if value is not None:
             attributes[name] = value
     return Node(text(fields, 4), texts(fields, 1), texts(fields, 2), attributes)

@@ -1,4 +1,4 @@
-"""The shapes in a network, found from its graph alone, before anything takes the memory that they ask for.
+"""The shapes in a network, found from its graph alone, before any memory is allocated for them.
 
 Operators are an allow-list of deterministic ones: what waypointctl's own export has, and what exported multilayer
 perceptrons and recurrent networks need. Shapes that are computed from shapes, as exports of recurrent networks do, are
@@ -173,7 +173,7 @@ def _squeeze(given: Given) -> Sequence[Shape]:
     shape, axes = given.shape(), given.numbers("axes", 1)
     gone = {_axis(axis, shape) for axis in axes} if axes else {axis for axis, side in enumerate(shape) if side == 1}
     if any(shape[axis] != 1 for axis in gone):
-        raise ValueError(f"shape {shape} has no side of 1 at {axes}")
+        raise ValueError(f"shape {shape} has no dimension of size 1 at {axes}")
     return [tuple(side for axis, side in enumerate(shape) if axis not in gone)]
 
 

@@ -1,4 +1,4 @@
-"""What an operator of a network takes and gives, as far as it is known before the network runs."""
+"""Inputs and outputs of a network's operator, as far as known before the network runs."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def folded(given: Given, shape: Shape, kind: int) -> Integers | None:
         return None
     else:
         arrays = [value.known for value in given.values if value is not None and value.known is not None]
-    with np.errstate(all="ignore"):  # a size that overflows is refused for what it comes to
+    with np.errstate(all="ignore"):  # an overflowing size is refused by its value
         found = _FOLDS[operator](given, arrays)
     return None if found is None else np.asarray(found, np.int64).reshape(shape)
 

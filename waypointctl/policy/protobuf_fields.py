@@ -1,4 +1,4 @@
-"""Protobuf's wire format, walked without a schema: https://protobuf.dev/programming-guides/encoding.
+"""Protobuf's wire format, read without a schema: https://protobuf.dev/programming-guides/encoding.
 
 What two parsers could read in two ways is refused: a field that may be there once and is doubled, a number or a text of
 another wire type, a field's number of more than 32 bits.
@@ -22,7 +22,7 @@ Fields: TypeAlias = dict[int, list[Value]]
 
 
 class Refused(ValueError):
-    """A file has what it must not have; the text follows "the model has"."""
+    """A file has forbidden content; the text follows "the model has"."""
 
 
 class Reader:
@@ -49,7 +49,7 @@ class Reader:
                 raise Refused(f"more than {MOST_FIELDS:,} parts")
             tag, at = _varint(content, at)
             number, wire_type = tag >> 3, tag & 7
-            if not number or tag >= 2**32:  # of which other parsers see the lower half
+            if not number or tag >= 2**32:  # other parsers use the lower half
                 raise ValueError(f"no field at byte {at}")
             if wire_type == _VARINT:
                 value, at = _varint(content, at)
@@ -75,7 +75,7 @@ def one(fields: Fields, field: int) -> memoryview | None:
     if not values:
         return None
     if len(values) > 1 or not isinstance(values[0], memoryview):
-        raise ValueError(f"field {field} is there {len(values)} times, or is a number")
+        raise ValueError(f"field {field} occurs {len(values)} times, or is a number")
     return values[0]
 
 
@@ -83,7 +83,7 @@ def number(fields: Fields, field: int) -> int:
     """Return a number that may be there once; 0 if it is not."""
     values = fields.get(field, [0])
     if len(values) > 1 or not isinstance(values[0], int):
-        raise ValueError(f"field {field} is there {len(values)} times, or is no number")
+        raise ValueError(f"field {field} occurs {len(values)} times, or is not a number")
     return values[0]
 
 

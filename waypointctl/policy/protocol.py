@@ -84,7 +84,7 @@ def state_from(text: str) -> PolicyState:
     """Return the state that `state_text` made a text of.
 
     Raises:
-        ValueError: it is no such text.
+        ValueError: it is not such a text.
     """
     if not text:
         return {}

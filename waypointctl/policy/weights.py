@@ -1,4 +1,4 @@
-"""Whether a bundle's weights are those of its network: training goes on from the ones, the flight ran the other.
+"""Whether a bundle's weights are those of its network: training continues from the weights, a flight runs the network.
 
 safetensors: 8 bytes with the length of a JSON object, the object, the numbers
 (https://github.com/huggingface/safetensors#format).
@@ -59,7 +59,7 @@ def _floats(content: bytes) -> Arrays:
     """Return the arrays of 4 and 8 bytes a number, as float32.
 
     Raises:
-        ValueError, LookupError, TypeError, AttributeError, RecursionError: it is no such file.
+        ValueError, LookupError, TypeError, AttributeError, RecursionError: it is not such a file.
     """
     size = int.from_bytes(content[:_HEAD_BYTES], "little")
     begin = _HEAD_BYTES + size
@@ -68,7 +68,7 @@ def _floats(content: bytes) -> Arrays:
     header = json.loads(content[_HEAD_BYTES:begin])
     header.pop("__metadata__", None)
     spans = sorted(described["data_offsets"] for described in header.values())
-    # Nothing lies between the arrays, or under two of them.
+    # The arrays neither overlap nor leave gaps.
     if [0, len(content) - begin] != [spans[0][0], spans[-1][1]] or any(a[1] != b[0] for a, b in pairwise(spans)):
         raise ValueError("the arrays are not all of the file")
     return dict(_read(header, memoryview(content)[begin:]))

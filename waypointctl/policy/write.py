@@ -13,7 +13,7 @@ from waypointctl.errors import OutputError
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import MANIFEST, NETWORK, WEIGHTS, Manifest, PolicyDescription
 
-_LAST: Final = MANIFEST  # until it is replaced, its hashes refuse the new files
+_LAST: Final = MANIFEST  # until it is replaced, the new files fail its hashes
 
 
 def bundle_files(description: PolicyDescription, onnx: bytes, safetensors: bytes) -> dict[str, bytes]:
@@ -53,14 +53,14 @@ def write_bundle(folder: Path, description: PolicyDescription, onnx: bytes, safe
 def copy_bundle(policy: LoadedPolicy, folder: Path) -> None:
     """Write a policy's files into `folder`, in the way and with the errors of `write_bundle`."""
     # In a folder that is there, which can be another file system than the one around it, such as a container's volume.
-    beside = folder if folder.is_dir() else folder.parent
-    staging = beside / f".{folder.name}.{os.getpid()}.tmp"
+    parent = folder if folder.is_dir() else folder.parent
+    staging = parent / f".{folder.name}.{os.getpid()}.tmp"
     try:
         staging.mkdir(parents=True)
         _put(folder, staging, policy.files)
     except OSError as error:
         problem = f"the policy cannot be written: {error.strerror}"
-        raise OutputError(problem, where=str(folder), hint="give a folder in a place you can write to") from error
+        raise OutputError(problem, where=str(folder), hint="use a folder that you can write to") from error
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 

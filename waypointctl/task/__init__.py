@@ -1,1 +1,1 @@
-"""What a policy sees and is paid for."""
+"""The task: environment, observation groups, reward terms and courses."""

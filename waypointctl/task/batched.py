@@ -1,4 +1,4 @@
-"""Many robots walking their courses, in one call a step."""
+"""Many robots on their courses, stepped in one call."""
 
 from __future__ import annotations
 
@@ -53,19 +53,19 @@ def refuse_bad_action(action: object, num_joints: int, num_robots: int | None = 
     if not np.isfinite(actions).all():
         place = np.argwhere(~np.isfinite(actions))[0]
         where = f"joint {place[-1]}" + ("" if num_robots is None else f" of robot {place[0]}")
-        raise InputError(f"{what} must be finite: {where} is given {actions[tuple(place)]}", hint=_ACTION_HINT)
+        raise InputError(f"{what} must be finite: {where} is {actions[tuple(place)]}", hint=_ACTION_HINT)
     return actions
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What one control step of n robots came to.
+    """The result of one control step of n robots.
 
     An episode ends *terminated* by a fall, *truncated* by its deadline or by reaching the last waypoint: success
-    is no terminal state, or it would be punished by the loss of all that the robot could still earn.
+    is not a terminal state, since the return of the following steps would be lost.
 
     Attributes:
-        observation: (n, k) to act on next; of the new episode where one was begun.
+        observation: (n, k) for the next action; of the new episode where one began.
         reward: (n,) the sum of `terms`.
         terms: (n, k) weighted, named by `reward.names` of the env.
         terminated: (n,) bool.
@@ -73,7 +73,7 @@ class Step:
         reached: (n,) bool, a waypoint was reached.
         success: (n,) bool, it was the last.
         ended: ids (e,) of the robots whose episode ended.
-        final_observation: (e, k) what the robots in `ended` saw at the end.
+        final_observation: (e, k) the last observations of the robots in `ended`.
     """
 
     observation: FloatArray
@@ -88,10 +88,10 @@ class Step:
 
 
 class BatchedWaypointEnv:
-    """N robots, each on a course of its own, stepped on all cores.
+    """N robots, each on its own course, stepped on all cores.
 
     Robot i draws its starts from stream(seed, "start", i) and its courses from stream(seed, "course", i), whatever
-    the other robots do; where failed courses are walked again, it remembers its own. Noisy sensors alone draw for all
+    the other robots do; with failure replay it keeps its own failed courses. Noisy sensors alone draw for all
     robots together.
     """
 
@@ -111,9 +111,9 @@ class BatchedWaypointEnv:
             config: the task.
             num_robots: how many.
             seed: of every random stream.
-            threads: physics threads; 0 is one a core, 8 at most.
-            max_waypoints: the longest course that `begin` will be given; that of the config unless given.
-            autoreset: begin a new episode in the step that ends one; without it ended robots are left to walk on.
+            threads: physics threads; 0 is one per core, 8 at most.
+            max_waypoints: the longest course for `begin`; default: that of the config.
+            autoreset: begin a new episode in the step that ends one; without it, ended robots continue to move.
         """
         self.config = config
         self.robot = load_robot(config.robot)
@@ -169,11 +169,11 @@ class BatchedWaypointEnv:
             self.action[i] = 0.0
 
     def observe(self) -> FloatArray:
-        """Return what the robots see now, (n, k)."""
+        """Return the current observations, (n, k)."""
         return self._observation(self._body(slice(None)), slice(None))
 
     def step(self, actions: FloatArray) -> Step:
-        """Walk one control period with actions (n, nu), clipped to [-1, 1].
+        """Step one control period with actions (n, nu), clipped to [-1, 1].
 
         Raises:
             InputError: the actions have another shape, or a number that is not finite.
@@ -217,7 +217,7 @@ class BatchedWaypointEnv:
         return self.config.course.draw(self.courses[robot], start) if again is None else again
 
     def _body(self, robots: Robots) -> Body:
-        # Copies, column by column: a robot's state lies among much else in the batch's memory.
+        # Copies, column by column: in the batch's memory a robot's state is not contiguous.
         return body_of(self.batch.qpos[robots].copy(order="F"), self.batch.qvel[robots].copy(order="F"))
 
     def _observation(self, body: Body, robots: Robots) -> FloatArray:
@@ -233,7 +233,7 @@ class BatchedWaypointEnv:
         return self.layout.observe(view)
 
     def _rewarded(self, body: Body, held: FloatArray, approach: FloatArray, fell: BoolArray) -> SimulationView:
-        """Return the true state after a control period, with the waypoint that it was walked to."""
+        """Return the true state after a control period, with the waypoint that was current."""
         return SimulationView(
             robot=self.robot,
             body=body,

@@ -1,4 +1,4 @@
-"""The robot's body as the task sees it: pose and velocity in the frames that matter."""
+"""Pose and velocity of the robot's base and joints, in the frames that the task uses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-JOINT_RATE_SCALE: Final = 0.1  # Roboschool's scale for joint speeds, where policies see them and where they cost
+JOINT_RATE_SCALE: Final = 0.1  # Roboschool's scale for joint speeds, in observations and in the power penalty
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,15 +18,15 @@ class Body:
     """Pose and velocity of n robots, from their physics state.
 
     Attributes:
-        position: (n, 3) of the torso in the world frame [m].
-        velocity: (n, 3) of the torso in the world frame [m/s].
+        position: (n, 3) of the base in the world frame [m].
+        velocity: (n, 3) of the base in the world frame [m/s].
         rates: (n, 3) angular velocity in the body frame, as a gyroscope gives it [rad/s].
-        roll: (n,) [rad], with pitch and yaw the z-y-x Euler angles of the torso.
+        roll: (n,) [rad], with pitch and yaw the z-y-x Euler angles of the base.
         pitch: (n,) [rad].
         yaw: (n,) [rad].
-        up: (n,) vertical part of the torso's upward axis: 1 upright, -1 upside down.
-        joints: (n, nu) joint angles [rad].
-        joint_rates: (n, nu) joint speeds [rad/s].
+        up: (n,) vertical part of the base's upward axis: 1 upright, -1 upside down.
+        joints: (n, nj) joint angles [rad].
+        joint_rates: (n, nj) joint speeds [rad/s].
     """
 
     position: FloatArray
@@ -41,7 +41,7 @@ class Body:
 
 
 def body_of(qpos: FloatArray, qvel: FloatArray) -> Body:
-    """Return the body of n robots with a floating base. qpos: (n, 7 + nu), qvel: (n, 6 + nu). Arrays are views."""
+    """Return the body of n robots with a floating base. qpos: (n, 7 + nj), qvel: (n, 6 + nj). Arrays are views."""
     w, x, y, z = qpos[:, 3], qpos[:, 4], qpos[:, 5], qpos[:, 6]
     xx, yy = x * x, y * y
     up = 1.0 - 2.0 * (xx + yy)
@@ -59,5 +59,5 @@ def body_of(qpos: FloatArray, qvel: FloatArray) -> Body:
 
 
 def fallen(body: Body, min_height_m: float, min_up: float) -> NDArray[np.bool_]:
-    """Return which robots (n,) have fallen: the torso too low, or tipped over too far."""
+    """Return which robots (n,) have fallen: the base is too low, or tilted too far."""
     return (body.position[:, 2] < min_height_m) | (body.up < min_up)

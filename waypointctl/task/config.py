@@ -1,4 +1,4 @@
-"""All that defines a task, in one record."""
+"""The definition of a task, in one record."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ PERIMETERS: Final = {
     "legs": ("count", "leg_m"),
 }
 
-# Each try has a fifth of a chance at least (largest_gap_m), so that no draw ever comes to the last one.
+# Each try succeeds with a probability of at least 1/5 (largest_gap_m), so the last try is never needed in practice.
 _TRIES: Final = 1000
 
 
@@ -53,7 +53,7 @@ class Point(FileModel):
 
 
 class GivenCourse(FileModel):
-    """A course as it is. A bare list is its waypoints."""
+    """A given course. A bare list is its waypoints."""
 
     list_shorthand: ClassVar[str | None] = "waypoints"
 
@@ -70,18 +70,18 @@ class Course(FileModel):
 
     perimeter: Literal["square", "disc", "ring", "legs"] = Field(
         "square",
-        description="square, disc, ring: each waypoint in one, evenly over its area; legs: each at a random distance "
-        "and bearing from the last, the first from the robot, so that there is no perimeter",
+        description="square, disc, ring: each waypoint in one, uniformly over its area; legs: each at a random "
+        "distance and bearing from the one before, the first from the robot, without a perimeter",
     )
     count: Annotated[int, Strict(), Field(gt=0, le=65_536)] = Field(4, description="waypoints, the paper's M")
     centre_m: Position = Field((10.0, 10.0), description="of the square, disc or ring")
     side_m: Length = Field(5.0, description="of the square")
-    radius_m: Length = Field(2.5, description="of the disc, and the outer one of the ring")
-    inner_radius_m: Length | None = Field(None, description="of the ring, which needs it")
+    radius_m: Length = Field(2.5, description="of the disc; outer radius of the ring")
+    inner_radius_m: Length | None = Field(None, description="of the ring; required there")
     leg_m: tuple[Length, Length] = Field((1.0, 12.0), description="the shortest and the longest leg")
     min_distance_m: Distance = Field(
         0.0,
-        description="no waypoint is drawn nearer than this to the one before it, nor the first to the start; at most "
+        description="least distance between consecutive waypoints, and from the start to the first; at most "
         "half the square's side, or 0.85 of the radius",
     )
     cases: Annotated[tuple[GivenCourse, ...], Field(min_length=1, max_length=10_000)] | None = Field(
@@ -138,7 +138,7 @@ class Course(FileModel):
     @field_validator("cases", mode="before")
     @classmethod
     def _lists_in_lists(cls, cases: object) -> object:
-        # A bracket too few is the likely mistake, and would be called a number that is no mapping.
+        # The most frequent error is a missing bracket; pydantic's message on it would not name the brackets.
         waypoints = [point for case in _entries(cases) for point in _entries(case)]
         if any(isinstance(part, int | float | str) for part in (*_entries(cases), *waypoints)):
             raise ValueError("each case is a list of waypoints, and each waypoint [x, y]: cases: [[[10 m, 10 m]]]")
@@ -165,9 +165,9 @@ class Course(FileModel):
         for name in sorted((self.model_fields_set & drawing) - set(takes)):
             yield name, f"is not used by 'perimeter: {self.perimeter}', which takes {_listed(takes)}"
         if "leg_m" in takes and self.leg_m[0] > self.leg_m[1]:
-            yield "leg_m", f"{list(self.leg_m)} is not in order; the shortest leg comes first"
+            yield "leg_m", f"{list(self.leg_m)} is not in order: the shortest leg comes first"
         if self.perimeter == "ring" and self.inner_radius_m is None:
-            yield "perimeter", "a ring needs 'inner_radius', too"
+            yield "perimeter", "a ring also needs 'inner_radius'"
         elif self.perimeter == "ring" and self.inner_radius_m and self.inner_radius_m >= self.radius_m:
             yield "inner_radius_m", f"{self.inner_radius_m:g} m is not less than the radius of {self.radius_m:g} m"
         elif (region := self.region) is not None and self.min_distance_m > region.largest_gap_m:
@@ -185,18 +185,18 @@ class Square:
 
     @property
     def largest_gap_m(self) -> float:
-        """The distance [m] beyond which, seen from any point of the plane, a fifth of the area still lies."""
+        """The distance [m] beyond which, from any point of the plane, at least 1/5 of the area remains."""
         return self.side_m / 2
 
     def draw(self, rng: np.random.Generator, count: int) -> FloatArray:
-        """Return points (count, 2) around the centre [m], evenly over the area."""
+        """Return points (count, 2) around the centre [m], uniformly over the area."""
         half = self.side_m / 2
         return rng.uniform(-half, half, (count, 2))
 
 
 @dataclass(frozen=True, slots=True)
 class Ring:
-    """What lies between two circles around one centre [m]; with an inner radius of 0, a disc."""
+    """The area between two concentric circles [m]; with an inner radius of 0, a disc."""
 
     gap_rule: ClassVar[str] = "0.85 of its radius"
 
@@ -205,11 +205,11 @@ class Ring:
 
     @property
     def largest_gap_m(self) -> float:
-        """The distance [m] beyond which, seen from any point of the plane, a fifth of the area still lies."""
+        """The distance [m] beyond which, from any point of the plane, at least 1/5 of the area remains."""
         return 0.85 * self.radius_m
 
     def draw(self, rng: np.random.Generator, count: int) -> FloatArray:
-        """Return points (count, 2) around the centre [m], evenly over the area."""
+        """Return points (count, 2) around the centre [m], uniformly over the area."""
         # The area grows with the square of the radius.
         radius = np.sqrt(rng.uniform(self.inner_radius_m**2, self.radius_m**2, count))
         bearing = rng.uniform(-math.pi, math.pi, count)

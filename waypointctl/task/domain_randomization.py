@@ -1,4 +1,4 @@
-"""What differs from robot to robot and from episode to episode: latency, masses, friction, gravity, sensors."""
+"""Domain randomization: latency, masses, friction, gravity and sensor noise, drawn for each robot and episode."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ class SensorNoise(FileModel):
 
     joint_angle_rad: Angle = Field(0.0, description="of each joint")
     joint_speed_radps: Speed = Field(0.0, description="of each joint")
-    position_m: Distance = Field(0.0, description="of the torso's x, y and z")
-    velocity_mps: Speed = Field(0.0, description="of the torso's velocity along x, y and z")
-    attitude_rad: Angle = Field(0.0, description="of the torso's roll, pitch and yaw")
-    gyroscope_radps: Speed = Field(0.0, description="of the torso's angular velocity about each axis")
+    position_m: Distance = Field(0.0, description="of the base's x, y and z")
+    velocity_mps: Speed = Field(0.0, description="of the base's velocity along x, y and z")
+    attitude_rad: Angle = Field(0.0, description="of the base's roll, pitch and yaw")
+    gyroscope_radps: Speed = Field(0.0, description="of the base's angular velocity about each axis")
 
 
 class DomainRandomization(FileModel):
-    """What is drawn for each robot and episode, evenly between two bounds; what is left out is the model's."""
+    """Values drawn for each robot and episode, uniformly between two bounds; default: the model's values."""
 
     latency_s: tuple[Latency, Latency] | None = Field(
         None, description="from an action to the motors, in whole physics steps"
     )
     mass_factor: tuple[Scale, Scale] | None = Field(None, description="of all masses and inertias")
     friction_factor: tuple[Scale, Scale] | None = Field(None, description="of the sliding friction of all contacts")
-    gravity_mps2: tuple[Gravity, Gravity] | None = Field(None, description="1.62 is the Moon's, 3.71 that of Mars")
+    gravity_mps2: tuple[Gravity, Gravity] | None = Field(None, description="Moon: 1.62, Mars: 3.71")
     sensor_noise: SensorNoise | None = Field(None, description="on the observation, not on reward and progress")
 
     @field_validator(*DRAWN)
@@ -57,11 +57,11 @@ class DomainRandomization(FileModel):
 
     @property
     def any_drawn(self) -> bool:
-        """Whether an episode has anything to draw."""
+        """Whether any value is drawn for an episode."""
         return any(getattr(self, name) is not None for name in DRAWN)
 
     def values(self, drawn: FloatArray, robot: RobotModel) -> dict[str, FloatArray]:
-        """Return what k robots get, each (k,), by its name here; what does not vary is left out.
+        """Return the values of k robots, each (k,), by name; without the parameters that do not vary.
 
         Args:
             drawn: (k, len(DRAWN)) numbers from 0 up to but not including 1, a column for each parameter.

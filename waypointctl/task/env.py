@@ -27,18 +27,18 @@ FloatArray = NDArray[np.float64]
 
 OPTIONS: Final = ("waypoints", "position_m", "heading_rad")
 
-# Beyond this MuJoCo calls a coordinate bad and begins its world anew (mjMAXVAL), so no observation is larger.
+# MuJoCo resets the simulation at a larger coordinate (mjMAXVAL), so no observation is larger.
 _LARGEST: Final = 1e10
 
 
 class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
-    """A robot that is to walk a course of waypoints.
+    """One robot on a course of waypoints.
 
     Observation: (k,) float64 in the layout that the config names. Action: (nu,) float32 in [-1, 1], a number for
-    each actuator; robot.yaml says what it means. An episode is terminated by a fall, truncated by its
+    each actuator; robot.yaml defines its meaning. An episode is terminated by a fall, truncated by its
     deadline and by success.
 
-    `info` of a step has `reward_<term>` for each term of the reward, `waypoint_index` (of the waypoint walked to, from
+    `info` of a step has `reward_<term>` for each term of the reward, `waypoint_index` (of the current waypoint, from
     0), `waypoint_reached` (in this step), `success`, `fell` and `timed_out`; that of the last step has `is_success`,
     which stable-baselines3's EvalCallback counts, and `end_reason`: "success", "fall" or "time_out". That of a reset
     has `waypoint_index` and `waypoints` (m, 2) [m], and what domain randomization drew, under its name there, such as
@@ -51,12 +51,12 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         """Make the robot's world.
 
         Args:
-            config: the task; the paper's course and waypoints unless told.
+            config: the task; default: the paper's course and waypoints.
             render_mode: "rgb_array": `render` returns a picture (480, 640, 3) uint8; "human": a window shows every
-                step at the robot's own speed, or a warning says why there is none; None: nothing is drawn.
+                step at the robot's own speed, or a warning why there is no window; None: nothing is drawn.
 
         Raises:
-            InputError: there is no such render mode.
+            InputError: the render mode is unknown.
         """
         self.render_mode = render_mode_of(render_mode)
         self._config = config or TaskConfig()
@@ -80,7 +80,7 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
                 (2,) the torso's place at the start; "heading_rad", the robot's heading there.
 
         Raises:
-            InputError: an option that does not exist or has no such value.
+            InputError: an unknown option, or a value of the wrong shape.
         """
         super().reset(seed=seed)
         given = options or {}
@@ -98,7 +98,7 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         return self._env.observe()[0], {"waypoint_index": 0, "waypoints": course, **drawn}
 
     def step(self, action: NDArray[np.float32]) -> tuple[FloatArray, float, bool, bool, dict[str, Any]]:
-        """Walk one control period with action (nu,), clipped to [-1, 1].
+        """Step one control period with action (nu,), clipped to [-1, 1].
 
         Raises:
             InputError: the action has another shape, or a number that is not finite.
@@ -112,15 +112,15 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         """Return the picture of where the robot is, (480, 640, 3) uint8, in mode "rgb_array"; None in the others.
 
         Raises:
-            NoRendering: there is nothing here that could draw.
+            NoRendering: no OpenGL renderer is available.
         """
         if self._rendering is None:
-            gymnasium.logger.warn("render() does nothing without a render_mode: give 'rgb_array' or 'human'")
+            gymnasium.logger.warn("render() does nothing without a render_mode: use 'rgb_array' or 'human'")
             return None
         return self._rendering.frame(*self._scene()) if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
-        """Close the window, and give the drawing's memory back."""
+        """Close the window, and release the renderer."""
         if self._rendering is not None:
             self._rendering.close()
 
@@ -165,13 +165,13 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
 def _waypoints(options: Mapping[str, Any]) -> FloatArray | None:
     for name in options:
         if name not in OPTIONS:
-            raise InputError(f"there is no option {name!r} of reset; there are: {', '.join(OPTIONS)}")
+            raise InputError(f"unknown option of reset: {name!r}; allowed: {', '.join(OPTIONS)}")
     given = options.get("waypoints")
     if given is None:
         return None
     waypoints = _numbers("waypoints", given)
     if waypoints.ndim != 2 or waypoints.shape[1] != 2 or not len(waypoints):
-        raise InputError(f"options['waypoints'] has the shape {waypoints.shape}; it is to be (m, 2), a row each")
+        raise InputError(f"options['waypoints'] has the shape {waypoints.shape}; expected (m, 2), one row per waypoint")
     return waypoints
 
 
@@ -179,12 +179,12 @@ def _start(options: Mapping[str, Any], start: Start) -> Start:
     if options.get("position_m") is not None:
         position = _numbers("position_m", options["position_m"])
         if position.shape != (2,):
-            raise InputError(f"options['position_m'] has the shape {position.shape}; it is to be (2,), x and y in m")
+            raise InputError(f"options['position_m'] has the shape {position.shape}; expected (2,), x and y in m")
         start = start.model_copy(update={"position_m": (float(position[0]), float(position[1]))})
     if options.get("heading_rad") is not None:
         heading = _numbers("heading_rad", options["heading_rad"])
         if heading.shape != ():
-            raise InputError(f"options['heading_rad'] has the shape {heading.shape}; it is to be one number in rad")
+            raise InputError(f"options['heading_rad'] has the shape {heading.shape}; expected one number in rad")
         degrees = math.degrees(float(heading))
         start = start.model_copy(update={"heading_deg": degrees, "random_heading": False})
     return start
@@ -194,7 +194,7 @@ def _numbers(name: str, given: object) -> FloatArray:
     try:
         numbers = np.array(given, np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(f"options[{name!r}] is to be numbers: {error}") from error
+        raise InputError(f"options[{name!r}] must be numbers: {error}") from error
     if not np.isfinite(numbers).all():
-        raise InputError(f"options[{name!r}] is {numbers.tolist()}; every number is to be finite")
+        raise InputError(f"options[{name!r}] is {numbers.tolist()}; every number must be finite")
     return numbers

@@ -1,4 +1,4 @@
-"""Failure replay: courses that failed lately are repeated; each robot remembers its own."""
+"""Failure replay: recently failed courses are drawn again; each robot keeps its own list."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _NEW: Final = -1  # a course just drawn
-_NOT_MINE: Final = -2  # none that may be remembered: it was given, or its episode has ended
+_NOT_MINE: Final = -2  # none to keep: it was given, or its episode has ended
 
 
 class FailureReplay(FileModel):
-    """How often a new episode repeats a course that failed: by a fall or by its deadline."""
+    """How often a new episode repeats a course that ended in a fall or at its deadline."""
 
     probability: Annotated[float, Strict(), Field(ge=0, le=1)] = Field(
         0.0,
-        description="that an episode repeats a failed course, if one is remembered; the success that training shows "
-        "counts these, too",
+        description="of an episode to repeat a failed course, if the robot has one; the success rate during training "
+        "includes these episodes",
     )
     memory: Annotated[int, Strict(), Field(gt=0, le=256)] = Field(
-        8, description="failed courses that a robot remembers, its latest"
+        8, description="how many failed courses a robot keeps, the latest"
     )
     tries: Annotated[int, Strict(), Field(gt=0, le=65_536)] = Field(
-        5, description="how often a failed course is repeated before it is forgotten; after a success, at once"
+        5, description="how often a failed course is repeated at most; after a success it is removed at once"
     )
 
     @model_validator(mode="after")
@@ -47,60 +47,60 @@ class FailureReplay(FileModel):
 
 
 class FailedCourses:
-    """What n robots remember of the courses they failed.
+    """The failed courses of n robots.
 
-    Robot i decides with stream(seed, "retry", i) and remembers its own failures alone, so that it goes as it would
-    without the others. A course is repeated, not its start: that is drawn anew.
+    Robot i decides with stream(seed, "retry", i) and keeps only its own failures, so that it does not depend
+    on the others. The course is repeated; its start is drawn anew.
 
     Attributes:
         streams: of each robot.
         waypoints: (n, memory, m, 2) in the world frame [m], the oldest course first.
         count: (n, memory) waypoints of each course.
-        tries: (n, memory) how often each was tried again, in vain.
-        size: (n,) courses remembered.
-        walking: (n,) which of them is being walked; negative: none.
+        tries: (n, memory) how often each was repeated without success.
+        size: (n,) courses kept.
+        current: (n,) which of them is the current one; negative: none.
     """
 
     def __init__(self, replay: FailureReplay, num_robots: int, max_waypoints: int, seed: int) -> None:
-        """Remember nothing yet."""
+        """Begin with no failed courses."""
         self.replay = replay
         self.streams = [stream(seed, "retry", i) for i in range(num_robots)]
         self.waypoints: FloatArray = np.zeros((num_robots, replay.memory, max_waypoints, 2))
         self.count: IntArray = np.ones((num_robots, replay.memory), np.int64)
         self.tries: IntArray = np.zeros((num_robots, replay.memory), np.int64)
         self.size: IntArray = np.zeros(num_robots, np.int64)
-        self.walking: IntArray = np.full(num_robots, _NOT_MINE)
+        self.current: IntArray = np.full(num_robots, _NOT_MINE)
 
     def choose(self, robot: int) -> FloatArray | None:
-        """Return the failed course (m, 2) [m] that a robot is to walk now, or None for a new one."""
+        """Return the failed course (m, 2) [m] for a robot's next episode, or None for a new one."""
         rng, size = self.streams[robot], int(self.size[robot])
         again = rng.random() < self.replay.probability and size > 0
-        self.walking[robot] = slot = int(rng.integers(size)) if again else _NEW
+        self.current[robot] = slot = int(rng.integers(size)) if again else _NEW
         return self.waypoints[robot, slot, : self.count[robot, slot]].copy() if again else None
 
     def given(self, robot: int) -> None:
-        """Take note that a robot walks a course that was not drawn: however it ends, it is not remembered."""
-        self.walking[robot] = _NOT_MINE
+        """Note that a robot's course was given, not drawn: it is not kept if it fails."""
+        self.current[robot] = _NOT_MINE
 
     def ended(self, robots: NDArray[np.intp], success: NDArray[np.bool_], progress: CourseProgress) -> None:
         """Remember or forget the courses of robots (e,) whose episodes ended, in success (e,) or not."""
-        for robot, walked in zip(robots, success, strict=True):
-            slot = self.walking[robot]
-            # Who is left to walk on ends in every step; an episode counts once.
-            self.walking[robot] = _NOT_MINE
-            if slot == _NEW and not walked:
+        for robot, succeeded in zip(robots, success, strict=True):
+            slot = self.current[robot]
+            # Without autoreset an ended robot is reported in every step; an episode counts once.
+            self.current[robot] = _NOT_MINE
+            if slot == _NEW and not succeeded:
                 self._remember(robot, progress.waypoints[robot, : progress.count[robot]])
             elif slot >= 0:
                 self.tries[robot, slot] += 1
-                if walked or self.tries[robot, slot] >= self.replay.tries:
+                if succeeded or self.tries[robot, slot] >= self.replay.tries:
                     self._forget(robot, slot)
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """Return all that going on bit for bit needs, by name."""
+        """Return all arrays needed to continue bit for bit, by name."""
         return {**self._arrays(), "streams": np.stack([stream_words(rng) for rng in self.streams])}
 
     def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
-        """Go on from what `state` returned.
+        """Continue from what `state` returned.
 
         Raises:
             KeyError, ValueError: it is of other robots, or of another size of memory.

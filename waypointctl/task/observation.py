@@ -1,7 +1,7 @@
 """Observation groups and the layouts made of them.
 
 `state`, `state_noise` and `state_goal` are the paper's: everything in the world frame, unscaled. `egocentric` is the
-same in the robot's own yaw frame, so that what is learnt in one direction holds in all.
+same in the robot's own yaw frame, so a policy's behaviour does not depend on the direction.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Layout:
     """An observation layout for a robot.
 
     Attributes:
-        name: what recipes and manifests call it; CUSTOM for a list of groups that has no name.
+        name: its name in recipes and manifests; CUSTOM for a list of groups.
         groups: the names of its groups, in order.
         components: (name, unit, scale) of each number; an observation is the physical quantity times the scale.
         fillers: of each group: where its numbers are, what writes them, and its scales where they are not all 1.
@@ -177,18 +177,18 @@ def groups_of(observation: str | Sequence[str], plugins: Iterable[Plugin] = ()) 
     """Return the groups of a layout, by its name or theirs.
 
     Raises:
-        InputError: there is no such layout or group, or a group is listed twice.
+        InputError: a layout or group is unknown, or a group is listed twice.
     """
     if isinstance(observation, str) and observation not in LAYOUTS:
-        raise InputError(f"there is no observation layout called {observation!r}; there are: {', '.join(LAYOUTS)}")
+        raise InputError(f"unknown observation layout {observation!r}; available: {', '.join(LAYOUTS)}")
     names = LAYOUTS[observation] if isinstance(observation, str) else tuple(observation)
     given = (plugin for plugin in plugins if isinstance(plugin, ObservationGroup))
     groups = by_name(GROUPS, given, "observation group")
     if unknown := [name for name in names if name not in groups]:
-        problem = f"there is no observation group called {unknown[0]!r}; there are: {', '.join(groups)}"
+        problem = f"unknown observation group {unknown[0]!r}; available: {', '.join(groups)}"
         raise InputError(problem, hint=PLUGIN_HINT)
     if not names or len(set(names)) < len(names):
-        raise InputError(f"an observation is a list of different groups, not {list(names)}")
+        raise InputError(f"an observation needs at least one group, and each group once; got {list(names)}")
     return tuple(groups[name] for name in names)
 
 
@@ -201,7 +201,7 @@ def layout(observation: str | Sequence[str], robot: Robot, plugins: Iterable[Plu
         plugins: that groups may come from, besides the built-in ones.
 
     Raises:
-        InputError: there is no such layout or group, or a group is listed twice.
+        InputError: a layout or group is unknown, or a group is listed twice.
     """
     groups = groups_of(observation, plugins)
     names = tuple(group.name for group in groups)

@@ -4,8 +4,8 @@
     def clearance(view):
         return view.foot_heights.min(axis=1)
 
-A decorated function is an object and nothing more: it is used where it is passed, in `TaskConfig.plugins`, or where its
-file was named with the permission to execute it. A bundle or a log never names a file to execute.
+A decorated function has an effect only where it is passed: in `TaskConfig.plugins`, or in a recipe's `plugins` with the
+permission to execute the file. A bundle or a log never names a file to execute.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Components: TypeAlias = "Sequence[str] | Callable[[Robot], Sequence[str]]"
 T = TypeVar("T")
 
 PLUGIN_HINT: Final = (
-    "One of your own needs the Python file that defines it: `plugins` in a recipe, with --allow-plugins; plugins=[...] "
+    "A group or term of your own needs its Python file: `plugins` in a recipe, with --allow-plugins; plugins=[...] "
     "of fly() and evaluate() in Python."
 )
 _NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,59}")
@@ -133,7 +133,7 @@ def observation_group(
     """Make an observation group of a function of a `SimulationView`.
 
     Args:
-        name: in recipes and manifests: small letters, digits and underscores.
+        name: in recipes and manifests: lower-case letters, digits and underscores.
         unit: of its numbers, such as "rad/s"; several if they differ.
         components: the name of each number, or a function of the robot that returns them.
         scale: that multiplies the numbers for the network; several if they differ.
@@ -145,7 +145,7 @@ def reward_term(*, name: str, unit: str) -> Callable[[ViewFunction], RewardTerm]
     """Make a reward term of a function of a `SimulationView`; the recipe's weight multiplies what it returns.
 
     Args:
-        name: in recipes, manifests and logs: small letters, digits and underscores.
+        name: in recipes, manifests and logs: lower-case letters, digits and underscores.
         unit: of what it returns.
     """
     return lambda function: RewardTerm(_sound(name), function, unit)
@@ -157,7 +157,7 @@ def load_plugins(paths: Iterable[Path | str]) -> tuple[Plugin, ...]:
     Call it only for files that the user has named and allowed to be executed.
 
     Raises:
-        InputError: a file is not there, fails, or defines none.
+        InputError: a file is missing, fails, or defines none.
     """
     found: list[Plugin] = []
     for path in paths:
@@ -182,7 +182,7 @@ def by_name(built_in: Iterable[T], plugins: Iterable[T], what: str) -> dict[str,
     for one in (*built_in, *plugins):
         name = str(getattr(one, "name", ""))
         if name in found:
-            raise InputError(f"there are two {what}s called {name!r}", hint="give the plugin another name")
+            raise InputError(f"two {what}s have the name {name!r}", hint="rename the plugin's")
         found[name] = one
     return found
 
@@ -195,7 +195,7 @@ def _executed(path: Path, source: bytes) -> ModuleType:
         exec(compile(source, str(path), "exec"), vars(module))  # the user has allowed it
     except SyntaxError as error:
         line = f":{error.lineno}" if error.lineno else ""
-        raise InputError(f"is not Python: {error.msg}", where=f"{path}{line}") from error
+        raise InputError(f"is not valid Python: {error.msg}", where=f"{path}{line}") from error
     except (Exception, SystemExit) as error:
         raise InputError(f"{type(error).__name__}: {error}", where=str(path)) from error
     return module
@@ -203,7 +203,9 @@ def _executed(path: Path, source: bytes) -> ModuleType:
 
 def _sound(name: str) -> str:
     if not _NAME.fullmatch(name):
-        raise InputError(f"{name!r} is not a name of small letters, digits and underscores that begins with a letter")
+        raise InputError(
+            f"{name!r} is not a valid name: use lower-case letters, digits and underscores, beginning with a letter"
+        )
     return name
 
 

@@ -1,4 +1,4 @@
-"""How far along its course each robot is: the paper's Algorithm 1 for many robots at once."""
+"""Progress along the courses: the paper's Algorithm 1 for many robots at once."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Advance:
 
     reached: BoolArray  # a waypoint was reached
     finished: BoolArray  # and it was the last
-    timed_out: BoolArray  # the deadline passed without
+    timed_out: BoolArray  # the deadline passed before the last waypoint
 
 
 class CourseProgress:
@@ -39,10 +39,10 @@ class CourseProgress:
     Attributes:
         waypoints: (n, m, 2) in the world frame [m]; a shorter course repeats its last waypoint.
         count: (n,) waypoints of each course.
-        index: (n,) the waypoint each robot walks to; stays at the last.
-        goals: (n, 2, 2) the waypoint each robot walks to and the one after it, the same again at the last [m].
+        index: (n,) the current waypoint of each robot; stays at the last.
+        goals: (n, 2, 2) the current waypoint of each robot and the one after it, the same at the last [m].
         steps: (n,) control steps since the course began.
-        deadline: (n,) the control step at which time runs out.
+        deadline: (n,) the control step of the deadline.
     """
 
     def __init__(self, num_robots: int, max_waypoints: int, deadline: Deadline, control_period_ns: int) -> None:
@@ -68,7 +68,7 @@ class CourseProgress:
         self.goals[robot] = self.waypoints[robot, [0, min(1, count - 1)]]
 
     def advance(self, acceptance: Acceptance, position: FloatArray) -> Advance:
-        """Count one control step that ended at position (n, >= 2); move the goals that were reached on."""
+        """Count one control step that ended at position (n, >= 2); advance the goals that were reached."""
         self.steps += 1
         there = reached(acceptance, position, self.goals[:, 0])
         finished = np.zeros_like(there)
@@ -78,7 +78,7 @@ class CourseProgress:
         return Advance(reached=there, finished=finished, timed_out=~finished & (self.steps >= self.deadline))
 
     def _move_on(self, there: NDArray[np.intp], further: NDArray[np.intp]) -> None:
-        """Give those that are there more time, and those that are not at their last their next waypoint."""
+        """Extend the deadline of the robots in `there`, and give those in `further` their next waypoint."""
         self.deadline[there] += self._further_steps
         self.index[further] += 1
         self.goals[further, 0] = self.goals[further, 1]

@@ -1,4 +1,4 @@
-"""The robots of a batch, each with what was drawn for it: its motors' latency, its body and its sensors."""
+"""The robots of a batch with the values drawn for each: actuator latency, body and sensors."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
 class RandomizedRobots:
-    """What the robots of a batch differ in, and how they move and see because of it.
+    """The randomized values of a batch's robots, and their effect on motion and observations.
 
     Robot i draws from stream(seed, "variation", i), whatever the other robots do; sensors draw from
     stream(seed, "sensor noise"), all together.
 
     Attributes:
         drawn: (n, 4) between 0 and 1, for each robot's present episode: how far between the bounds each parameter of
-            `DRAWN` is. One that does not vary is drawn all the same, so that letting it vary shifts no other.
+            `DRAWN` is. One that does not vary is drawn too, so that the others do not depend on it.
     """
 
     def __init__(self, randomization: DomainRandomization, batch: RobotBatch) -> None:
-        """Make robots as the model has them; `seed` them, then `begin` their first episodes.
+        """Begin with the model's own values; `seed` them, then `begin` their first episodes.
 
         Raises:
             InputError: a latency is not a whole number of the robot's physics steps.
@@ -57,7 +57,7 @@ class RandomizedRobots:
             self._sensors = NoisySensors(noise, len(self._batch.robot.joint_names), stream(seed, "sensor noise"))
 
     def begin(self, ids: Ids) -> None:
-        """Begin an episode with the robots `ids` (k,): draw what they differ in."""
+        """Begin an episode with the robots `ids` (k,): draw their values."""
         if self._randomization.any_drawn:
             self.drawn[ids] = np.stack([self._streams[i].random(len(DRAWN)) for i in ids])
             self._apply(ids)
@@ -69,7 +69,7 @@ class RandomizedRobots:
         return self._randomization.values(self.drawn[ids], self._batch.robot)
 
     def step(self, applied: FloatArray) -> FloatArray:
-        """Let one control period pass with actions (n, nu); return what the motors held at its end (n, nu)."""
+        """Step one control period with actions (n, nu); return what the motors held at its end (n, nu)."""
         if self.latency is not None:
             return self.latency.step(applied, self._batch.step_physics)
         self._batch.step(applied)
@@ -80,7 +80,7 @@ class RandomizedRobots:
         return body if self._sensors is None else self._sensors.read(body)
 
     def state(self) -> Arrays:
-        """Return all that going on bit for bit needs, by name; nothing where nothing varies."""
+        """Return all arrays needed to continue bit for bit, by name; none without randomization."""
         arrays: Arrays = {}
         if self._randomization.any_drawn:
             arrays |= {"drawn": self.drawn, "streams": np.stack([stream_words(rng) for rng in self._streams])}
@@ -91,7 +91,7 @@ class RandomizedRobots:
         return arrays
 
     def restore(self, arrays: Arrays) -> None:
-        """Go on from what `state` returned.
+        """Continue from what `state` returned.
 
         Raises:
             KeyError, ValueError: it is of other robots.
@@ -107,7 +107,7 @@ class RandomizedRobots:
             restore_stream(self._sensors.rng, arrays["sensors"])
 
     def _apply(self, ids: Ids) -> None:
-        """Make the robots `ids` (k,) what was drawn for them."""
+        """Apply the drawn values to the robots `ids` (k,)."""
         batch = self._batch
         values = self.values(ids)
         for name, change in (
@@ -122,7 +122,7 @@ class RandomizedRobots:
 
 
 class ActuatorLatency:
-    """What has been commanded of n robots and has not reached their motors yet.
+    """Actions of n robots that have not reached their motors yet.
 
     A robot's latency is a whole number of physics steps, so an action may take effect in the middle of a control
     period. Until the first action of an episode has arrived the motors are off.
@@ -132,18 +132,18 @@ class ActuatorLatency:
         commanded: (n, m, nu) the latest actions, newest first: as many as the longest latency needs.
     """
 
-    def __init__(self, num_robots: int, num_joints: int, substeps: int, longest: int) -> None:
-        """Make the queues of robots with no latency yet and `substeps` physics steps in a control period.
+    def __init__(self, num_robots: int, num_actions: int, substeps: int, longest: int) -> None:
+        """Make the queues, with a latency of 0 and `substeps` physics steps in a control period.
 
         longest: the largest that `steps` will be set to, in physics steps.
         """
         self.steps: NDArray[np.int64] = np.zeros(num_robots, np.int64)
-        self.commanded: FloatArray = np.zeros((num_robots, 1 - (-longest // substeps), num_joints))
+        self.commanded: FloatArray = np.zeros((num_robots, 1 - (-longest // substeps), num_actions))
         self._substeps = substeps
         self._robots = np.arange(num_robots)
 
     def switch_off(self, ids: Ids) -> None:
-        """Forget what has been commanded of the robots `ids` (k,): a new episode begins."""
+        """Discard the pending actions of the robots `ids` (k,): a new episode begins."""
         self.commanded[ids] = 0.0
 
     def step(self, actions: FloatArray, step_physics: Callable[[FloatArray], None]) -> FloatArray:
@@ -165,9 +165,9 @@ class ActuatorLatency:
 class NoisySensors:
     """The sensors of a batch of robots.
 
-    All robots read from one stream, row by row: a generator for each would take longer than the physics. So what
-    robot i sees depends on how many robots there are, and on which began a new episode when; the same batch with the
-    same seed sees the same. A reading takes as many numbers from the stream whichever sensors are noisy.
+    All robots read from one stream, row by row: a generator for each would take longer than the physics. So the noise
+    of robot i depends on the number of robots, and on when the others began an episode. The same batch with the same
+    seed has the same noise. A reading takes the same count of numbers from the stream, whichever sensors are noisy.
     """
 
     def __init__(self, noise: SensorNoise, num_joints: int, rng: np.random.Generator) -> None:

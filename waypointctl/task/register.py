@@ -4,7 +4,7 @@
     env = gymnasium.make("waypointctl.task.register:waypointctl/Waypoint-v0")
 
 imports this module, which registers the name, and makes the environment. Gymnasium read entry points of the group
-"gymnasium.envs" until 0.29; whatever still does finds `register` there.
+"gymnasium.envs" until 0.29; programs that still do find `register` there.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ ENV_ID: Final = "waypointctl/Waypoint-v0"
 
 
 def register() -> None:
-    """Give the environment its name; doing it twice is doing it once.
+    """Register the environment under its name; a second call has no effect.
 
     Raises:
         ModuleNotFoundError: gymnasium is not installed.
@@ -29,4 +29,4 @@ def register() -> None:
         gymnasium.register(ENV_ID, entry_point="waypointctl.task.env:WaypointEnv")
 
 
-register()  # on import, as Gymnasium's "module:name" wants it
+register()  # on import, as Gymnasium's "module:name" requires

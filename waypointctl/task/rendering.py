@@ -23,18 +23,18 @@ RENDER_MODES: Final = ("human", "rgb_array")
 
 
 def render_mode_of(mode: str | None) -> RenderMode | None:
-    """Return a render mode that there is.
+    """Return the render mode if it is known.
 
     Raises:
-        InputError: there is no such mode.
+        InputError: the mode is unknown.
     """
     if mode is not None and mode not in RENDER_MODES:
-        raise InputError(f"there is no render_mode {mode!r}; there are: {', '.join(RENDER_MODES)}, None")
+        raise InputError(f"unknown render_mode {mode!r}; allowed: {', '.join(RENDER_MODES)}, None")
     return cast("RenderMode | None", mode)
 
 
 class Rendering:
-    """Draws one robot and the waypoints that are ahead of it. Nothing is set up before the first frame."""
+    """Draws one robot and the waypoints that are ahead of it. The renderer is created at the first frame."""
 
     def __init__(self, robot: Robot, mode: RenderMode) -> None:
         """Draw in a mode. A window is opened at once; without a display there is a warning and no window."""
@@ -47,8 +47,8 @@ class Rendering:
 
             try:
                 self._viewer = Viewer(robot)
-            except InputError as error:  # a training need not end for it, and Gymnasium's checker makes every mode
-                warnings.warn(f"nothing is shown: {error}", stacklevel=3)
+            except InputError as error:  # no reason to end a training; Gymnasium's checker makes every mode
+                warnings.warn(f"no window is shown: {error}", stacklevel=3)
 
     def show(self, qpos: FloatArray, ahead: Sequence[FloatArray]) -> None:
         """Show the robot at qpos (nq,), and the waypoints ahead, each (2,) [m], where there is a window."""
@@ -60,7 +60,7 @@ class Rendering:
         """Return the picture (480, 640, 3) uint8 of the robot at qpos (nq,), the first row on top.
 
         Raises:
-            NoRendering: there is nothing here that could draw.
+            NoRendering: no OpenGL renderer is available.
         """
         from waypointctl.sim.camera import Camera, follow
 
@@ -70,7 +70,7 @@ class Rendering:
         return self._camera.take(qpos)
 
     def close(self) -> None:
-        """Give the drawing's memory back, and close the window."""
+        """Release the renderer, and close the window."""
         for drawing in (self._camera, self._viewer):
             if drawing is not None:
                 drawing.close()

@@ -1,7 +1,7 @@
 """The reward: named terms, each a function of a `SimulationView`, times the weights of a recipe.
 
 The paper's R(G) = V_G - P: velocity towards the current waypoint, less penalties. The terms are Roboschool's
-(progress, electricity, joint limits, alive), and those that keep a fast ant from flipping over.
+(progress, electricity, joint limits, alive), and those that keep a fast robot from tipping over.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from waypointctl.task.plugins import PLUGIN_HINT, Plugin, RewardTerm, by_name
 from waypointctl.task.view import SimulationView
 
 FloatArray: TypeAlias = NDArray[np.float64]
-# A bound that no sound training comes near, and below which float32 does not overflow at the first step.
+# Far above any useful weight, and low enough that float32 does not overflow in the first step.
 Cost: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1e6, allow_inf_nan=False)]
 Weight: TypeAlias = Annotated[float, Strict(), Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 
@@ -40,19 +40,19 @@ class RewardWeights(FileModel):
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Weight]
 
-    progress: Cost = Field(1.0, description="for each m/s of approach to the current waypoint")
+    progress: Cost = Field(1.0, description="weight of the speed of approach to the current waypoint [m/s]")
     progress_cap_mps: Annotated[float, Strict(), Field(gt=0)] = Field(
-        math.inf, description="a faster approach pays no more"
+        math.inf, description="largest speed of approach that is rewarded"
     )
-    alive: Cost = Field(1.0, description="for each step not fallen")
-    power: Cost = Field(2.0, description="against mean |action x scaled joint speed|")
-    torque: Cost = Field(0.1, description="against mean action squared")
-    joint_limits: Cost = Field(0.2, description="against each joint at its limit")
-    orientation_penalty: Cost = Field(0.0, description="against 1 - up: 0 upright, 2 upside down")
+    alive: Cost = Field(1.0, description="weight of each control step without a fall")
+    power: Cost = Field(2.0, description="penalty weight of the mean of |action x scaled joint speed|")
+    torque: Cost = Field(0.1, description="penalty weight of the mean squared action")
+    joint_limits: Cost = Field(0.2, description="penalty weight of each joint at its limit")
+    orientation_penalty: Cost = Field(0.0, description="penalty weight of 1 - up: 0 upright, 2 upside down")
     angular_rate_penalty: Cost = Field(
-        0.0, description="against roll rate squared plus pitch rate squared, in (rad/s)^2"
+        0.0, description="penalty weight of roll rate squared plus pitch rate squared [(rad/s)^2]"
     )
-    fall: Cost = Field(0.0, description="against falling, once")
+    fall: Cost = Field(0.0, description="penalty of a fall, once")
 
     @property
     def plugin_terms(self) -> dict[str, float]:
@@ -63,7 +63,7 @@ class RewardWeights(FileModel):
 def progress_speed(before: FloatArray, after: FloatArray, goal: FloatArray, period_s: float) -> FloatArray:
     """Return the speed of approach (n,) to goal (n, 2) in [m/s], from positions before and after (n, 2).
 
-    Both distances are to the same goal, so a waypoint that moves on pays no jump.
+    Both distances are to the same goal, so the change to the next waypoint causes no jump.
     """
     dx, dy = before[:, 0] - goal[:, 0], before[:, 1] - goal[:, 1]
     ex, ey = after[:, 0] - goal[:, 0], after[:, 1] - goal[:, 1]
@@ -72,19 +72,19 @@ def progress_speed(before: FloatArray, after: FloatArray, goal: FloatArray, peri
 
 @dataclass(frozen=True, slots=True)
 class JointLimits:
-    """Where a joint counts as at its limit: (nu,) [rad]."""
+    """Where a joint counts as at its limit: (nj,) [rad]."""
 
     low: FloatArray
     high: FloatArray
 
     @classmethod
     def of_range(cls, low: FloatArray, high: FloatArray) -> JointLimits:
-        """Return the limits of joints with ranges low to high (nu,), less the margin."""
+        """Return the limits of joints with ranges low to high (nj,), minus the margin."""
         margin = np.where(np.isfinite(low) & np.isfinite(high), JOINT_LIMIT_MARGIN * (high - low), 0.0)
         return cls(low + margin, high - margin)
 
     def count(self, joints: FloatArray) -> FloatArray:
-        """Return how many joints (n,) of angles (n, nu) are at a limit."""
+        """Return how many joints (n,) of angles (n, nj) are at a limit."""
         at_limit = (joints < self.low) | (joints > self.high)
         count: FloatArray = np.add.reduce(at_limit, axis=1, dtype=np.float64)
         return count
@@ -157,12 +157,12 @@ class RewardFunction:
         """Choose the terms that the weights name.
 
         Raises:
-            InputError: there is no such term.
+            InputError: a term is unknown.
         """
         known = by_name(TERMS, (plugin for plugin in plugins if isinstance(plugin, RewardTerm)), "reward term")
         if unknown := [name for name in weights.plugin_terms if name not in known]:
             raise InputError(
-                f"there is no reward term called {unknown[0]!r}; there are: {', '.join(known)}",
+                f"unknown reward term {unknown[0]!r}; available: {', '.join(known)}",
                 hint=PLUGIN_HINT,
             )
         chosen = [*TERMS, *(known[name] for name in weights.plugin_terms)]

@@ -1,4 +1,4 @@
-"""What observation groups and reward terms are functions of: n robots at one moment, read-only."""
+"""The argument of observation groups and reward terms: n robots at one moment, read-only."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class SimulationView:
-    """N robots at one moment. An observation sees the state as the sensors give it; a reward sees the true state.
+    """N robots at one moment. An observation has the state with sensor noise; a reward has the true state.
 
     Attributes:
-        robot: with its joint names, joint ranges and stance.
+        robot: its joint names, joint ranges and nominal pose.
         body: the state that the built-in groups and terms read; the properties below are read-only views of it.
         qpos: (n, nq) the true positions in MuJoCo's order.
-        goals: (n, 2, 2) in the world frame [m], the current waypoint and the one after it, the same again at the last.
-        noise: (n, 4) drawn once an episode, each from -1 to 1.
+        goals: (n, 2, 2) in the world frame [m], the current waypoint and the one after it, the same at the last.
+        noise: (n, 4) drawn once per episode, each from -1 to 1.
         action: (n, nu) the latest, in [-1, 1], zeros before the first; in a reward what the motors held at the end.
         steps: (n,) control periods since the episode or the flight began; in a reward, without the one that has ended.
         approach: (n,) speed towards the current waypoint in the control period that has ended [m/s]; reward terms only.
@@ -54,22 +54,22 @@ class SimulationView:
 
     @property
     def position(self) -> FloatArray:
-        """Of the torso in the world frame, (n, 3) [m]."""
+        """Of the base in the world frame, (n, 3) [m]."""
         return _locked(self.body.position)
 
     @property
     def height(self) -> FloatArray:
-        """Of the torso above the ground, (n,) [m]."""
+        """Of the base above the ground, (n,) [m]."""
         return _locked(self.body.position[:, 2])
 
     @property
     def velocity(self) -> FloatArray:
-        """Of the torso in the world frame, (n, 3) [m/s]."""
+        """Of the base in the world frame, (n, 3) [m/s]."""
         return _locked(self.body.velocity)
 
     @property
     def heading_velocity(self) -> FloatArray:
-        """Of the torso in its own yaw frame: ahead, left and up, (n, 3) [m/s]."""
+        """Of the base in its own yaw frame: ahead, left and up, (n, 3) [m/s]."""
         velocity = np.empty_like(self.body.velocity)
         write_heading_velocity(self.body, velocity)
         return _locked(velocity)
@@ -81,22 +81,22 @@ class SimulationView:
 
     @property
     def orientation(self) -> FloatArray:
-        """Roll, pitch and yaw, the z-y-x Euler angles of the torso, (n, 3) [rad]."""
+        """Roll, pitch and yaw, the z-y-x Euler angles of the base, (n, 3) [rad]."""
         return _locked(np.stack([self.body.roll, self.body.pitch, self.body.yaw], axis=1))
 
     @property
     def up(self) -> FloatArray:
-        """Vertical part of the torso's upward axis, (n,): 1 upright, -1 upside down."""
+        """Vertical part of the base's upward axis, (n,): 1 upright, -1 upside down."""
         return _locked(self.body.up)
 
     @property
     def joint_angles(self) -> FloatArray:
-        """In the order of `robot.joint_names`, (n, nu) [rad]."""
+        """In the order of `robot.joint_names`, (n, nj) [rad]."""
         return _locked(self.body.joints)
 
     @property
     def joint_speeds(self) -> FloatArray:
-        """In the order of `robot.joint_names`, (n, nu) [rad/s]."""
+        """In the order of `robot.joint_names`, (n, nj) [rad/s]."""
         return _locked(self.body.joint_rates)
 
     @property
@@ -111,7 +111,7 @@ class SimulationView:
 
 
 def write_heading_velocity(body: Body, out: FloatArray) -> None:
-    """Write the torso's velocity in its own yaw frame: ahead, left and up, (n, 3) [m/s]."""
+    """Write the base's velocity in its own yaw frame: ahead, left and up, (n, 3) [m/s]."""
     cos, sin = np.cos(body.yaw), np.sin(body.yaw)
     vx, vy = body.velocity[:, 0], body.velocity[:, 1]
     out[:, 0] = cos * vx + sin * vy

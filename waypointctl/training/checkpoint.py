@@ -1,4 +1,4 @@
-"""Checkpoints: a bundle that can fly, and all that training needs to go on bit for bit. No pickle."""
+"""Checkpoints: a policy bundle, and all that training needs to continue bit for bit. No pickle."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ ARRAYS: Final = "training.safetensors"
 FACTS: Final = "training.json"
 
 _LARGEST: Final = 2**30  # [bytes] of the networks and the state of the optimiser and the robots
-_REMOVE: Final = "Remove the folder to go on from the checkpoint before it."
+_REMOVE: Final = "Remove the folder to continue from the checkpoint before it."
 
 
 class Facts(BaseModel):
-    """What of a checkpoint is no array.
+    """The part of a checkpoint that is not an array.
 
     Attributes:
         recipe_sha256: of the recipe's file.
-        seed: of the run, which need not be the file's.
-        phase_steps: the lengths of the phases, which need not be the file's.
+        seed: of the run, which can differ from the file's.
+        phase_steps: the lengths of the phases, which can differ from the file's.
         wall_time_s: spent on training until then.
-        selection: of the run, which need not be the file's.
-        start: the policy that the run began with the weights of, which need not be there any more.
+        selection: of the run, which can differ from the file's.
+        start: the policy of the warm start, whose files may be gone.
         robot_sha256: of the files of its folder.
         plugins_sha256: of the files of the recipe's plugins; empty without any.
         torch_threads: of the run, on which the weights depend.
@@ -104,7 +104,7 @@ def begun_as(recipe_file: RecipeFile, run: Path) -> RecipeFile:
 
 
 def load_checkpoint(state: TrainingState, recipe_file: RecipeFile, folder: Path) -> float:
-    """Let a training that has not begun go on from a checkpoint; return the wall time spent until then [s].
+    """Continue a new training from a checkpoint; return the wall time spent until then [s].
 
     Raises:
         RecipeError: the checkpoint is damaged, or of another recipe, seed, number of steps, robot or plugins.
@@ -120,12 +120,14 @@ def load_checkpoint(state: TrainingState, recipe_file: RecipeFile, folder: Path)
     ):
         if began != now:
             problem = f"the run began with {what} {began}, not {now}"
-            raise RecipeError(problem, where=str(folder), hint="Resume it as it began, or begin another run.")
+            raise RecipeError(
+                problem, where=str(folder), hint="Resume with the run's options, robot and plugins, or start a new run."
+            )
     try:
         state.load(SavedState(load(arrays), facts.state))
     except (KeyError, RuntimeError, ValueError, SafetensorError) as error:
         problem = f"the checkpoint does not fit this version of waypointctl: {error}"
-        raise RecipeError(problem, where=str(folder), hint="Resume with the version it was made by.") from error
+        raise RecipeError(problem, where=str(folder), hint="Resume with the version that wrote it.") from error
     state.start = facts.start
     state.use_torch_threads(facts.torch_threads)
     return facts.wall_time_s
@@ -172,19 +174,17 @@ def _read(folder: Path) -> tuple[Facts, bytes]:
         problem = f"the checkpoint cannot be read: {Path(str(error.where)).name}: {error.problem}"
         raise RecipeError(problem, where=str(folder), hint=_REMOVE) from error
     except (KeyError, TypeError, ValueError, RecursionError) as error:
-        problem = f"the checkpoint is damaged: {FACTS} is not what it was"
+        problem = f"the checkpoint is damaged: {FACTS} was changed"
         raise RecipeError(problem, where=str(folder), hint=_REMOVE) from error
     if _sha256(facts, arrays) != expected:
-        problem = f"the checkpoint is damaged: {FACTS} and {ARRAYS} are not what they were"
+        problem = f"the checkpoint is damaged: {FACTS} and {ARRAYS} were changed"
         raise RecipeError(problem, where=str(folder), hint=_REMOVE)
     return facts, arrays
 
 
 def _refuse_other_file(facts: Facts, recipe_file: RecipeFile, folder: Path) -> None:
     if facts.recipe_sha256 != recipe_file.sha256:
-        hint = (
-            f"Resume with {folder.parents[1] / RECIPE}, the recipe as it was when the run began, or begin another run."
-        )
+        hint = f"Resume with {folder.parents[1] / RECIPE}, the recipe as it was when the run began, or start a new run."
         raise RecipeError(
             f"the checkpoint was made by another recipe than {recipe_file.path}", where=str(folder), hint=hint
         )

@@ -22,7 +22,7 @@ from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.recipe_references import own_suite
 from waypointctl.training.selection import Candidate, Selection
 
-SUITE: Final = "selection-suite.yaml"  # the copy of a suite of one's own that a run keeps
+SUITE: Final = "selection-suite.yaml"  # a run's copy of a user's suite
 
 
 class _Interrupted(Exception):
@@ -35,9 +35,9 @@ class Evaluator:
 
     Attributes:
         robot: of the recipe, which the policies of a suite without a robot are for.
-        threads: of the physics; 0 is one a core, 8 at most.
+        threads: of the physics; 0 is one per core, 8 at most.
         on_event: called with the progress.
-        interrupted: asked meanwhile; True ends the evaluation.
+        interrupted: called during the evaluation; True ends it.
         plugins: the recipe's, loaded.
     """
 
@@ -112,10 +112,10 @@ class CheckpointSelector:
 def selection_suite(recipe_file: RecipeFile, run: Path, *, resume: bool) -> Suite | None:
     """Return the suite that a run's checkpoints are evaluated on; None if they are not.
 
-    A suite of one's own is looked for beside the recipe, and the run keeps a copy to be resumed with.
+    The path of a user's suite is relative to the recipe; the run keeps a copy for --resume.
 
     Raises:
-        SuiteError: there is no such suite, or it is not one.
+        SuiteError: the suite does not exist, or the file is not a suite.
         OutputError: the copy cannot be written.
     """
     if recipe_file.recipe.selection is None:

@@ -29,7 +29,7 @@ class Curves:
 
     Attributes:
         seeds: (n,)
-        steps: (m,) control steps of all robots, at the end of each rollout that a seed came to.
+        steps: (m,) control steps of all robots, at the end of each rollout that any seed has.
         rates: by quantity (n, m): of the episodes that ended in the last WINDOW rollouts; nan where fewer than ENOUGH
             did, and after a seed's training had ended.
     """

@@ -19,7 +19,7 @@ HEIGHT: Final = 720
 _DPI: Final = 100
 _FEW: Final = 10  # seeds that are named
 _COLORS: Final = {"success": GREEN, "fall": VERMILION}
-_TITLES: Final = {"success": "Courses walked to the end", "fall": "Episodes that end in a fall"}
+_TITLES: Final = {"success": "Courses completed", "fall": "Episodes that ended in a fall"}
 _STYLE: Final[dict[Any, Any]] = {"font.size": 11}
 
 

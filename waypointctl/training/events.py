@@ -1,4 +1,4 @@
-"""How a training is going, as events for a view."""
+"""The progress of a training, as events for a view."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final, TypeAlias
 
 WINDOW: Final = 20  # rollouts that a rate is taken over
-ENOUGH: Final = 20  # episodes; of fewer, most of them short because they failed, a rate says little
+ENOUGH: Final = 20  # episodes; with fewer, most are short because they failed, and a rate is misleading
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class TrainingStatus:
         success_rate: of episodes that reached the last waypoint, with the random actions of training.
         fall_rate: of episodes.
         timeout_rate: of episodes.
-        mean_reward: a control step, unscaled.
+        mean_reward: per control step, unscaled.
         schedules: the present values of the algorithm's schedules, by name.
     """
 
@@ -132,7 +132,7 @@ class Threads:
 
 @dataclass(frozen=True, slots=True)
 class Resumed:
-    """Training goes on from a checkpoint.
+    """Training continues from a checkpoint.
 
     Attributes:
         steps: of the checkpoint.

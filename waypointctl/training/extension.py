@@ -1,8 +1,8 @@
-"""Going on from another run by a longer recipe, to what that recipe makes from nothing.
+"""Extending another run with a longer recipe; the result is the same as training with that recipe from the start.
 
-What a run trained by is kept in its folder, so that the part that two recipes have in common can be told: the same
-but for phases at the end. All checkpoints within it are taken over; the last one of a complete run is not among them,
-because the learning rate of its last update was the shorter recipe's.
+A run's folder keeps its recipe, so the common part of two recipes is known: they may differ only in phases at the end.
+All checkpoints within the common part are reused. The last one of a complete run is not among them, because its last
+update used the learning rate of the shorter recipe.
 """
 
 from __future__ import annotations
@@ -23,25 +23,25 @@ from waypointctl.training.selection import SELECTION
 from waypointctl.training.state import TrainingState
 
 _LARGEST: Final = 2**26  # [bytes]
-# What two recipes may differ in without training otherwise.
+# Keys in which two recipes may differ and train in the same way.
 _FREE: Final = ("name", "description", "phases", "checkpoint_steps", "evaluation")
 
 
 def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -> int:
-    """Give a new run the checkpoints that its recipe shares with another run; return the steps it goes on from.
+    """Give a new run the checkpoints that its recipe shares with another run; return the steps it continues from.
 
     Resumed, with as many threads as `source` had, the run ends in the very weights that it would have ended in,
     trained from nothing.
 
     Args:
         recipe_file: the longer recipe.
-        source: the run to go on from; it stays as it is.
+        source: the run to continue; it is not changed.
         run: the new run's folder, without checkpoints.
-        threads: of physics and of torch; 0 is the default, or those of the run that is gone on from.
+        threads: of physics and of torch; 0 is the default, or those of the run that is continued.
 
     Raises:
-        RecipeError: `source` is no run, or its recipe is not this one's beginning, or it has no checkpoint in the part
-            that they share.
+        RecipeError: `source` is not a run, or its recipe is not the beginning of this one, or it has no checkpoint
+            in the part that they share.
         OutputError: `run` cannot be written.
     """
     began, taken = shared_checkpoints(recipe_file, source)

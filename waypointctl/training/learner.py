@@ -1,4 +1,4 @@
-"""The seam between the training loop and the algorithms: what a recipe's `algorithm` block is and makes.
+"""The interface between the training loop and the algorithms.
 
 An algorithm is one file in `algorithms/`: a model of the block's keys, and a learner. It is added to the union in
 `algorithms/__init__.py`; no other file names it.
@@ -46,7 +46,7 @@ class Schedules(FileModel):
 class AlgorithmRecipe(FileModel):
     """What the `algorithm` blocks of all algorithms have; each adds a `name`, its own keys and its schedules."""
 
-    robots: Few = Field(256, description="simulated side by side")
+    robots: Few = Field(256, description="simulated in parallel")
 
     @property
     def iteration_steps(self) -> int:
@@ -104,7 +104,7 @@ class Rollout:
 
 @dataclass(frozen=True, slots=True)
 class LearnerState:
-    """All that a learner needs to go on bit for bit: arrays, and what of it is no array, as JSON has it."""
+    """All that a learner needs to continue bit for bit: arrays, and the rest as JSON."""
 
     arrays: Arrays
     facts: dict[str, Any]
@@ -137,7 +137,7 @@ class Learner(Protocol):
         """Control steps of all robots so far."""
 
     def collect(self) -> Rollout:
-        """Act on the robots for `AlgorithmRecipe.iteration_steps` control steps, and keep what is learnt from."""
+        """Act on the robots for `AlgorithmRecipe.iteration_steps` control steps, and keep the samples for `update`."""
 
     def update(self) -> dict[str, float]:
         """Learn; return metrics by name, such as losses and the present values of the schedules.
@@ -147,13 +147,13 @@ class Learner(Protocol):
         """
 
     def is_finite(self) -> bool:
-        """Return whether all that was learnt are finite numbers."""
+        """Return whether all parameters are finite numbers."""
 
     def save(self) -> LearnerState:
         """Return the state; one that has not begun begins its first episodes before."""
 
     def load(self, state: LearnerState) -> None:
-        """Go on from a state that a learner of the same recipe saved.
+        """Continue from a state that a learner of the same recipe saved.
 
         Raises:
             KeyError, RuntimeError, ValueError: it is of another kind of learner.

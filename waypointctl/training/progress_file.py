@@ -1,4 +1,4 @@
-"""progress.csv: how a run went, a row for each rollout, whatever sessions it was trained in."""
+"""progress.csv: a row for each rollout of a run, over all sessions."""
 
 from __future__ import annotations
 
@@ -17,9 +17,7 @@ from waypointctl.training.learner import Rollout
 PROGRESS: Final = "progress.csv"
 
 _LARGEST: Final = 2**26  # [bytes]
-_MEND: Final = (
-    "Put the file back as it was; or, of a training that is to go on, remove it: it is begun again from there."
-)
+_MEND: Final = "Restore the file; or remove it before --resume: a new file begins from there."
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +65,7 @@ class ProgressRow:
         )
 
     def rollout(self, steps: int) -> Rollout:
-        """Return the rollout, which had so many control steps of all robots."""
+        """Return the rollout, for its number of control steps of all robots."""
         counts = {name: getattr(self, name) for name in ("episodes", "successes", "falls", "timeouts", "waypoints")}
         return Rollout(steps=steps, reward=self.mean_reward * steps, **counts)
 
@@ -85,11 +83,11 @@ class ProgressFile:
     """A run's progress.csv, being written. Rows leave the process at once: a killed training loses none."""
 
     def __init__(self, run: Path, steps: int, schedules: tuple[str, ...]) -> None:
-        """Keep the rows up to `steps`, from which training goes on, and none of what was trained in vain after it.
+        """Keep the rows up to `steps`, from which training continues, and remove later ones.
 
         Args:
             run: the run's folder.
-            steps: that training goes on from.
+            steps: that training continues from.
             schedules: their names.
 
         Raises:

@@ -1,4 +1,4 @@
-"""A training recipe: everything that decides what a policy becomes, as a file."""
+"""A training recipe: the file that defines how a policy is trained."""
 
 from __future__ import annotations
 
@@ -53,23 +53,24 @@ class Recipe(FileModel):
         "egocentric", description="a layout, or a list of observation groups"
     )
     course: Course = Field(Course(), description="where the waypoints of an episode come from")
-    failure_replay: FailureReplay = Field(FailureReplay(), description="repeat courses that failed lately")
+    failure_replay: FailureReplay = Field(FailureReplay(), description="draw recently failed courses again")
     acceptance: Acceptance = Acceptance()
     deadline: Deadline = Deadline()
     start: Start = Start()
     domain_randomization: DomainRandomization = Field(
-        DomainRandomization(), description="how robots and episodes differ from the robot's model"
+        DomainRandomization(), description="values drawn for each robot and episode in place of the model's"
     )
     network: NetworkRecipe = NetworkRecipe()
     algorithm: Algorithm = PpoRecipe(name="ppo")
     phases: Annotated[tuple[PhaseRecipe, ...], Field(min_length=1)]
     warm_start: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
-        None, description="policy to begin with the weights of: its folder, relative to this file, or its name"
+        None,
+        description="policy whose weights the training begins with: its folder, relative to this file, or its name",
     )
     checkpoint_steps: Count = Field(1_000_000, description="control steps between checkpoints")
     evaluation: EvaluationRecipe = EvaluationRecipe()
     selection: SelectionRecipe | None = Field(
-        None, description="select the policy among the checkpoints; without it, it is the last"
+        None, description="how the policy is selected among the checkpoints; default: the last checkpoint"
     )
 
     _robot_folder: str | None = PrivateAttr(None)
@@ -80,7 +81,7 @@ class Recipe(FileModel):
         return self._robot_folder or self.robot
 
     def read_from(self, folder: Path) -> Recipe:
-        """Return the recipe as it is in a file of this folder, where a run's own copy of the robot comes first."""
+        """Return the recipe as it is in a file of this folder, where a run's own copy of the robot has precedence."""
         if is_bare(self.robot):
             return self
         recipe, copy = self.model_copy(), os.path.join(folder, ROBOT_COPY)
@@ -120,11 +121,11 @@ class Recipe(FileModel):
     def _selected_and_reported_apart(
         cls, selection: SelectionRecipe | None, info: ValidationInfo
     ) -> SelectionRecipe | None:
-        evaluation = info.data.get("evaluation")  # none: it is wrong already
+        evaluation = info.data.get("evaluation")  # None: already reported as an error
         if selection is not None and evaluation is not None and selection.seed == evaluation.seed:
             text = (
-                f"the seed {selection.seed} is evaluation.seed too: a policy must not be reported on the trials that "
-                "selected it; give selection another seed"
+                f"the seed {selection.seed} is also evaluation.seed: a policy must not be reported on the trials that "
+                "selected it; use another seed for selection"
             )
             error = PydanticCustomError("recipe", "{text}", {"text": text})
             raise ValidationError.from_exception_data(
@@ -187,7 +188,7 @@ class Recipe(FileModel):
     def scaled_to(self, steps: int) -> Recipe:
         """Return the recipe with its phases shortened or stretched to `steps` control steps in all.
 
-        No phase vanishes: with fewer steps than phases there are as many steps as phases.
+        Every phase keeps at least one step.
         """
         total, begun, ends = self.total_steps, 0, [0]
         for phase in self.phases:

@@ -1,4 +1,4 @@
-"""What of a recipe says how policies are evaluated: which checkpoint is selected, and the final evaluation."""
+"""The part of a recipe on evaluation: selection of a checkpoint, and the final evaluation."""
 
 from __future__ import annotations
 
@@ -24,9 +24,8 @@ class SelectionRecipe(FileModel):
         "region", description="one that comes with waypointctl, or a YAML file, relative to this one"
     )
     trials: Few = Field(200, description="of each of the suite's cases")
-    # 0 was the seed that `waypointctl eval` reported by default in earlier versions.
     seed: Annotated[int, Strict(), Field(ge=1, lt=2**32)] = Field(
-        1000, description="of the trials; not evaluation.seed: a policy must not be reported on what selected it"
+        1000, description="of the trials; differs from evaluation.seed: the final evaluation must use other trials"
     )
-    every: Count = Field(1_000_000, description="control steps between evaluations; the last step has one too")
+    every: Count = Field(1_000_000, description="control steps between evaluations; the last step is also evaluated")
     stop_at: Rate | None = Field(None, description="end the training when this success rate is reached")

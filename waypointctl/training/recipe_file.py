@@ -1,4 +1,4 @@
-"""Recipes as YAML files, and what a policy's recipe says of it."""
+"""Recipes as YAML files, and the training that a policy's recipe states."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def load_recipe(path: Path | str) -> RecipeFile:
     """Read a recipe.
 
     Raises:
-        RecipeError: there is no such file, or it is not a recipe; everything wrong is listed with line and column.
+        RecipeError: the file is missing or not a recipe; every error is listed with line and column.
     """
     path = Path(path)
     source = read_source(path, RecipeError)
@@ -126,8 +126,8 @@ def with_plugins(recipe_file: RecipeFile, *, allowed: bool) -> RecipeFile:
     if not names:
         return recipe_file
     if not allowed:
-        problem = f"plugins are Python files that are executed, and that is not allowed: {', '.join(names)}"
-        raise RecipeError(problem, where=recipe_file.place("plugins"), hint="read them, then give --allow-plugins")
+        problem = f"plugins are Python files, and their execution is not allowed: {', '.join(names)}"
+        raise RecipeError(problem, where=recipe_file.place("plugins"), hint="read the files, then use --allow-plugins")
     plugins = load_plugins(recipe_file.path.parent / name for name in names)
     for loc, problem in unknown_names(recipe_file.recipe, plugins):
         raise RecipeError(problem, where=recipe_file.place(*loc))
@@ -144,7 +144,7 @@ def recipe_schema() -> dict[str, Any]:
 
 
 def _drop_infinite_defaults(schema: Any) -> None:
-    """Leave out, in place, defaults with a number that JSON does not have."""
+    """Remove, in place, defaults with a number that JSON does not have."""
     if isinstance(schema, list):
         for part in schema:
             _drop_infinite_defaults(part)

@@ -1,4 +1,4 @@
-"""What of a recipe says how it is learnt: network and phases."""
+"""The part of a recipe on learning: network and phases."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class NetworkRecipe(FileModel):
 
 
 class PhaseRecipe(Schedules):
-    """A stretch of the training with reward weights of its own, and schedules in place of the algorithm's."""
+    """A phase of the training with its own reward weights, and schedules in place of the algorithm's."""
 
     steps: Count = Field(description="control steps of all robots together")
     reward: RewardWeights = RewardWeights()

@@ -1,4 +1,4 @@
-"""What a recipe refers to: the suite that it selects by, and the policy that it starts from.
+"""Files that a recipe refers to: robot, selection suite and warm-start policy.
 
 Before a training, missing files are reported together with everything else that is wrong with the recipe. A recipe that
 is only read, such as the copy in a policy's folder, need not have them.
@@ -21,18 +21,18 @@ from waypointctl.training.recipe_file import RecipeFile
 
 
 def load_recipe_to_train(path: Path) -> RecipeFile:
-    """Read a recipe that is to be followed from its beginning.
+    """Read a recipe for a new training.
 
     Raises:
-        RecipeError: there is no such file, it is not a recipe, or what it refers to is not there or does not fit;
-            everything wrong is listed with line and column.
+        RecipeError: the file is missing or not a recipe, or a file that it refers to is missing or does not fit;
+            every error is listed with line and column.
     """
     source = read_source(path, RecipeError)
     reading = examine(source, str(path), Recipe)
     problems = [*reading.problems, *_reference_problems(source, path, reading.model)]
     if reading.model is None or problems:
         own = str(path)
-        problems.sort(key=lambda one: (one.where != own, one.line, one.column))  # what is wrong with a suite comes last
+        problems.sort(key=lambda one: (one.where != own, one.line, one.column))  # a suite's errors come last
         raise as_error(tuple(problems), RecipeError)
     return RecipeFile(reading.model.read_from(path.parent), source, path)
 
@@ -42,7 +42,7 @@ def own_suite(suite: str, recipe: Path) -> Path | None:
 
     Args:
         suite: as the recipe's selection has it.
-        recipe: the recipe's file, beside which the suite's is looked for.
+        recipe: the recipe's file; the suite's path is relative to it.
     """
     path = Path(suite)
     return recipe.parent / path if path.suffix or len(path.parts) > 1 else None
@@ -77,7 +77,7 @@ def _robot_problems(recipe: Recipe, path: Path, tree: Tree) -> Iterator[Problem]
 
 
 def _text_at(tree: Tree, path: DataPath) -> str | None:
-    """Return the text at a path of the file; what is there and no text is no file's name either."""
+    """Return the text at a path of the file; None if it is missing or not a text."""
     data: Any = tree.data
     for part in path:
         data = data.get(part) if isinstance(data, dict) else None
@@ -101,27 +101,27 @@ def _suite_problems(suite: str, recipe: Path, tree: Tree) -> Iterator[Problem]:
     try:
         source = read_source(own, SuiteError)
     except SuiteError as error:
-        text = f"{error.where}: {error.problem}; a suite's file is looked for beside the recipe"
+        text = f"{error.where}: {error.problem}; a suite's path is relative to the recipe"
         yield _problem(recipe, tree, path, text)
         return
     yield from examine(source, str(own), Suite).problems
 
 
 def _unknown_suite(suite: str, known: tuple[str, ...]) -> str:
-    import difflib  # 10 ms that a good file need not wait for
+    import difflib  # 10 ms, only needed for an error
 
     if near := difflib.get_close_matches(suite, known, n=1):
-        return f"there is no suite {suite!r}; did you mean {near[0]!r}?"
-    return f"there is no suite {suite!r}; give {', '.join(known)} or a YAML file, relative to this one"
+        return f"unknown suite {suite!r}; did you mean {near[0]!r}?"
+    return f"unknown suite {suite!r}; use {', '.join(known)} or a YAML file, relative to this one"
 
 
-def _warm_start_faults(named: str, beside: Path, recipe: Recipe | None) -> Iterator[str]:
+def _warm_start_faults(named: str, folder_of_recipe: Path, recipe: Recipe | None) -> Iterator[str]:
     from waypointctl.mission.policy_name import policies_there_are, policy_folder
     from waypointctl.paths import folder_fault
     from waypointctl.policy.bundle import load_policy
     from waypointctl.training.warm_start import misfits, not_startable
 
-    folder = policy_folder(named, beside)
+    folder = policy_folder(named, folder_of_recipe)
     if fault := folder_fault(folder):
         yield f"{folder}: {fault}; a path is relative to this file{_inline(policies_there_are(named))}"
         return

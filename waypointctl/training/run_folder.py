@@ -2,9 +2,9 @@
 
 runs/ant-waypoint/        the run, named for its recipe: -2, -3, ... where the name is taken
     train.yaml            the recipe as it was when the run began
-    checkpoints/step-.../ each a bundle, and all that training needs to go on
+    checkpoints/step-.../ each a bundle, and all that training needs to continue
     progress.csv          how it went, a row for each rollout
-    selection.json        how the checkpoints did that were tested, where the recipe wants that
+    selection.json        results of the evaluated checkpoints, if the recipe has a selection
     tensorboard/          scalars
     manifest.json ...     the bundle and its evaluation, when it is complete and goes nowhere else
 """
@@ -49,10 +49,10 @@ def places(name: str, runs: Path, out: Path | None, *, resume: bool) -> Places:
         name: of the recipe.
         runs: the folder of all runs.
         out: where the bundle shall go; a folder in `runs` is the run's folder at the same time.
-        resume: go on with a run: with `out` if that is one, else with the newest of that name.
+        resume: continue a run: `out` if that is one, else the newest of that name.
 
     Raises:
-        RecipeError: there is no run to go on with, or the newest has no checkpoint.
+        RecipeError: there is no run to continue, or the newest has no checkpoint.
         OutputError: a folder cannot be written.
     """
     if out is not None:
@@ -107,7 +107,7 @@ def held(run: Path) -> Iterator[None]:
         raise OutputError(f"the run cannot be written: {error.strerror}", where=str(run), hint=_ELSEWHERE) from error
     with lock:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # let go of when the process ends, however it does
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # released when the process ends, in any way
         except BlockingIOError:
             raise OutputError("another training is writing this run", where=str(run)) from None
         for killed in (run / FOLDER).glob(".*.tmp"):
@@ -136,9 +136,9 @@ def _made(path: Path) -> bool:
 
 
 def _newest_run(name: str, runs: Path) -> Path:
-    """Return the run of that name that was worked on last.
+    """Return the run of that name with the latest change.
 
-    One that was killed before its first checkpoint is no reason to go on, unasked, with an older one.
+    If the newest was killed before its first checkpoint, an older one is not used instead.
     """
     own = re.compile(rf"{re.escape(name)}(-[0-9]+)?")
     folders = [path for path in runs.iterdir() if own.fullmatch(path.name)] if runs.is_dir() else []
@@ -148,6 +148,6 @@ def _newest_run(name: str, runs: Path) -> Path:
         raise RecipeError(f"no run of {name!r} with a checkpoint to resume from", where=str(runs), hint=hint)
     checkpoint, newest = max(found, key=lambda one: (one[0] or one[1]).stat().st_mtime_ns)
     if checkpoint is None:
-        hint = "Name the run to go on with by --out, or train anew, without --resume."
+        hint = "Name the run to continue with --out, or train without --resume."
         raise RecipeError(f"the newest run {newest} has no checkpoint", where=str(runs), hint=hint)
     return newest

@@ -1,4 +1,4 @@
-"""A model that stable-baselines3 saved, made into a policy bundle. Nothing that it brings along is executed."""
+"""A model that stable-baselines3 saved, converted to a policy bundle. No code in its files is executed."""
 
 from __future__ import annotations
 
@@ -46,7 +46,9 @@ from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
 from waypointctl.training.algorithms.ppo_learner import ACTIVATIONS
 
 CHECKED: Final = 256  # random observations that the bundle and stable-baselines3 act on
-TOLERANCE: Final = 1e-4  # between their actions: a wrong network is far off, float32 is within a tenth of this
+TOLERANCE: Final = (
+    1e-4  # between their actions: a wrong network differs far more, float32 rounding less than a tenth of this
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +88,7 @@ def import_sb3(
         out: the bundle's folder.
         robot: that it is for.
         observation: the layout that it was trained on, by its name or the names of its groups.
-        vecnormalize: the file that VecNormalize.save() wrote; without it observations are taken as they are.
+        vecnormalize: the file that VecNormalize.save() wrote; without it observations are not normalised.
         force: replace a policy that is in `out` already, and remove its evaluations.
 
     Raises:
@@ -202,7 +204,7 @@ def _description(
         ),
         action=ActionSpec(size=body.num_actions, meaning=body.action_meaning, limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=network.hidden_sizes, activation=network.activation),
-        reward={},  # a .zip does not say what was paid; a flight pays the defaults
+        reward={},  # a .zip does not contain reward weights; a flight uses the defaults
         training=TrainingRecord(
             algorithm=f"{network.algorithm} (stable-baselines3, imported)",
             recipe=f"imported from {_text(archive.path.name)}{normalised}",
@@ -216,7 +218,7 @@ def _description(
 
 
 def _text(name: str) -> str:
-    """Return a file's name as text that JSON can hold: a name can have bytes that are no text."""
+    """Return a file's name as text that JSON can hold: a name can have bytes that are not text."""
     return name.encode(errors="replace").decode()
 
 
@@ -225,7 +227,7 @@ def _refuse_replacing(out: Path, force: bool) -> None:
     if not out.exists() or not any(out.iterdir()):
         return
     if not (out / MANIFEST).is_file():
-        raise OutputError("is there already and is no policy", where=str(out), hint="Name another folder.")
+        raise OutputError("is there already and is not a policy", where=str(out), hint="Name another folder.")
     if not force:
         raise OutputError(
             "is a policy already", where=str(out), hint="Name another folder, or replace it with --force."

@@ -1,10 +1,10 @@
-"""One recipe trained with several seeds: a folder with a run for each, gone on with as a whole.
+"""One recipe trained with several seeds: a folder with a run for each, resumed as a whole.
 
 runs/ant-waypoint-seeds/   the group, named for its recipe: -2, -3, ... where the name is taken
-    group.json             what every run of it was asked to do
+    group.json             the options of its runs
     seed-0/ seed-1/ ...    the runs; each its own bundle's folder too
     curves.csv curves.png  how they went, when all have ended
-    seeds.json             what they came to
+    seeds.json             their results
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class GroupFile(BaseModel):
     recipe_sha256: str
     phase_steps: list[int]
     selection: SelectionRecipe | None
-    threads: int = 0  # that were asked for; 0 is the default
+    threads: int = 0  # requested; 0 is the default
 
 
 def group_place(name: str, runs: Path, out: Path | None, *, resume: bool) -> Path:
@@ -47,10 +47,10 @@ def group_place(name: str, runs: Path, out: Path | None, *, resume: bool) -> Pat
         name: of the recipe.
         runs: the folder of all runs.
         out: the group's folder, if it is not to be one in `runs`.
-        resume: go on with a group: with `out`, else with the one of that name that was worked on last.
+        resume: continue a group: `out`, else the one of that name with the latest change.
 
     Raises:
-        RecipeError: there is no group to go on with.
+        RecipeError: there is no group to continue.
         OutputError: a folder cannot be written.
     """
     if out is not None:
@@ -64,7 +64,7 @@ def group_place(name: str, runs: Path, out: Path | None, *, resume: bool) -> Pat
     found = [path.parent for path in runs.glob(f"*/{GROUP}") if names.fullmatch(path.parent.name)]
     if not found:
         hint = "Train without --resume, or name a group's folder with --out."
-        raise RecipeError(f"no group of seeds of {name!r} to go on with", where=str(runs), hint=hint)
+        raise RecipeError(f"no group of seeds of {name!r} to continue", where=str(runs), hint=hint)
     return max(found, key=_last_worked_on)
 
 
@@ -90,18 +90,18 @@ def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int], thre
         recipe_file: the recipe of all runs.
         group: the folder of the runs.
         seeds: a run each.
-        threads: that were asked for; 0 is the default.
+        threads: requested; 0 is the default.
 
     Raises:
         OutputError: one has, the folder is of another training or a policy, or it cannot be written.
     """
     if any((group / name).exists() for name in (GROUP, MANIFEST)) or newest_checkpoint(group):
         problem = "has an earlier training or policy, whose recipe would be replaced"
-        raise OutputError(problem, where=str(group), hint="Go on with --resume, or choose another folder.")
+        raise OutputError(problem, where=str(group), hint="Use --resume to continue it, or choose another folder.")
     for run in (run_of(group, seed) for seed in seeds):
         if newest_checkpoint(run) or is_complete(run):
             problem = "has the checkpoints of an earlier training"
-            raise OutputError(problem, where=str(run), hint="Go on with --resume, or choose another folder.")
+            raise OutputError(problem, where=str(run), hint="Use --resume to continue it, or choose another folder.")
     recipe = recipe_file.recipe
     plan = GroupFile(
         recipe_sha256=recipe_file.sha256,
@@ -121,15 +121,15 @@ def group_begun_as(recipe_file: RecipeFile, group: Path) -> tuple[RecipeFile, in
     """Return the recipe with the steps and the selection that a group began with, and its number of threads.
 
     Raises:
-        RecipeError: the folder is no group, or one of another recipe.
+        RecipeError: the folder is not a group, or is of another recipe.
     """
     try:
         plan = GroupFile.model_validate_json(read_input(group / GROUP, RECORD_FILE, RecipeError, within=group))
     except (RecipeError, ValidationError) as error:
-        problem = f"no group of trainings to go on with: there is no {GROUP} that can be read"
+        problem = f"no group of trainings to continue: no readable {GROUP}"
         raise RecipeError(problem, where=str(group), hint="Train without --resume.") from error
     if plan.recipe_sha256 != recipe_file.sha256:
-        hint = f"Resume with {group / RECIPE}, the recipe as it was when the group began, or begin another."
+        hint = f"Resume with {group / RECIPE}, the recipe as it was when the group began, or start a new group."
         raise RecipeError(f"the group was made by another recipe than {recipe_file.path}", where=str(group), hint=hint)
     recipe = recipe_file.recipe.with_phase_steps(plan.phase_steps).model_copy(update={"selection": plan.selection})
     return replace(recipe_file, recipe=recipe), plan.threads

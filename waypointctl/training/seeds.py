@@ -32,7 +32,7 @@ class SeedResult:
         seed: of the training.
         run: its folder, with the bundle.
         policy_sha256: of the bundle's manifest.
-        steps: that training went on for, in control steps of all robots.
+        steps: length of the training, in control steps of all robots.
         policy_steps: after which the policy was taken; fewer where an earlier checkpoint was selected.
         wall_time_s: of the training.
         trials: of the final evaluation, all of the paper's cases together.
@@ -139,11 +139,11 @@ def train_seeds(
     Complete runs are left as they are, those that have begun are resumed.
 
     Args:
-        recipe_file: what to do, but for the seed.
+        recipe_file: the recipe; its seed is replaced.
         seeds: different ones.
         group: the folder of the runs.
         train_one: trains one, and returns whether it is finished.
-        interrupted: asked between two seeds; True ends it there.
+        interrupted: called between two seeds; True ends the training there.
     """
     complete = []
     for seed in seeds:
@@ -176,6 +176,6 @@ def compare(recipe_file: RecipeFile, seeds: Sequence[int], group: Path) -> Seeds
 def _rows(run: Path) -> list[ProgressRow]:
     if rows := read_progress(run):
         return rows
-    problem = "has no rows, and the training is complete: its learning curve is lost"
+    problem = "has no rows, although the training is complete: its learning curve is lost"
     hint = "Put the file back, or remove the run's folder: with --resume that seed is trained again."
     raise RecipeError(problem, where=str(run / PROGRESS), hint=hint)

@@ -63,12 +63,12 @@ class Selection:
     """The checkpoints of a run that were evaluated so far."""
 
     def __init__(self, recipe: SelectionRecipe, run: Path, steps: int, suite_name: str | None = None) -> None:
-        """Go on from what the run's folder has of the time until `steps`; 0 begins anew.
+        """Continue from the run's record up to `steps`; 0 begins anew.
 
         Args:
             recipe: how checkpoints are evaluated.
             run: the run's folder.
-            steps: that training has come to.
+            steps: of the training so far.
             suite_name: the suite's own name, to be shown; None: as the recipe has it, which may be a file.
 
         Raises:
@@ -78,20 +78,20 @@ class Selection:
         self.suite_name = suite_name or recipe.suite
         self._path = run / SELECTION
         found = _read(self._path) if steps else []
-        # Where the newest checkpoint was removed, training passes once more over what followed the one before.
+        # If the newest checkpoint was removed, training repeats the steps after the one before it.
         self.candidates = [candidate for candidate in found if candidate.steps <= steps]
 
     @property
     def last_steps(self) -> int:
-        """Where the last candidate was taken; 0 before the first."""
+        """The step of the last candidate; 0 before the first."""
         return self.candidates[-1].steps if self.candidates else 0
 
     @property
     def best(self) -> Candidate:
-        """The candidate with the most successes; there has to be one.
+        """The candidate with the most successes; at least one must exist.
 
-        Of equals, the later one, which has learnt longer and at a lower rate. Speed breaks no tie: the reward decides
-        on speed, and equals differ in it by chance.
+        Of equals, the later one: it was trained longer and at a lower learning rate. Speed is not a tie-breaker: equals
+        differ in it by chance.
         """
         return max(self.candidates, key=lambda candidate: (candidate.successes, candidate.steps))
 
@@ -137,7 +137,7 @@ class Selection:
 
 
 def with_record(policy: LoadedPolicy, record: SelectionRecord) -> LoadedPolicy:
-    """Return a checkpoint's policy with a manifest that says how it was selected."""
+    """Return a checkpoint's policy whose manifest states how it was selected."""
     manifest = policy.manifest
     training = manifest.training.model_copy(update={"selection": record})
     description = manifest.model_copy(update={"training": training})
@@ -154,5 +154,5 @@ def _read(path: Path) -> list[Candidate]:
         if getattr(error, "problem", "") == NOT_THERE:
             return []  # killed before the first evaluation
         problem = "the record of the evaluated checkpoints cannot be read"
-        hint = "Remove the file: only the checkpoints from now on are evaluated then."
+        hint = "Remove the file: then only later checkpoints are evaluated."
         raise RecipeError(problem, where=str(path), hint=hint) from error

@@ -1,4 +1,4 @@
-"""What a training has in memory: the robots and the learner, and how both are saved and go on bit for bit.
+"""The state of a training: robots and learner, saved and continued bit for bit.
 
 What a learning rate or a phase is follows from the step.
 """
@@ -20,12 +20,12 @@ from waypointctl.training.events import Threads
 from waypointctl.training.learner import Arrays, LearnerState
 from waypointctl.training.recipe import Recipe
 
-# Layers of 128 gain little from more than one thread, and lose much beside other work (bench/threads.py).
+# Layers of 128 gain little from more than one thread, and lose much if other programs run (bench/threads.py).
 TORCH_THREADS: Final = 1
 
 
 class StateFacts(BaseModel):
-    """What of a saved state is no array.
+    """The part of a saved state that is not an array.
 
     Attributes:
         learner: the algorithm's own.
@@ -52,7 +52,7 @@ class TrainingState:
     """The robots and the learner of one training.
 
     Attributes:
-        recipe: what it follows.
+        recipe: of the training.
         env: the robots.
         learner: the algorithm at work.
         start: the policy whose weights it began with, if any.
@@ -82,13 +82,13 @@ class TrainingState:
         return self.learner.steps
 
     def use_torch_threads(self, number: int) -> None:
-        """Go on with as many threads of the network as the run began with, unless another number was requested."""
+        """Use the network's number of threads that the run began with, unless another number was requested."""
         torch_threads = self.threads.torch if self.threads.requested else number
         self.threads = replace(self.threads, began=number, torch=torch_threads)
         torch.set_num_threads(torch_threads)
 
     def enter_phase(self) -> None:
-        """Give the robots the rewards of the phase of the present step."""
+        """Apply the reward weights of the current phase."""
         phase, _ = self.recipe.phase_at(self.steps)
         self.env.config = self.recipe.task(phase, self.env.config.plugins)
 
@@ -108,7 +108,7 @@ class TrainingState:
         return SavedState({name: np.ascontiguousarray(array) for name, array in arrays.items()}, facts)
 
     def load(self, saved: SavedState) -> None:
-        """Go on from a state of the same recipe.
+        """Continue from a state of the same recipe.
 
         Raises:
             KeyError, RuntimeError, ValueError: it is of another kind of training.
@@ -128,7 +128,7 @@ class TrainingState:
         self.learner.load(LearnerState(_section(arrays, "learner"), saved.facts.learner))
 
     def _progress(self) -> Arrays:
-        """Return all arrays that the courses keep, whatever they are called; the rest follows from the recipe."""
+        """Return all arrays that the courses keep, by name; the rest follows from the recipe."""
         return {name: value for name, value in vars(self.env.progress).items() if isinstance(value, np.ndarray)}
 
 

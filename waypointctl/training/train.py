@@ -38,12 +38,12 @@ class TrainingResult:
         policy: loaded from `folder`.
         folder: of the bundle; the last checkpoint's if the training was interrupted.
         evaluation: on the paper's cases; None if the training was interrupted.
-        steps: control steps that training went on for; the policy's own are fewer if an earlier checkpoint was
+        steps: control steps of the training; the policy's own are fewer if an earlier checkpoint was
             selected.
         wall_time_s: of all sessions, without the evaluation.
         selection: the checkpoints that were evaluated, where the recipe has a selection.
         threads: that were used.
-        already_complete: the training was resumed and had come to its end before.
+        already_complete: the training was resumed and was complete before.
     """
 
     policy: LoadedPolicy
@@ -73,7 +73,7 @@ def train(
 ) -> TrainingResult:
     """Train a policy by a recipe, evaluate it on the paper's cases and write its bundle.
 
-    An interrupted training leaves `out` as it was; its last checkpoint is a bundle that flies. Resumed with as many
+    An interrupted training leaves `out` as it was; its last checkpoint is a policy bundle. Resumed with as many
     threads, it ends in the weights of an uninterrupted one, bit for bit.
 
     Args:
@@ -81,7 +81,7 @@ def train(
         out: folder of the finished bundle, with its recipe and evaluation; a bundle in it is replaced.
         run: folder for checkpoints, progress and TensorBoard scalars; `out` by default.
         threads: of physics and of torch; 0 is the default, or those that the resumed run was trained with.
-        resume: go on from the newest checkpoint in `run`.
+        resume: continue from the newest checkpoint in `run`.
         allow_plugins: execute the Python files in the recipe's `plugins`.
         on_event: called with the progress of training and evaluation.
         interrupted: called before every rollout and while evaluating; True ends the training with a checkpoint.
@@ -90,7 +90,7 @@ def train(
         OutputError: `out` or `run` cannot be written, or `run` has checkpoints and `resume` is False.
         RecipeError: the recipe is wrong; there is no checkpoint to resume from, or it is damaged or of another recipe;
             the training diverged; or the policy to start from does not fit the recipe.
-        PolicyError, SuiteError: the policy to start from, or the suite to select by, does not exist or is damaged.
+        PolicyError, SuiteError: the policy to start from, or the suite to select by, is missing or damaged.
     """
     recipe_file = recipe if isinstance(recipe, RecipeFile) else load_recipe_to_train(Path(recipe))
     if not recipe_file.plugins:
@@ -157,7 +157,7 @@ class _Loop:
         return finished
 
     def _checkpoint_and_select(self, log: TrainingLog) -> bool | None:
-        """Save and evaluate a checkpoint where one is due; return whether training is finished, None to go on."""
+        """Save and evaluate a checkpoint where one is due; return whether training is finished, None to continue."""
         steps = self.state.steps
         ended = steps >= self.state.recipe.last_step
         stopped = not ended and self.interrupted()
@@ -197,14 +197,14 @@ class _Loop:
         """End a training whose network has numbers that are not finite: no update recovers from them.
 
         Raises:
-            RecipeError: it has, with the step and the last checkpoint, which was taken before.
+            RecipeError: the network has diverged; names the step and the last checkpoint before it.
         """
         if self.state.learner.is_finite():
             return
         last = newest_checkpoint(self.run)
         kept = f"the last checkpoint is {last}" if last else "there is no checkpoint yet"
         problem = f"the training diverged: at step {self.state.steps} the network has numbers that are not finite"
-        hint = "Begin another run with a lower learning_rate, reward_scale or max_gradient."
+        hint = "Start a new run with a lower learning_rate, reward_scale or max_gradient."
         raise RecipeError(f"{problem}; {kept}", where=str(self.recipe_file.path), hint=hint)
 
 
@@ -249,9 +249,9 @@ def _selected(
 def _evaluation(
     policy: LoadedPolicy, recipe_file: RecipeFile, evaluator: Evaluator, out: Path, complete: bool
 ) -> Evaluation | None:
-    """Return how the policy does on the paper's cases, None if that was interrupted.
+    """Return the policy's evaluation on the paper's cases, None if that was interrupted.
 
-    What an already complete training left in `out` is kept, if it is this policy's in these trials.
+    The evaluation in `out` of an already complete training is kept, if it is of this policy and these trials.
     """
     plan = recipe_file.recipe.evaluation
     if complete:
@@ -269,7 +269,7 @@ def _evaluation(
 
 
 def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluation, out: Path) -> None:
-    """Put the bundle into `out`, and remove the evaluations of an earlier one."""
+    """Write the bundle to `out`, and remove the evaluations of an earlier one."""
     remove_outdated(out, policy.sha256)
     copy_bundle(policy, out)
     place_recipe(recipe_file, out)

@@ -1,4 +1,4 @@
-"""What a training writes of its course: progress.csv, TensorBoard scalars, and the status that views show."""
+"""The records of a training: progress.csv, TensorBoard scalars, and the status for views."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from waypointctl.training.recipe import Recipe
 
 
 class TrainingLog:
-    """The records of one run, gone on with where it is resumed."""
+    """The records of one run, continued when it is resumed."""
 
     def __init__(self, run: Path, recipe: Recipe, steps: int, begun_s: float) -> None:
         """Open the files.
@@ -28,7 +28,7 @@ class TrainingLog:
         Args:
             run: the run's folder.
             recipe: that it follows.
-            steps: that training goes on from; what was written of later ones is left out.
+            steps: that training continues from; records of later steps are removed.
             begun_s: when training began, on the clock of time.monotonic, earlier sessions included.
 
         Raises:
@@ -78,7 +78,7 @@ class TrainingLog:
         return status
 
     def add_selection(self, steps: int, success_rate: float) -> None:
-        """Record how a checkpoint did."""
+        """Record the success rate of a checkpoint."""
         self._scalars.add_scalar("selection/success_rate", success_rate, steps)
 
     def __enter__(self) -> Self:

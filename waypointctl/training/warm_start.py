@@ -1,4 +1,4 @@
-"""Beginning a training with another policy's weights; no torch."""
+"""Warm start: a training that begins with another policy's weights; no torch."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ class WarmStart:
     weights: dict[str, NDArray[np.generic]]
 
     def apply(self, learner: Learner, recipe_file: RecipeFile) -> WarmStarted:
-        """Give the weights to a learner that has not begun; return what there is to say of it.
+        """Load the weights into a new learner; return an event that describes them.
 
-        The layout of the observations may be another one, of the same size. Then the inputs of one name go on as they
-        are, and the others have a new meaning.
+        The layout of the observations may be another one, of the same size. Then inputs with the same name keep
+        their meaning, and the others have a new one.
 
         Raises:
             RecipeError: the policy's weights have other names or shapes.
@@ -54,7 +54,7 @@ class WarmStart:
         return WarmStarted(manifest.name, manifest.observation.layout, own.name, changed)
 
     def record(self) -> StartRecord:
-        """Return what the manifest of the trained policy says of it."""
+        """Return the record for the trained policy's manifest."""
         manifest = self.policy.manifest
         return StartRecord(
             policy=manifest.name,
@@ -67,10 +67,10 @@ class WarmStart:
 
 
 def load_warm_start(recipe_file: RecipeFile) -> WarmStart | None:
-    """Return the policy in the recipe's `warm_start`, a folder beside the recipe or a name; None without one.
+    """Return the policy in the recipe's `warm_start`, a folder relative to the recipe or a name; None without one.
 
     Raises:
-        PolicyError: there is no such policy, or it is damaged.
+        PolicyError: the policy does not exist or is damaged.
         RecipeError: it is of other sizes than the recipe, of another activation or for another robot; its weights are
             not finite numbers; or it was selected with the seed that the recipe's evaluation has.
     """
@@ -100,7 +100,10 @@ def misfits(policy: LoadedPolicy, recipe: Recipe, plugins: tuple[Plugin, ...] = 
         yield ", and ".join(others), _SIZES_HINT
     selected, seed = manifest.training.selection, recipe.evaluation.seed
     if selected is not None and selected.seed == seed:
-        yield f"it was selected in {selected.suite!r} with seed {seed}, which is evaluation.seed here", _SEED_HINT
+        yield (
+            f"it was selected in {selected.suite!r} with seed {seed}, which is also this recipe's evaluation.seed",
+            _SEED_HINT,
+        )
 
 
 def not_startable(policy: LoadedPolicy, fault: str) -> str:
@@ -114,7 +117,7 @@ def _refusal(policy: LoadedPolicy, fault: str, recipe_file: RecipeFile, hint: st
 
 
 def _weights(content: bytes, where: str) -> dict[str, NDArray[np.generic]]:
-    from safetensors import SafetensorError  # comes with the train extra alone
+    from safetensors import SafetensorError  # only in the train extra
     from safetensors.numpy import load
 
     try:

@@ -36,7 +36,7 @@ class GlobalRandom(BaseModel):
 
 
 class PpoFacts(BaseModel):
-    """What of the state is no array."""
+    """The part of the state that is not an array."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
@@ -88,7 +88,7 @@ class PpoLearner:
     @property
     def steps(self) -> int:
         """Control steps of all robots so far."""
-        # PPO asks for the first learning rate while it is being made.
+        # PPO reads the first learning rate in its constructor.
         return int(self.ppo.num_timesteps) if hasattr(self, "ppo") else 0
 
     @property
@@ -139,7 +139,7 @@ class PpoLearner:
         return LearnerState(arrays, facts.model_dump())
 
     def load(self, state: LearnerState) -> None:
-        """Go on from a state."""
+        """Continue from a state."""
         arrays, facts = state.arrays, PpoFacts.model_validate(state.facts)
         ppo, statistics = self.ppo, self.statistics
         parts = _section(arrays, "policy")

@@ -64,7 +64,7 @@ class BatchedVecEnv(VecEnv):
         """Nothing to release: the physics threads end with the object."""
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """Return an attribute of this object, once for each robot asked for."""
+        """Return an attribute of this object, once for each of the robots."""
         if attr_name == "render_mode":
             return [None for _ in self._get_indices(indices)]
         return [getattr(self, attr_name) for _ in self._get_indices(indices)]
