@@ -1,4 +1,4 @@
-"""A flight that another version of the program began: said, and gone on with only where it is the same flight."""
+"""A flight that another version of the program began: noted, and continued only if the flight is the same."""
 
 from __future__ import annotations
 

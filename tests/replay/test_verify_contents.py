@@ -102,7 +102,7 @@ def test_another_seed_than_was_flown_is_found_in_the_first_state(flown: Flown, t
 @pytest.mark.parametrize(
     ("key", "value", "named"),
     [
-        ("version_mujoco", "2.3.7", "MuJoCo differs: the log was made with 2.3.7"),
+        ("version_mujoco", "2.3.7", "MuJoCo differs: the log has 2.3.7"),
         ("architecture", "riscv64", "riscv64"),
     ],
 )

@@ -113,7 +113,7 @@ def test_what_a_log_says_of_its_program_lets_no_picture_be_changed(survey: Flown
     assert found.verdict is Verdict.DIVERGED
     assert found.first_divergence is not None
     assert found.first_divergence.topic == "/camera"
-    assert "another program, not an altered log, may be why" in found.reason
+    assert "the other program may be the cause" in found.reason
 
 
 def test_a_picture_that_is_not_there_is_said(changed: Callable[[int, Change], Verification]) -> None:
