@@ -42,6 +42,7 @@ is wrong, where, what is allowed and what to do.
 _ORDER: Final = ("load_mission", "load_policy", "load_robot", "load_suite", "load_recipe", "fly", "verify", "open_log")
 _ALIASES: Final = {
     id(waypointctl.PolicyState): "What `Policy.state` returns, `Mapping[str, NDArray]`: arrays (n, ...) by name.",
+    id(waypointctl.Sink): "What takes the messages of a flight, `Callable[[messages.Message], None]`, as they happen.",
 }
 _SECTION: Final = re.compile(r"^(Args|Attributes|Raises|Returns):$", re.MULTILINE)
 _ENTRY: Final = re.compile(r"^    (\*{0,2}\w[\w, ]*): (.*(?:\n {6,}.*)*)", re.MULTILINE)

@@ -56,7 +56,7 @@ def main() -> None:
         result = waypointctl.fly(MISSION, Wriggle(), log=path)
         print(f"{result.outcome}: {result.reason}")
         verification = waypointctl.verify(path)
-        print(f"{verification.verdict}: {verification.reason}")
+        print(f"{verification.verdict.name}: {verification.reason}")
         for line in verification.not_compared:
             print(f"not compared: {line}")
 

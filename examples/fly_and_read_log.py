@@ -23,7 +23,7 @@ def main(mission: Path) -> None:
         path = Path(folder, "flight.mcap")
         result = waypointctl.fly(mission, policy="ant-waypoint", log=path)
         print(f"{result.outcome}: {result.reason}")
-        print(f"verified: {waypointctl.verify(path).verdict}")
+        print(f"verified: {waypointctl.verify(path).verdict.name}")
 
         with waypointctl.open_log(path) as log:
             for message in log.messages("/event"):

@@ -7,7 +7,9 @@ import inspect
 import runpy
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +19,17 @@ from waypointctl import messages
 
 SOURCE = Path(waypointctl.__file__).read_text()
 HEAVY = ("numpy", "pydantic", "mujoco", "torch", "onnxruntime", "matplotlib", "gymnasium", "mcap", "rich", "typer")
+PLUGIN = """
+import waypointctl
+
+@waypointctl.observation_group(name="half_height", unit="m", components=["half_height"])
+def half_height(view):
+    return view.height / 2
+
+@waypointctl.reward_term(name="uprightness", unit="1")
+def uprightness(view):
+    return view.up
+"""
 MISSION = """
 name: short
 policy: ant-waypoint
@@ -46,7 +59,10 @@ def test_the_page_is_what_its_command_writes() -> None:
     assert runpy.run_path(str(docs / "api.py"))["page"]() == (docs / "api.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", sorted({*waypointctl.__all__} - {"__version__"}))
+ALIASES = {"Sink"}  # they have no docstring; docs/api.py has a line for each
+
+
+@pytest.mark.parametrize("name", sorted({*waypointctl.__all__} - {"__version__"} - ALIASES))
 def test_each_name_is_there_and_documented(name: str) -> None:
     assert inspect.getdoc(getattr(waypointctl, name))
 
@@ -121,6 +137,75 @@ def test_a_part_is_read_up_to_where_it_is_whole(tmp_path: Path) -> None:
     assert log.arrays("/state")["step"][0] == 0
     with pytest.raises(waypointctl.LogError):
         waypointctl.open_log(tmp_path / "cut.mcap")
+    assert not waypointctl.open_log(tmp_path / "cut.mcap", allow_truncated=True).is_complete
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(waypointctl.OutputError, match="not a log"):
         waypointctl.fly(mission, log=tmp_path / "notes.txt")
+
+
+class Still(waypointctl.Policy):
+    """Observes a group, and is rewarded by a term, that are not built in."""
+
+    robot = "ant"
+    observation_layout = ("height", "half_height")
+    reward_weights = {"uprightness": 0.5}  # noqa: RUF012
+
+    def act(self, observation: np.ndarray) -> np.ndarray:
+        return np.zeros((len(observation), 8))
+
+
+def test_own_groups_and_terms_are_in_the_log_and_are_given_to_verify(tmp_path: Path) -> None:
+    (tmp_path / "terms.py").write_text(PLUGIN)
+    path = str(tmp_path / "terms.py")
+    plugins = waypointctl.load_plugins(path)
+    assert [plugin.name for plugin in plugins] == ["half_height", "uprightness"]
+    for paths in ([path], Path(path), [Path(path)]):
+        assert len(waypointctl.load_plugins(paths)) == 2
+    mission = waypointctl.Mission.model_validate(
+        {"name": "still", "policy": "none", "waypoints": [{"position_m": [9.0, 0.0], "timeout_s": 0.3}]}
+    )
+    for refused in (lambda: waypointctl.fly(mission, Still()), lambda: waypointctl.evaluate(Still(), trials=1)):
+        with pytest.raises(waypointctl.PolicyError, match="half_height"):
+            refused()
+    waypointctl.fly(mission, Still(), log=tmp_path / "still.mcap", plugins=plugins)
+    log = waypointctl.open_log(tmp_path / "still.mcap")
+    names = [name for name in log.arrays("/reward") if name not in ("time_ns", "step", "total")]
+    assert log.metadata["reward_terms"].split() == names
+    assert "uprightness" in names
+    assert waypointctl.verify(log.path, plugins).verdict is waypointctl.Verdict.EQUIVALENT
+    without = waypointctl.verify(log.path)
+    assert without.verdict is waypointctl.Verdict.UNVERIFIABLE
+    assert "verify(path, plugins=" in without.reason
+    assert "\n" not in without.reason
+
+
+def test_a_robot_and_a_recipe_are_taken_by_name_or_path(tmp_path: Path) -> None:
+    (tmp_path / "short.yaml").write_text(MISSION)
+    with pytest.raises(waypointctl.RobotError, match="no robot 'mule'"):
+        waypointctl.fly(tmp_path / "short.yaml", robot="mule")
+    (tmp_path / "own.yaml").write_text("name: own\nphases: [{steps: 64}]\n")
+    assert waypointctl.load_recipe(str(tmp_path / "own.yaml")).path == tmp_path / "own.yaml"
+
+
+ANY: Any = waypointctl
+SHORT = waypointctl.Mission.model_validate(
+    {"name": "short", "policy": "ant-waypoint", "waypoints": [{"position_m": [1.0, 0.0]}]}
+)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: ANY.fly({"name": "short"}),
+        lambda: ANY.fly(SHORT, 3),
+        lambda: ANY.fly(SHORT, robot=3),
+        lambda: ANY.evaluate(3),
+        lambda: ANY.evaluate("ant-waypoint", 3),
+        lambda: ANY.load_recipe(3),
+        lambda: ANY.load_plugins(3),
+        lambda: ANY.load_plugins([3]),
+    ],
+)
+def test_an_argument_of_a_wrong_type_is_refused(call: Callable[[], object]) -> None:
+    with pytest.raises(waypointctl.InputError, match=r"(int|dict) is not allowed; give "):
+        call()

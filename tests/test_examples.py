@@ -19,12 +19,12 @@ waypoints: [{position: [1 m, 0 m]}]
 link: {delay: 100 ms}
 """
 PRINTED = {
-    "fly_and_read_log.py MISSION": r"success: .*\nverified: exact\n.*mission short started\n(.*\n)*1 waypoints reached",
+    "fly_and_read_log.py MISSION": r"success: .*\nverified: EXACT\n.*mission short started\n(.*\n)*1 waypoints reached",
     "own_suite.py --trials 2": r"zigzag: \d of 2 succeeded.*\nshort legs: \d of 2 succeeded",
     "own_reward_term.py --steps 64": r"foot_clearance +0\.\d+ in a control step",
-    "own_observation_group.py": r"feet on the ground.*\nwith the group: equivalent\nwithout it: unverifiable",
+    "own_observation_group.py": r"\d gait periods begun\nwith the group: EQUIVALENT\nwithout it: UNVERIFIABLE",
     "sb3_ppo.py --steps 128": r"after 128 steps: ",
-    "custom_policy.py": r"failure: .*\nequivalent: .*\nnot compared: .*__main__\.Wriggle, is not in the log",
+    "custom_policy.py": r"failure: .*\nEQUIVALENT: .*\nnot compared: .*__main__\.Wriggle, is not in the log",
     "seed_study.py MISSION --seeds 2": r"2 of 2 flights succeeded\nmedian time ",
     "log_to_pandas.py": r"\d+ states, \d+ telemetry frames\ncount ",
 }

@@ -2,8 +2,8 @@
 
     import waypointctl
 
-    result = waypointctl.fly("missions/hello.yaml", policy="ant-waypoint", log="out.mcap")
-    print(result.outcome, waypointctl.verify("out.mcap").verdict)
+    result = waypointctl.fly("missions/ten-second.yaml", policy="ant-waypoint", log="out.mcap")
+    print(result.outcome, waypointctl.verify("out.mcap").verdict.name)
     with waypointctl.open_log("out.mcap") as log:
         position = log.arrays("/state")["qpos"][:, :2]
 
@@ -34,14 +34,20 @@ if TYPE_CHECKING:
     from waypointctl.evaluation.result import CaseResult, Evaluation
     from waypointctl.evaluation.suite import Suite, load_suite
     from waypointctl.flight.fly import fly
+    from waypointctl.flight.navigator.navigator import Navigator
     from waypointctl.flight.outcome import FlightResult
+    from waypointctl.flight.sink import Sink
     from waypointctl.log import messages
     from waypointctl.mission.files import MissionFile, load_mission
     from waypointctl.mission.mission import Mission
     from waypointctl.policy.bundle import LoadedPolicy, load_policy
     from waypointctl.policy.protocol import Policy, PolicyState
+    from waypointctl.replay.command_summary import CommandSummary
+    from waypointctl.replay.effort import Effort
     from waypointctl.replay.flight_log import FlightLog, open_log
-    from waypointctl.replay.summary import FlightSummary
+    from waypointctl.replay.link_summary import LinkSummary
+    from waypointctl.replay.summary import FlightSummary, WaypointStatus, WaypointSummary
+    from waypointctl.replay.track import Track
     from waypointctl.replay.verdict import Verdict, Verification
     from waypointctl.replay.verify import verify
     from waypointctl.robots.load import load_robot
@@ -59,16 +65,20 @@ if TYPE_CHECKING:
 __all__ = [
     "BatchedWaypointEnv",
     "CaseResult",
+    "CommandSummary",
+    "Effort",
     "Evaluation",
     "FlightLog",
     "FlightResult",
     "FlightSummary",
     "InputError",
+    "LinkSummary",
     "LoadedPolicy",
     "LogError",
     "Mission",
     "MissionError",
     "MissionFile",
+    "Navigator",
     "ObservationGroup",
     "OutputError",
     "Policy",
@@ -82,14 +92,18 @@ __all__ = [
     "Robot",
     "RobotError",
     "SimulationView",
+    "Sink",
     "Step",
     "Suite",
     "SuiteError",
     "TaskConfig",
+    "Track",
     "TrainingResult",
     "Verdict",
     "Verification",
     "WaypointEnv",
+    "WaypointStatus",
+    "WaypointSummary",
     "WaypointctlError",
     "__version__",
     "evaluate",
@@ -124,13 +138,19 @@ _MODULES: Final = {
     "evaluation.result": ("CaseResult", "Evaluation"),
     "evaluation.suite": ("Suite", "load_suite"),
     "flight.fly": ("fly",),
+    "flight.navigator.navigator": ("Navigator",),
     "flight.outcome": ("FlightResult",),
+    "flight.sink": ("Sink",),
     "mission.files": ("MissionFile", "load_mission"),
     "mission.mission": ("Mission",),
     "policy.bundle": ("LoadedPolicy", "load_policy"),
     "policy.protocol": ("Policy", "PolicyState"),
+    "replay.command_summary": ("CommandSummary",),
+    "replay.effort": ("Effort",),
     "replay.flight_log": ("FlightLog", "open_log"),
-    "replay.summary": ("FlightSummary",),
+    "replay.link_summary": ("LinkSummary",),
+    "replay.summary": ("FlightSummary", "WaypointStatus", "WaypointSummary"),
+    "replay.track": ("Track",),
     "replay.verdict": ("Verdict", "Verification"),
     "replay.verify": ("verify",),
     "robots.load": ("load_robot",),

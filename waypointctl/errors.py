@@ -61,6 +61,11 @@ def _line(text: str) -> str:
     return printable(text, _MOST_CHARACTERS)
 
 
+def wrong_type(argument: str, value: object, allowed: str) -> InputError:
+    """Return the error for an argument of a public function that has a type which is not allowed."""
+    return InputError(f"{argument}: {type(value).__name__} is not allowed; give {allowed}")
+
+
 class MissionError(InputError):
     """A mission file that cannot be flown."""
 

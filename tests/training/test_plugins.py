@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.training.tiny import RECIPE, trained
-from waypointctl.errors import InputError, RecipeError
+from waypointctl.errors import InputError, PolicyError, RecipeError
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.suite import load_suite
 from waypointctl.flight.fly import fly
@@ -74,7 +74,7 @@ def test_a_policy_is_trained_evaluated_and_flown_with_them(tmp_path: Path) -> No
     assert len(observed[0]) == 5
     terms = [dict(message.terms) for message in messages if isinstance(message, Reward)]
     assert terms[0]["low_torso"] == pytest.approx(-0.3 * (observed[1][0] - 0.5))
-    with pytest.raises(InputError, match="foot_clearance"):
+    with pytest.raises(PolicyError, match="foot_clearance"):
         fly(mission, load_policy(tmp_path / "run"), messages.append)
 
 

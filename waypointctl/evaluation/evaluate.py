@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TypeAlias
 
-from waypointctl.errors import InputError, PolicyError
+from waypointctl.errors import InputError, PolicyError, wrong_type
 from waypointctl.evaluation.result import CaseResult, Evaluation
 from waypointctl.evaluation.rollout import Rollouts, rollout
 from waypointctl.evaluation.suite import Case, RandomPaths, Suite, SuiteCase, load_suite
 from waypointctl.evaluation.wilson import wilson_interval
 from waypointctl.flight.policy_fit import refuse_misfit
-from waypointctl.policy.bundle import LoadedPolicy, load_policy
+from waypointctl.policy.bundle import LoadedPolicy, policy_of
 from waypointctl.policy.protocol import Policy
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv
@@ -33,7 +33,7 @@ def evaluate(
     threads: int = 0,
     progress: Progress | None = None,
     on_case: OnCase | None = None,
-    plugins: tuple[Plugin, ...] = (),
+    plugins: Sequence[Plugin] = (),
 ) -> Evaluation:
     """Run a policy many times on each path of a suite, with its actions as they are, and count how the trials ended.
 
@@ -51,12 +51,16 @@ def evaluate(
         plugins: observation groups that the policy was trained with and that are not built in.
 
     Raises:
-        PolicyError: the policy is missing, damaged, or made for another robot, observation layout or control period.
+        PolicyError: the policy is missing, damaged, or made for another robot, observation layout or control period; or
+            it observes a group that is neither built in nor in `plugins`.
         SuiteError: the suite does not exist, or the file is not a suite.
-        InputError: the number of trials or the seed is invalid.
+        RobotError: the robot does not exist, or its robot.yaml is wrong.
+        InputError: an argument has a wrong type, the number of trials or the seed is invalid, or a plugin fails.
     """
-    policy = load_policy(policy) if isinstance(policy, Path | str) else policy
+    policy = policy_of(policy)
     suite = load_suite(suite) if isinstance(suite, Path | str) else suite
+    if not isinstance(suite, Suite):
+        raise wrong_type("suite", suite, "a Suite, its file, or its name")
     trials = suite.trials if trials is None else trials
     if trials < 1 or seed < 0:
         raise InputError(f"trials are at least 1 and a seed at least 0, not {trials} and {seed}")
@@ -116,7 +120,7 @@ def case_result(case: SuiteCase, rollouts: Rollouts) -> CaseResult:
 
 
 def _env(
-    policy: Policy, suite: Suite, trials: int, seed: int, threads: int, plugins: tuple[Plugin, ...]
+    policy: Policy, suite: Suite, trials: int, seed: int, threads: int, plugins: Sequence[Plugin]
 ) -> BatchedWaypointEnv:
     config = TaskConfig(
         robot=suite.robot or policy.robot,
@@ -124,7 +128,7 @@ def _env(
         acceptance=suite.acceptance,
         deadline=suite.deadline,
         start=suite.start,
-        plugins=plugins,
+        plugins=tuple(plugins),
     )
     longest = max(case.longest for case in suite.all_cases)
     try:

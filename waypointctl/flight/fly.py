@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
-from waypointctl.errors import MissionError, RobotError
+from waypointctl.errors import MissionError, RobotError, wrong_type
 from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.flight import Flight
 from waypointctl.flight.header import flight_header
@@ -21,7 +21,7 @@ from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile, dump_mission, load_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.paths import MCAP, refuse_other_content
-from waypointctl.policy.bundle import load_policy
+from waypointctl.policy.bundle import policy_of
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.load import load_robot
 from waypointctl.robots.robot import Robot
@@ -36,7 +36,7 @@ def fly(
     log: Path | str | None = None,
     seed: int | None = None,
     pictures: bool = False,
-    robot: Robot | None = None,
+    robot: Robot | Path | str | None = None,
     console: LineSource | None = None,
     navigator: Navigator | None = None,
     plugins: Sequence[Plugin] = (),
@@ -53,7 +53,7 @@ def fly(
         log: path of an MCAP file to write; a log that is there is replaced. It is called LOG.part until it is whole.
         seed: of all random streams; the mission's unless given.
         pictures: add a picture to the messages for each observation of the mission, where something can draw.
-        robot: in place of the mission's.
+        robot: in place of the mission's: itself, its folder, or its name.
         console: the source of a person's commands.
         navigator: gives the policy its goals; straight to the plan's waypoints unless given. A log names its class and
             does not hold it: such a log cannot be verified.
@@ -64,20 +64,24 @@ def fly(
     Raises:
         MissionError: the mission is wrong, or a file that it refers to.
         RobotError: there is no such robot, or it is wrong.
-        PolicyError: the policy is missing, damaged, or made for another robot, layout or control period.
+        PolicyError: the policy is missing, damaged, or made for another robot, layout or control period; or it
+            observes a group that is neither built in nor in `plugins`.
         OutputError: the log cannot be written.
+        InputError: an argument has a wrong type, or a plugin has the name of another one, or fails.
     """
     file = _mission_file(mission, seed, logged=log is not None)
     policy = file.policy_path if policy is None else policy
-    driver = load_policy(policy) if isinstance(policy, Path | str) else policy
-    robot = robot or robot_of(file)
+    driver = policy_of(policy)
+    robot = robot_of(file) if robot is None else _given_robot(robot)
     refuse_misfit(driver, robot, plugins)
     reward_weights(driver, plugins)  # refused here, a policy leaves no log behind
     with ExitStack() as stack:
         sinks = [] if sink is None else [sink]
         if log is not None:
             refuse_other_content(Path(log), MCAP, "a log")
-            sinks.insert(0, stack.enter_context(LogWriter(Path(log), flight_header(file, driver, robot, navigator))))
+            sinks.insert(
+                0, stack.enter_context(LogWriter(Path(log), flight_header(file, driver, robot, navigator, plugins)))
+            )
         camera = stack.enter_context(OnboardCamera(robot, planned_waypoints(file.mission)))
         take = with_pictures(tee(*sinks), camera) if pictures else tee(*sinks)
         result = _to_the_end(Flight(file.mission, driver, take, robot, console, navigator, plugins), interrupted)
@@ -105,9 +109,19 @@ def _mission_file(mission: Mission | MissionFile | Path | str, seed: int | None,
     elif isinstance(mission, Mission):
         source = dump_mission(mission).encode() if logged else b""
         mission = MissionFile(mission, source, Path(f"{mission.name}.yaml"))
+    elif not isinstance(mission, MissionFile):
+        raise wrong_type("mission", mission, "a Mission, a MissionFile, or the path of a mission file")
     if seed is not None and not (isinstance(seed, int) and 0 <= seed < 2**63):
         raise MissionError(f"a seed is a whole number from 0 to 2^63 - 1, not {seed!r}")
     return mission if seed is None else replace(mission, mission=mission.mission.model_copy(update={"seed": seed}))
+
+
+def _given_robot(robot: Robot | Path | str) -> Robot:
+    if isinstance(robot, Path | str):
+        return load_robot(robot)
+    if not isinstance(robot, Robot):
+        raise wrong_type("robot", robot, "a Robot, its folder, or its name")
+    return robot
 
 
 def robot_of(file: MissionFile) -> Robot:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -20,6 +20,7 @@ from waypointctl import __version__
 from waypointctl.errors import LogError
 from waypointctl.flight.navigator.navigator import Navigator
 from waypointctl.flight.operator.operator import planned_waypoints
+from waypointctl.flight.policy_fit import reward_weights
 from waypointctl.flight.setting import setting_of
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.mission.files import MissionFile
@@ -28,7 +29,8 @@ from waypointctl.policy.protocol import Policy
 from waypointctl.robots.robot import Robot
 from waypointctl.sim.kinematics import RobotKinematics
 from waypointctl.sim.single import integration_components
-from waypointctl.task.reward import TERMS
+from waypointctl.task.plugins import Plugin
+from waypointctl.task.reward import RewardFunction
 
 MISSION: Final = "mission.yaml"
 MISSION_FOLDER: Final = "mission/"  # of the files that the mission refers to
@@ -90,9 +92,14 @@ class PolicyNotInLog(Policy):
 
 
 def flight_header(
-    mission_file: MissionFile, policy: Policy, robot: Robot, navigator: Navigator | None = None
+    mission_file: MissionFile,
+    policy: Policy,
+    robot: Robot,
+    navigator: Navigator | None = None,
+    plugins: Sequence[Plugin] = (),
 ) -> LogHeader:
     """Return the header of the log of a flight."""
+    terms = RewardFunction(reward_weights(policy, plugins), plugins).names
     mjb = robot.to_mjb()
     mission = mission_file.mission
     return LogHeader(
@@ -122,7 +129,7 @@ def flight_header(
             "autonomy": mission.autonomy,
             "policy": policy.name,
             "observation_layout": layout if isinstance(layout := policy.observation_layout, str) else " ".join(layout),
-            "reward_terms": " ".join(term.name for term in TERMS),
+            "reward_terms": " ".join(terms),
             "control_period_ns": str(robot.control_period_ns),
             "physics_period_ns": str(round(robot.physics_period_s * 1e9)),
             "state_components": f"qpos:{robot.model.nq} qvel:{robot.model.nv} qacc_warmstart:{robot.model.nv}",

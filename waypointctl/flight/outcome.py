@@ -140,11 +140,11 @@ def _why_safe(mission: Mission, frame: Telemetry) -> str:
 
 
 def last_known_place(mission: Mission, frame: Telemetry | None, *, went_home: bool) -> str:
-    """Return where the robot is, as far as the ground knows; empty without telemetry.
+    """Return where the robot is, as far as the ground knows, or what one in motion last reported; empty without.
 
     Args:
         mission: the mission.
-        frame: the newest that has arrived.
+        frame: the newest telemetry that has arrived.
         went_home: whether the ground knows of a return home.
     """
     if frame is None:
@@ -153,7 +153,7 @@ def last_known_place(mission: Mission, frame: Telemetry | None, *, went_home: bo
     if frame.mode is Mode.FALLEN:
         return f"the robot has fallen {place}"
     if frame.mode in POLICY_MODES:
-        return f"the robot is {'returning home' if frame.mode is Mode.RETURNING else 'moving'}, {place}"
+        return f"last telemetry: {frame.mode}, {place}"
     home = home_of(mission)
     away_m = math.dist((frame.x_m, frame.y_m), (home.x_m, home.y_m))
     is_home = frame.cause.startswith(AT_HOME) or (went_home and away_m <= _NEARLY * home.tolerance_m)

@@ -26,10 +26,13 @@ def refuse_misfit(policy: Policy, robot: Robot, plugins: Iterable[Plugin] = ()) 
     """Refuse a policy that was not made for a robot.
 
     Raises:
-        PolicyError: it was made for another robot, observation layout, control period or kind of action.
-        InputError: there is no such observation layout.
+        PolicyError: it was made for another robot, observation layout, control period or kind of action, or there is no
+            such observation layout or group.
     """
-    components = layout(policy.observation_layout, robot, plugins).components
+    try:
+        components = layout(policy.observation_layout, robot, plugins).components
+    except InputError as error:
+        raise PolicyError(error.problem, where=f"policy {policy.name!r}", hint=error.hint) from error
     if isinstance(policy, LoadedPolicy):
         require(
             policy,

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from waypointctl.errors import PolicyError
+from waypointctl.errors import PolicyError, wrong_type
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
 from waypointctl.mission.policy_name import policies_there_are, policy_folder
@@ -98,6 +98,20 @@ def load_policy(folder: Path | str, *, threads: int = 1) -> LoadedPolicy:
     if not files:
         raise PolicyError(_missing(FILES), where=str(folder), hint=policies_near(folder))
     return load_policy_bytes(files, str(folder), threads=threads)
+
+
+def policy_of(policy: Policy | Path | str) -> Policy:
+    """Return a policy that is given as itself, its folder, or its name.
+
+    Raises:
+        PolicyError: as for `load_policy`.
+        InputError: it is none of these.
+    """
+    if isinstance(policy, Path | str):
+        return load_policy(policy)
+    if not callable(getattr(policy, "act", None)):  # any object of the protocol is one
+        raise wrong_type("policy", policy, "a Policy, its folder, or its name")
+    return policy
 
 
 def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 1) -> LoadedPolicy:

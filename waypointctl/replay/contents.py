@@ -68,6 +68,7 @@ class LogContents:
     mission_file: MissionFile
     robot: Robot
     policy: LoadedPolicy | PolicyNotInLog
+    plugins: Sequence[Plugin] = ()
 
     @property
     def mission(self) -> Mission:
@@ -81,7 +82,7 @@ class LogContents:
 
     def header(self) -> LogHeader:
         """Return the header of a log of this flight that is made here."""
-        return flight_header(self.mission_file, self.policy, self.robot)
+        return flight_header(self.mission_file, self.policy, self.robot, plugins=self.plugins)
 
     def header_as_in(self, log: LogReader) -> LogHeader:
         """Return the header of a log of this flight that names the program and processor that `log` names."""
@@ -123,7 +124,7 @@ def _contents(log: LogReader, robot: Robot, plugins: Sequence[Plugin]) -> LogCon
         policy = load_policy_bytes(files_within(POLICY_FOLDER, attachments), f"{log.path}/{POLICY_FOLDER}")
     # As fly() does: the manifest defines the observations.
     refuse_misfit(policy, robot, plugins)
-    return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy)
+    return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy, plugins)
 
 
 def platform_differences(log: LogReader, facts: Mapping[str, str] = PROGRAM) -> list[str]:

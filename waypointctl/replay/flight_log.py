@@ -77,13 +77,17 @@ class FlightLog(LogReader):
         return summarize(self.messages(), self.waypoints, self.setting)
 
 
-def open_log(path: Path | str) -> FlightLog:
+def open_log(path: Path | str, *, allow_truncated: bool = False) -> FlightLog:
     """Check a log, every checksum of it, and return it; a .part is read up to where it is whole.
+
+    Args:
+        path: of the log.
+        allow_truncated: read any file that is cut short up to where it is whole, not a .part alone.
 
     Raises:
         LogError: as for `FlightLog.open`.
     """
-    return FlightLog.open(path, allow_truncated=Path(path).suffix == PART)
+    return FlightLog.open(path, allow_truncated=allow_truncated or Path(path).suffix == PART)
 
 
 def summary_of_events(log: LogReader) -> FlightSummary:

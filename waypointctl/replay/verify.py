@@ -56,7 +56,8 @@ def verify_log(log: LogReader, plugins: Sequence[Plugin] = ()) -> Verification:
     try:
         contents = contents_of(log, plugins)
     except InputError as error:
-        return Verification(Verdict.UNVERIFIABLE, 0, None, f"the contents of the log cannot be used: {error}", ())
+        reason = f"the contents of the log cannot be used: {'. '.join(map(str.strip, str(error).splitlines()))}"
+        return Verification(Verdict.UNVERIFIABLE, 0, None, reason, ())
     if isinstance(contents, Divergence):
         reason = f"diverged before the flight: {contents.component} differs from its recorded hash"
         return Verification(Verdict.DIVERGED, 0, contents, reason, ())

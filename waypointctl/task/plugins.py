@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.errors import InputError
+from waypointctl.errors import InputError, wrong_type
 from waypointctl.input_file import read_input
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 PLUGIN_HINT: Final = (
     "A group or term of your own needs its Python file: `plugins` in a recipe, with --allow-plugins; plugins=[...] "
-    "of fly() and evaluate() in Python."
+    "of fly(), evaluate() and verify(path, plugins=[...]) in Python."
 )
 _NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,59}")
 _LARGEST: Final = 2**20  # of a plugin's file [bytes]
@@ -151,16 +151,23 @@ def reward_term(*, name: str, unit: str) -> Callable[[ViewFunction], RewardTerm]
     return lambda function: RewardTerm(_sound(name), function, unit)
 
 
-def load_plugins(paths: Iterable[Path | str]) -> tuple[Plugin, ...]:
+def load_plugins(paths: Path | str | Iterable[Path | str]) -> tuple[Plugin, ...]:
     """Execute Python files and return the observation groups and reward terms that they define.
 
     Call it only for files that the user has named and allowed to be executed.
 
+    Args:
+        paths: of the files; one path is one file.
+
     Raises:
-        InputError: a file is missing, fails, or defines none.
+        InputError: a file is missing, fails, or defines none; or an argument is not a path.
     """
+    if not isinstance(paths, Iterable):
+        paths = (paths,)
     found: list[Plugin] = []
-    for path in paths:
+    for path in (paths,) if isinstance(paths, str) else paths:
+        if not isinstance(path, Path | str):
+            raise wrong_type("paths", path, "the path of a Python file, or several")
         source = read_input(Path(path), _LARGEST)
         sha256 = hashlib.sha256(source).hexdigest()
         values = vars(_executed(Path(path), source)).values()

@@ -93,8 +93,8 @@ def test_one_that_has_nothing_to_go_on_with_needs_no_words(mode: Mode) -> None:
     ("mode", "place", "cause", "went_home", "said"),
     [
         (Mode.FALLEN, (1.0, 2.0), "", True, "the robot has fallen at (1.00, 2.00) m"),
-        (Mode.NAVIGATING, (1.0, 2.0), "", False, "the robot is moving, at (1.00, 2.00) m"),
-        (Mode.RETURNING, (1.0, 2.0), "timeout", True, "the robot is returning home, at (1.00, 2.00) m"),
+        (Mode.NAVIGATING, (1.0, 2.0), "", False, "last telemetry: navigating, at (1.00, 2.00) m"),
+        (Mode.RETURNING, (1.0, 2.0), "timeout", True, "last telemetry: returning, at (1.00, 2.00) m"),
         (Mode.SAFE, (0.6, 0.1), "at home: stuck", True, "the robot is at home, at (0.60, 0.10) m"),
         (Mode.IDLE, (0.6, 0.1), "", True, "the robot is at home, at (0.60, 0.10) m"),
         (Mode.IDLE, (0.6, 0.1), "", False, "the robot is at (0.60, 0.10) m"),
