@@ -24,7 +24,7 @@ PRINTED = {
     "own_reward_term.py --steps 64": r"foot_clearance +0\.\d+ in a control step",
     "own_observation_group.py": r"\d gait periods begun\nwith the group: EQUIVALENT\nwithout it: UNVERIFIABLE",
     "sb3_ppo.py --steps 128": r"after 128 steps: ",
-    "custom_policy.py": r"failure: .*\nEQUIVALENT: .*\nnot compared: .*__main__\.Wriggle, is not in the log",
+    "custom_policy.py": r"failure: .*\nEQUIVALENT: .*\nnot compared: .*__main__\.Wriggle is not in the log",
     "seed_study.py MISSION --seeds 2": r"2 of 2 flights succeeded\nmedian time ",
     "log_to_pandas.py": r"\d+ states, \d+ telemetry frames\ncount ",
 }
