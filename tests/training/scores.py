@@ -21,8 +21,8 @@ def scripted(patch: pytest.MonkeyPatch, scores: Mapping[int, float]) -> list[int
     """Let the suite `near` come out as `scores` say, by steps; return the list of steps that were tested."""
     tested: list[int] = []
 
-    def scored(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, *more: Any) -> Evaluation:
-        found = evaluate(policy, suite, trials, seed, *more)
+    def scored(policy: LoadedPolicy, suite: Suite, trials: int, seed: int, *more: Any, **named: Any) -> Evaluation:
+        found = evaluate(policy, suite, trials, seed, *more, **named)
         if suite.name != "near":
             return found
         assert (trials, seed) == (2, 50)

@@ -139,7 +139,7 @@ def test_a_folder_of_something_else_is_never_written_into(saved: Path, tmp_path:
     ("changes", "message"),
     [
         ({"observation": "state_goal"}, r"maps 31 observations to 8 actions, not 29 to 8"),
-        ({"observation": "camera"}, "no observation layout called 'camera'"),
+        ({"observation": "camera"}, "unknown observation layout 'camera'"),
         ({"robot": "dog"}, "there is no robot 'dog'"),
         ({"vecnormalize": Path("nowhere.pkl")}, "nowhere.pkl: there is no such file"),
     ],
