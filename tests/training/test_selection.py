@@ -201,7 +201,7 @@ def test_a_suite_that_is_none_is_refused_before_training(tmp_path: Path, suite: 
 
 def test_what_is_reported_is_never_what_was_chosen_by(tmp_path: Path) -> None:
     text = RECIPE.replace("{trials: 1}", "{trials: 1, seed: 1000}")
-    with pytest.raises(RecipeError, match=r"selection: the seed 1000 is evaluation\.seed too: .*; give selection a"):
+    with pytest.raises(RecipeError, match=r"selection: the seed 1000 is also evaluation\.seed: .*; use another seed"):
         tiny_recipe(tmp_path, f"{text}selection: {{}}\n")
     with pytest.raises(RecipeError, match=r"selection\.seed: 0 is not >= 1"):  # what `eval` reports unless told
         tiny_recipe(tmp_path, f"{text}selection: {{seed: 0}}\n")
