@@ -111,7 +111,7 @@ def test_other_kinds_of_policy_are_refused_by_name(tmp_path: Path) -> None:
 def test_other_actions_and_other_sizes_are_refused(model: Path, tmp_path: Path) -> None:
     path = tmp_path / "other.zip"
     refused(save_ppo(path, env=Doubled()), r"the low of its actions is .*-2.*; a policy's actions are in \[-1, 1\]")
-    refused(rewritten(model, path, action_space=None), "the low of its actions is not said")
+    refused(rewritten(model, path, action_space=None), "the low of its actions is missing")
     refused(save_ppo(path, env=gymnasium.make("Pendulum-v1")), "the low of its actions")
     with pytest.raises(PolicyError, match="maps 31 observations to 8 actions, not 31 to 12"):
         read_network(read_archive(model), 31, 12)
@@ -151,7 +151,7 @@ def test_what_is_no_model_is_refused(model: Path, tmp_path: Path) -> None:
     bad.write_text("hello")
     refused(bad, "not a .zip that can be read: File is not a zip file")
     bad.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n")
-    refused(bad, "is a Git LFS pointer, not the file that it stands for")
+    refused(bad, "is a Git LFS pointer, not the file itself")
     bad.write_bytes(model.read_bytes()[:-300])
     refused(bad, "not a .zip that can be read|no data in it")  # a .pth is a .zip as well
     refused(with_parts(model, bad, data=None), "no data in it")

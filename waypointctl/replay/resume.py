@@ -17,6 +17,7 @@ from typing import Final
 
 from waypointctl.errors import InputError, LogError, OutputError
 from waypointctl.flight.fly import fly
+from waypointctl.flight.header import PolicyNotInLog
 from waypointctl.flight.operator.console import QUIT, LineSource
 from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.sink import Camera, Sink, with_pictures
@@ -205,6 +206,9 @@ def _contents(log: LogReader) -> LogContents:
         raise LogError(problem, where=where, hint=_KEPT, details=error.details) from error
     if isinstance(contents, Divergence):
         problem = f"cannot be resumed: {contents.component} differs from its recorded hash"
+        raise LogError(problem, where=where, hint=_KEPT)
+    if isinstance(contents.policy, PolicyNotInLog):
+        problem = f"cannot be resumed: the policy, {contents.policy.class_name}, is not in the log"
         raise LogError(problem, where=where, hint=_KEPT)
     return contents
 
