@@ -151,5 +151,5 @@ def test_an_action_of_an_unknown_source_is_damage(flown: Flown, tmp_path: Path, 
     for options in ((), ("--verify",), ("--json",), ("--rate", "100")):
         code, out, err = program("replay", str(log), *options)
         assert (code, out.startswith('{"error": ')) == (2, options == ("--json",))
-        assert "'polixy' is no source of an action; allowed are policy, ground, stance, off" in err
+        assert "source of an action; allowed: policy, ground, stance, off" in err
         assert err.splitlines()[-2].startswith(f"error: {log}: is damaged at byte ")

@@ -155,7 +155,7 @@ def test_a_damaged_file_is_named(folder: Path, name: str, damage: Callable[[byte
 @pytest.mark.parametrize("name", ["manifest.json", "policy.onnx", "weights.safetensors"])
 def test_a_git_lfs_pointer_is_named_for_what_it_is(folder: Path, name: str) -> None:
     (folder / name).write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 153771\n")
-    assert refusal(folder).startswith(f"{folder / name}: is a Git LFS pointer, not the file that it stands for: fetch")
+    assert refusal(folder).startswith(f"{folder / name}: is a Git LFS pointer, not the file itself: fetch")
 
 
 @pytest.mark.parametrize(
