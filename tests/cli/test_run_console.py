@@ -236,7 +236,7 @@ def test_a_console_is_not_opened_where_there_was_none(yard: Path, program: Progr
     before = part.read_bytes()
     code, _, err = program("run", "--resume", str(part), "--console")
     assert code == 2
-    assert "the flight had none" in err
+    assert "the flight was started without a console" in err
     assert part.read_bytes() == before
 
 

@@ -33,5 +33,5 @@ def test_prints_the_schema_of_a_suite() -> None:
 def test_an_unknown_schema_names_those_there_are() -> None:
     result = CliRunner().invoke(app, ["schema", "rover"])
     assert isinstance(result.exception, InputError)
-    with pytest.raises(InputError, match=r"no schema of 'rover'\n  Choose one of: mission, recipe, suite"):
+    with pytest.raises(InputError, match=r"unknown schema 'rover'\n  Choose one of: mission, recipe, suite"):
         raise result.exception

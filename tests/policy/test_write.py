@@ -69,7 +69,7 @@ def test_a_network_that_does_not_fit_is_not_written(tmp_path: Path, make_policy:
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path: Path, make_policy: Make) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match=r"file/tiny: the policy cannot be written: Not a directory\n  Give a folder"):
+    with pytest.raises(OutputError, match=r"file/tiny: the policy cannot be written: Not a directory\n  Use a folder"):
         make_policy(tmp_path / "file" / "tiny")
     with pytest.raises(OutputError, match=r"file: the policy cannot be written: Not a directory"):
         make_policy(tmp_path / "file")

@@ -65,7 +65,7 @@ def test_a_session_is_replayed_exactly_also_where_physics_slept(flown: Flown) ->
     assert typed[4].time_ns == 40_020_000_000
     found = verify(flown.path)
     assert found.verdict is Verdict.EXACT, found.reason
-    assert "6 lines typed at the console, each at its time" in found.checks
+    assert "6 lines typed at the console, each at its logged time" in found.checks
 
 
 @pytest.mark.parametrize("line", ["goto 0.5 0.6", "skip", "quit", "fly me to the moon", "goto nan 0", ""])

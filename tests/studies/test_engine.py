@@ -83,7 +83,9 @@ def test_a_worker_that_is_killed_is_an_error_and_no_hang(function: Callable[...,
         ProcessPoolEngine(2).map(function, list(range(9)), lambda case, result: None, lambda: False)
 
 
+# A program that was started in the background inherits that SIGINT is ignored.
 SLOW_START = """
+import signal
 import numpy
 from pathlib import Path
 from tests.studies.test_engine import wait_for_interruption
@@ -91,6 +93,7 @@ from waypointctl.cli.interruption import interruption
 from waypointctl.studies.engine import ProcessPoolEngine
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with interruption() as interrupted:
         print(ProcessPoolEngine(2).map(wait_for_interruption, range(2, 99), lambda case, result: None, interrupted))
 """
@@ -107,7 +110,10 @@ def test_ctrl_c_while_workers_start_is_no_traceback_and_no_hang(tmp_path: Path) 
             workers = [int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
         for pid in (*workers, running.pid):  # a terminal sends it to all of them
             os.kill(pid, signal.SIGINT)
-        out, err = running.communicate(timeout=60)
+        try:
+            out, err = running.communicate(timeout=60)
+        finally:
+            running.kill()
     assert (running.returncode, out, err) == (0, b"None\n", b"")
 
 
