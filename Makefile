@@ -25,7 +25,7 @@ check: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
-coverage: $(VENV)/.dev # fails below the share that pyproject.toml holds
+coverage: $(VENV)/.dev # line coverage, subprocesses included
 	$(BIN)/python -m pytest -n 2 -m "not slow" --cov --cov-report=term:skip-covered
 
 format: $(VENV)/.dev

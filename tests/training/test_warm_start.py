@@ -140,7 +140,7 @@ def test_a_source_that_was_chosen_with_the_seed_of_the_evaluation_is_refused(
     copy_bundle(with_record(source, record), shelf.source)
     recipe_file = tiny_recipe(shelf.recipe_file.path.parent, GOAL.replace("{trials: 1}", "{trials: 1, seed: 5}"))
     if refused:
-        message = r"warm_start: .*selected in 'region' with seed 5, .* evaluation\.seed here\n  Give evaluation"
+        message = r"warm_start: .*selected in 'region' with seed 5, .* evaluation\.seed\n  Give evaluation"
         with pytest.raises(RecipeError, match=message):
             load_warm_start(recipe_file)
     else:
