@@ -32,7 +32,7 @@ JOINT_LIMIT_MARGIN: Final = 0.01  # of the joint's range: within it a joint coun
 
 
 class RewardWeights(FileModel):
-    """The weight of each term in units of walking speed; a term with weight 0 is still computed and logged as 0.
+    """The weight of each term in units of walking speed; a term with weight 0 is logged as 0.
 
     Any other key is the name of a plugin's reward term, and may be negative.
     """
@@ -169,13 +169,18 @@ class RewardFunction:
         self.names: tuple[str, ...] = tuple(term.name for term in chosen)
         capped = partial(_capped_approach, weights.progress_cap_mps)
         values = dict(weights)  # not attributes: a plugin's term may be called as a method of the model
-        self._parts = [
+        parts = [
             (values[term.name] * term.factor, capped if term.name == "progress" else term.filler()) for term in chosen
         ]
+        # A cost is never negative: where its weight is 0 it need not be computed.
+        left_out = [values[term.name] == 0.0 and term.factor < 0.0 and term.built_in for term in chosen]
+        self._parts = [(column, *part) for column, part in enumerate(parts) if not left_out[column]]
+        self._left_out = np.flatnonzero(left_out)
 
     def terms(self, view: SimulationView) -> FloatArray:
         """Return the weighted terms (n, len(names)); their sum along the rows is the reward."""
-        terms = np.empty((len(view.body.up), len(self._parts)))
-        for column, (weight, function) in enumerate(self._parts):
+        terms = np.empty((len(view.body.up), len(self.names)))
+        terms[:, self._left_out] = -0.0
+        for column, weight, function in self._parts:
             terms[:, column] = weight * function(view)
         return terms
