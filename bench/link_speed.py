@@ -26,9 +26,12 @@ from time import process_time
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # one core
 
 from waypointctl.flight.link.contacts import Contacts, Window  # noqa: E402
-from waypointctl.flight.link.delay import fixed_delay, normal_jitter  # noqa: E402
 from waypointctl.flight.link.direction import Direction  # noqa: E402
-from waypointctl.flight.link.loss import GilbertElliott  # noqa: E402
+from waypointctl.flight.link.impairments import (  # noqa: E402
+    GilbertElliott,
+    fixed_delay,
+    normal_jitter,
+)
 from waypointctl.seeding import stream  # noqa: E402
 from waypointctl.units import NS_PER_S  # noqa: E402
 

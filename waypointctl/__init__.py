@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from waypointctl.evaluation.result import CaseResult, Evaluation
     from waypointctl.evaluation.suite import Suite, load_suite
     from waypointctl.flight.fly import fly
-    from waypointctl.flight.navigator.navigator import Navigator
+    from waypointctl.flight.navigator import Navigator
     from waypointctl.flight.outcome import FlightResult
     from waypointctl.flight.sink import Sink
     from waypointctl.log import messages
@@ -138,7 +138,7 @@ _MODULES: Final = {
     "evaluation.result": ("CaseResult", "Evaluation"),
     "evaluation.suite": ("Suite", "load_suite"),
     "flight.fly": ("fly",),
-    "flight.navigator.navigator": ("Navigator",),
+    "flight.navigator": ("Navigator",),
     "flight.outcome": ("FlightResult",),
     "flight.sink": ("Sink",),
     "mission.files": ("MissionFile", "load_mission"),

@@ -10,8 +10,8 @@ import pytest
 from tests.replay.rewriting import Flown, fly_once
 from waypointctl.cli.tui.console_screen import ConsoleScreen, layout
 from waypointctl.cli.tui.printable_console import PrintableConsole
-from waypointctl.flight.operator.operator import planned_waypoints
-from waypointctl.flight.setting import setting_of
+from waypointctl.flight.header import setting_of
+from waypointctl.flight.operator.requests import planned_waypoints
 from waypointctl.log.messages import Telemetry
 from waypointctl.policy.bundle import LoadedPolicy
 

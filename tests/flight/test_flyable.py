@@ -5,35 +5,32 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from typing import Any, get_args
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.budget import examples
-from waypointctl.flight.executive.arguments import wrong_arguments
-from waypointctl.flight.executive.fence import Fence
 from waypointctl.flight.executive.plan import names
-from waypointctl.flight.executive.rules import rules_of
+from waypointctl.flight.executive.rules import Fence, rules_of
+from waypointctl.flight.executive.start import wrong_arguments
 from waypointctl.flight.link.frames import size_bytes
-from waypointctl.flight.operator.operator import Operator, planned_waypoints
-from waypointctl.flight.operator.planner import MissionOperator, WaypointOperator
-from waypointctl.flight.operator.requests import CommandRequest, scheduled_requests
-from waypointctl.flight.operator.steering import ShortRangeGoalOperator
+from waypointctl.flight.operator.operator import Operator
+from waypointctl.flight.operator.planner import MissionOperator, ShortRangeGoalOperator, WaypointOperator
+from waypointctl.flight.operator.requests import CommandRequest, planned_waypoints, scheduled_requests
 from waypointctl.log.messages import Command, CommandKind, Mode, Telemetry
 from waypointctl.log.topics import BY_KIND
 from waypointctl.mission import fields
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import MOST_LEGS, Mission
-from waypointctl.mission.quantity import Quantity
 
 OPERATORS = {"mission": MissionOperator, "waypoint": WaypointOperator, "short_range_goal": ShortRangeGoalOperator}
 
 
 def within(field: object) -> st.SearchStrategy[float]:
     """Return numbers that a field of a mission file takes, often the outermost ones."""
-    (bounds,) = (part for part in get_args(field) if isinstance(part, Quantity))
+    bounds = fields.bounds_of(field)
     least = bounds.ge if bounds.ge is not None else math.nextafter(bounds.gt or 0.0, math.inf)
     assert bounds.le is not None
     ends = (least, bounds.le, math.nextafter(least, math.inf), math.nextafter(bounds.le, -math.inf))

@@ -9,10 +9,9 @@ import pytest
 
 from tests.drawing import require_rendering
 from tests.flight.flying import STILL, UNDER_FOOT, Scripted, mission_of, only, times_ns
-from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.fly import fly
-from waypointctl.flight.operator.operator import planned_waypoints
-from waypointctl.flight.sink import with_pictures
+from waypointctl.flight.operator.requests import planned_waypoints
+from waypointctl.flight.sink import OnboardCamera, with_pictures
 from waypointctl.log.messages import Event, EventKind, Message, Picture, State
 from waypointctl.log.png import SOFTWARE, TITLE, texts_of
 from waypointctl.mission.mission import Mission

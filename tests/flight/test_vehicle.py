@@ -7,8 +7,7 @@ import numpy as np
 from tests.flight.flying import STILL, Scripted
 from waypointctl.flight.executive.rules import Rules
 from waypointctl.flight.link.direction import Direction
-from waypointctl.flight.link.frames import BodyFrame, ControlFrame
-from waypointctl.flight.link.logged import LoggedDirection
+from waypointctl.flight.link.frames import BodyFrame, ControlFrame, LoggedDirection
 from waypointctl.flight.reporter import Reporter
 from waypointctl.flight.vehicle import Vehicle
 from waypointctl.log.messages import Ack, Message, Mode, Telemetry

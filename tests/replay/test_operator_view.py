@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from tests.replay.rewriting import Flown, fly_once
-from waypointctl.flight.operator.operator import planned_waypoints
+from waypointctl.flight.operator.requests import planned_waypoints
 from waypointctl.log.messages import Message, PlannedWaypoint, State, Telemetry
 from waypointctl.log.setting import MissionSetting
 from waypointctl.policy.bundle import LoadedPolicy

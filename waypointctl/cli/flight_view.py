@@ -45,8 +45,8 @@ def flight_view(
         console: whether a person commands too.
     """
     from waypointctl.cli.tui.watch import watch
-    from waypointctl.flight.operator.operator import planned_waypoints
-    from waypointctl.flight.setting import setting_of
+    from waypointctl.flight.header import setting_of
+    from waypointctl.flight.operator.requests import planned_waypoints
 
     plan = planned_waypoints(mission)
     if console:

@@ -118,8 +118,8 @@ def _fly(
     from waypointctl.cli.log_place import claimed
     from waypointctl.cli.pictures import say_missing
     from waypointctl.flight.fly import fly
-    from waypointctl.flight.operator.operator import planned_waypoints
-    from waypointctl.flight.setting import setting_of
+    from waypointctl.flight.header import setting_of
+    from waypointctl.flight.operator.requests import planned_waypoints
     from waypointctl.policy.bundle import load_policy
     from waypointctl.replay.summary_builder import FlightSummaryBuilder
 

@@ -15,7 +15,7 @@ from waypointctl.display_text import printable
 from waypointctl.paths import folder_fault
 
 if TYPE_CHECKING:
-    from waypointctl.flight.checks.finding import Finding
+    from waypointctl.flight.checks import Finding
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
     from waypointctl.studies.rehearsal import Rehearsal
@@ -137,8 +137,7 @@ def _refuse_missing(policy: Path | None) -> None:
 def _check(path: Path, policy: Path | None) -> _Checked:
     from waypointctl.errors import MissionError
     from waypointctl.evaluation.walking_speed import walking_speed
-    from waypointctl.flight.checks.check import cannot_succeed, check_mission
-    from waypointctl.flight.checks.robot_and_policy import robot_and_policy_problems
+    from waypointctl.flight.checks.check import cannot_succeed, check_mission, robot_and_policy_problems
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.problems import Problem
     from waypointctl.mission.references import beside, examine_mission

@@ -6,17 +6,15 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
-from waypointctl.flight.end_condition import EndCondition
 from waypointctl.flight.executive.rules import rules_of
 from waypointctl.flight.link.build import direction
 from waypointctl.flight.link.direction import Direction
-from waypointctl.flight.link.frames import BodyFrame, ControlFrame, Heartbeat
-from waypointctl.flight.link.logged import DOWN, UP, LoggedDirection, link_state
-from waypointctl.flight.navigator.navigator import Navigator
-from waypointctl.flight.operator.build import answer_time, leaving_time, patience_ns, station_for
+from waypointctl.flight.link.frames import DOWN, UP, BodyFrame, ControlFrame, Heartbeat, LoggedDirection, link_state
+from waypointctl.flight.navigator import Navigator
 from waypointctl.flight.operator.console import QUIT, LineSource, NullConsole, request_from
 from waypointctl.flight.operator.joint import JointOperator
-from waypointctl.flight.outcome import FlightResult, result_of
+from waypointctl.flight.operator.station import station_for
+from waypointctl.flight.outcome import EndCondition, FlightResult, result_of
 from waypointctl.flight.reporter import Downlink, Reporter
 from waypointctl.flight.sink import Sink
 from waypointctl.flight.vehicle import Vehicle
@@ -56,12 +54,8 @@ class Flight:
         down: Direction[Ack | Telemetry | BodyFrame] = direction(link.down, files, seed, "link.down")
         self._uplink, self._downlink = LoggedDirection(up, UP, sink), LoggedDirection(down, DOWN, sink)
         noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
-        patience = patience_ns(down, ns(mission.commands.margin_s))
-        answer_by = answer_time(up, down, self._period_ns, ns(mission.commands.margin_s))
         joint = partial(JointOperator, mission, policy, robot, noise, plugins, sink)
-        self._station = station_for(
-            mission, joint, sink, self._uplink.send, self._uplink.send, answer_by, patience, leaving_time(up)
-        )
+        self._station = station_for(mission, joint, sink, self._uplink, down, self._period_ns)
         reporter = _reporter(mission, self._downlink)
         self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission), navigator, plugins)
         self._end_condition = EndCondition(
@@ -196,7 +190,7 @@ class Flight:
 
     def interrupt(self) -> FlightResult:
         """Close the flight on request."""
-        reached, total, now_ns = len(self._station.reached), self._mission.num_legs, self._now_ns
+        reached, total, now_ns = len(self._station.operator.reached), self._mission.num_legs, self._now_ns
         facts = f"{reached} of {total} waypoints known to be reached"
         return self._close(FlightResult("interrupted", facts, reached, total, now_ns, now_ns, self._mission.seed))
 

@@ -8,15 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from waypointctl.errors import MissionError, RobotError, wrong_type
-from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.flight import Flight
 from waypointctl.flight.header import flight_header
-from waypointctl.flight.navigator.navigator import Navigator
+from waypointctl.flight.navigator import Navigator
 from waypointctl.flight.operator.console import LineSource
-from waypointctl.flight.operator.operator import planned_waypoints
+from waypointctl.flight.operator.requests import planned_waypoints
 from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.policy_fit import refuse_misfit, reward_weights
-from waypointctl.flight.sink import Sink, tee, with_pictures
+from waypointctl.flight.sink import OnboardCamera, Sink, tee, with_pictures
 from waypointctl.log.writer import LogWriter
 from waypointctl.mission.files import MissionFile, dump_mission, load_mission
 from waypointctl.mission.mission import Mission

@@ -1,29 +1,30 @@
-"""The header of a flight's log: everything that replay needs, and its provenance."""
+"""The header of a flight's log: all that replay needs, its provenance, and what the mission fixes for views of it."""
 
 from __future__ import annotations
 
 import hashlib
-import json
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import TypeAdapter, ValidationError
 
 import waypointctl
 from waypointctl import __version__
-from waypointctl.errors import LogError
-from waypointctl.flight.navigator.navigator import Navigator
-from waypointctl.flight.operator.operator import planned_waypoints
-from waypointctl.flight.policy_fit import reward_weights
-from waypointctl.flight.setting import setting_of
+from waypointctl.flight.executive.rules import home_of
+from waypointctl.flight.link.build import contacts_of
+from waypointctl.flight.link.contacts import FOREVER_NS, Contacts
+from waypointctl.flight.navigator import Navigator
+from waypointctl.flight.operator.requests import planned_waypoints
+from waypointctl.flight.policy_fit import class_name, policy_facts, reward_weights
 from waypointctl.log.header import Attachment, LogHeader
+from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.files import MissionFile
+from waypointctl.mission.geofence import zones_of
+from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.robot import Robot
@@ -31,6 +32,43 @@ from waypointctl.sim.kinematics import RobotKinematics
 from waypointctl.sim.single import integration_components
 from waypointctl.task.plugins import Plugin
 from waypointctl.task.reward import RewardFunction
+
+
+def setting_of(mission: Mission) -> MissionSetting:
+    """Return what a mission fixes.
+
+    Raises:
+        MissionError: a file that its link refers to is missing or broken.
+    """
+    onboard = mission.onboard
+    return MissionSetting(
+        home=home_of(mission),
+        may_return=onboard.home.position_m is not None or "return_home" in _reactions(mission),
+        zones=zones_of(onboard.geofence),
+        up=_windows(contacts_of(mission.link.up, mission.files)),
+        down=_windows(contacts_of(mission.link.down, mission.files)),
+    )
+
+
+def _reactions(mission: Mission) -> Iterator[str]:
+    """Yield what the rules on board and the schedule make the robot do."""
+    onboard = mission.onboard
+    yield mission.failure_rule.then
+    if onboard.link_loss is not None:
+        yield onboard.link_loss.do
+    if onboard.geofence.keep_in or onboard.geofence.keep_out:
+        yield onboard.geofence.do
+    yield from (command.do for command in mission.schedule)
+
+
+def _windows(contacts: Contacts) -> ContactWindows | None:
+    """Return when there is contact; None for a link that is always there."""
+    begin_ns = np.array([window.begin_ns for window in contacts.windows], np.int64)
+    end_ns = np.array([window.end_ns for window in contacts.windows], np.int64)
+    if len(begin_ns) == 1 and (begin_ns[0], end_ns[0]) == (0, FOREVER_NS):
+        return None
+    return ContactWindows(begin_ns, end_ns, contacts.period_ns)
+
 
 MISSION: Final = "mission.yaml"
 MISSION_FOLDER: Final = "mission/"  # of the files that the mission refers to
@@ -40,55 +78,9 @@ ROBOT_FILE_HASH: Final = "sha256_robot/"
 MJB: Final = "model.mjb"
 POLICY_FOLDER: Final = "policy/"
 NAVIGATOR_CLASS: Final = "navigator_class"  # of a navigator of the caller's own: the log does not carry it
-POLICY_CLASS: Final = "policy_class"  # of a policy that is not a bundle: the log does not carry it
-REWARD_WEIGHTS: Final = "reward_weights"  # of such a policy, JSON
-_WEIGHTS: Final = TypeAdapter(dict[str, float])
 _DECISIVE_PARTS: Final = ("mission", "sim", "robots", "task", "policy", "flight", "log", "seeding.py", "units.py")
 _MEDIA_TYPES: Final = {".json": "application/json", ".xml": "application/xml", ".yaml": "application/yaml"}
 CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
-
-
-class PolicyNotInLog(Policy):
-    """A policy that a log names and does not carry: its class, and what a replay needs besides its actions."""
-
-    def __init__(self, metadata: Mapping[str, str], robot: Robot) -> None:
-        """Read from a log's header which policy drove `robot`.
-
-        Raises:
-            LogError: its reward weights are not a mapping of names to numbers.
-        """
-        self.class_name = metadata.get(POLICY_CLASS, "")
-        self._metadata = metadata
-        self._robot = robot
-        try:
-            self._weights = _WEIGHTS.validate_json(metadata.get(REWARD_WEIGHTS, ""))
-        except ValidationError as error:
-            raise LogError(f"metadata: {REWARD_WEIGHTS}: expected a mapping of names to numbers") from error
-
-    @property
-    def name(self) -> str:
-        """What the log calls it."""
-        return self._metadata.get("policy", "")
-
-    @property
-    def robot(self) -> str:
-        """The robot that it drove."""
-        return self._robot.name
-
-    @property
-    def observation_layout(self) -> str | tuple[str, ...]:
-        """Its observation layout."""
-        names = tuple(self._metadata.get("observation_layout", "").split())
-        return names if len(names) > 1 else "".join(names)
-
-    @property
-    def reward_weights(self) -> Mapping[str, float]:
-        """The weight of each reward term."""
-        return self._weights
-
-    def act(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return zeros: its actions are not known."""
-        return np.zeros((len(observation), self._robot.num_actions))
 
 
 def flight_header(
@@ -137,8 +129,8 @@ def flight_header(
             "clock": CLOCK,
             "sha256_mission": hashlib.sha256(mission_file.source).hexdigest(),
             "sha256_mjb": hashlib.sha256(mjb).hexdigest(),
-            **_policy_facts(policy),
-            **({} if navigator is None else {NAVIGATOR_CLASS: _class_name(navigator)}),
+            **policy_facts(policy),
+            **({} if navigator is None else {NAVIGATOR_CLASS: class_name(navigator)}),
             **{
                 f"{MISSION_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
                 for name, data in sorted(mission_file.files.items())
@@ -150,18 +142,6 @@ def flight_header(
             **platform_facts(),
         },
     )
-
-
-def _policy_facts(policy: Policy) -> dict[str, str]:
-    """Return the hash of a bundle; of another policy its class, and what replay needs of it besides its actions."""
-    if isinstance(policy, LoadedPolicy):
-        return {"sha256_policy": policy.sha256}
-    name = policy.class_name if isinstance(policy, PolicyNotInLog) else _class_name(policy)
-    return {POLICY_CLASS: name, REWARD_WEIGHTS: json.dumps(dict(policy.reward_weights))}
-
-
-def _class_name(value: object) -> str:
-    return f"{type(value).__module__}.{type(value).__qualname__}"
 
 
 @cache

@@ -1,19 +1,99 @@
-"""What a flight has come to, as the operator knows it."""
+"""When a flight is over, and what it has come to as the operator knows it.
+
+It ends when everything on board is over and the operator knows it or can receive nothing more: a plan, the return home,
+a hold that ends by itself, a command that is kept for its time or is still under way. Whether anything is under way is
+read from the true state of robot and link; the outcome follows from the operator's knowledge alone.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
+from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.executive.rules import AT_HOME, FALL, GEOFENCE, LEG_FAILED, LINK_LOST, RETURN_FAILED, home_of
 from waypointctl.flight.executive.state_machine import POLICY_MODES
+from waypointctl.flight.link.direction import Direction
+from waypointctl.flight.link.frames import Heartbeat
 from waypointctl.flight.operator.station import Station
-from waypointctl.log.messages import Mode, Telemetry
+from waypointctl.flight.reporter import TelemetryChanges
+from waypointctl.log.messages import Ack, Mode, Telemetry
 from waypointctl.mission.mission import Mission
 from waypointctl.units import ns, seconds
+
+DEAF_AFTER: Final = 1000  # lost frames with the same content: then the next is not awaited
+
+
+@dataclass(frozen=True, slots=True)
+class EndCondition:
+    """Decides whether a flight is over.
+
+    Attributes:
+        station: the ground.
+        executive: on board.
+        changes: which frame of telemetry is the first with the robot's current state.
+        up: the link to the robot.
+        down: the link to the ground.
+        is_still: whether the robot is at rest at a time [ns].
+    """
+
+    station: Station
+    executive: Executive
+    changes: TelemetryChanges
+    up: Direction[Any]
+    down: Direction[Any]
+    is_still: Callable[[int], bool]
+
+    def is_done(self, now_ns: int) -> bool:
+        """Return whether the operator has ended the mission, and all that was begun on board is over."""
+        return self.station.finished and self._is_quiet(now_ns) and self._is_reported(now_ns)
+
+    def is_silent(self, now_ns: int) -> bool:
+        """Return whether nothing more can happen: the robot is at rest, and nothing is sent or received."""
+        if not self.is_still(now_ns) or self.station.console_is_open or not self.station.is_idle:
+            return False
+        if not self._is_quiet(now_ns):
+            return False
+        if self.station.operator.acts_on_states and not (self.down.is_dead(now_ns) or self.up.is_dead(now_ns)):
+            return False
+        return self._is_reported(now_ns) and not any(isinstance(one, Ack) for _, one in self.down.under_way)
+
+    def _is_quiet(self, now_ns: int) -> bool:
+        """Return whether nothing is active on board, and no message under way or to be sent changes that."""
+        executive = self.executive
+        if executive.mode is Mode.FALLEN:
+            return True
+        if executive.plans or any(not isinstance(one, Heartbeat) for _, one in self.up.under_way):
+            return False
+        gives_up_ns = executive.gives_up_ns
+        if gives_up_ns is not None and not self._is_contacted_before(now_ns, gives_up_ns):
+            return False
+        return not (executive.waits_for_ground and self._is_contacted(now_ns))
+
+    def _is_contacted(self, now_ns: int) -> bool:
+        """Return whether any message, if only a heartbeat, will reach the robot."""
+        beats = self.station.heartbeats.next_ns is not None and not self.up.is_dead(now_ns)
+        return beats or self.up.next_arrival_ns is not None
+
+    def _is_contacted_before(self, now_ns: int, time_ns: int) -> bool:
+        """Return whether a message will reach the robot before a time [ns], unless the link loses it."""
+        arrival_ns, next_ns_ = self.up.next_arrival_ns, self.station.heartbeats.next_ns
+        if arrival_ns is None and next_ns_ is not None and not self.up.is_dead(now_ns):
+            arrival_ns = self.up.latest_arrival_ns(next_ns_, 1)
+        return arrival_ns is not None and arrival_ns <= time_ns
+
+    def _is_reported(self, now_ns: int) -> bool:
+        """Return whether the operator knows the robot's current state, or can no longer receive it."""
+        if self.changes.reported_in(self.station.operator.reported.telemetry):
+            return True
+        if not self.down.is_dead(now_ns) and self.changes.newest - self.changes.first < DEAF_AFTER:
+            return False
+        return not any(isinstance(one, Telemetry) and self.changes.reported_in(one) for _, one in self.down.under_way)
+
 
 SILENT: Final = "the robot is at rest, and the operator has nothing left to send or to receive"
 NO_COMMAND_FOLLOWED: Final = ", and no command followed"
@@ -66,9 +146,9 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
         known_ns: when the operator had ended the mission [ns]; None where it has not.
         late: whether the mission's longest time was up first.
     """
-    total, reached = mission.num_legs, len(station.reached)
+    total, reached, reported = mission.num_legs, len(station.operator.reached), station.operator.reported
     told_ns = ended_ns if known_ns is None else known_ns
-    where = last_known_place(mission, station.reported.telemetry, went_home=station.reported.went_home)
+    where = last_known_place(mission, reported.telemetry, went_home=reported.went_home)
     limit_s = mission.expect.max_time_s
     late = late or (limit_s is not None and known_ns is not None and known_ns > ns(limit_s))
     problem, expected = problem_of(mission, station, over=known_ns is not None, late=late)
@@ -76,14 +156,14 @@ def result_of(mission: Mission, station: Station, ended_ns: int, known_ns: int |
     if problem:
         reason = f"{problem}: {facts}{'; ' * bool(where)}{where}"
         return FlightResult("failure", reason, reached, total, ended_ns, told_ns, mission.seed)
-    reason = f"{facts}; {where}" if station.reported.went_home else facts
+    reason = f"{facts}; {where}" if reported.went_home else facts
     return FlightResult("success", reason, reached, total, ended_ns, told_ns, mission.seed)
 
 
 def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: str, *, late: bool) -> str:
     """Return how many waypoints are known to be reached; and when that was, or both times where the flight went on."""
-    reached, known, ended = len(station.reached), f"{seconds(told_ns):.2f} s", f"{seconds(ended_ns):.2f} s"
-    flew_on = late or station.reported.went_home or reached < total
+    reached, known, ended = len(station.operator.reached), f"{seconds(told_ns):.2f} s", f"{seconds(ended_ns):.2f} s"
+    flew_on = late or station.operator.reported.went_home or reached < total
     if known == ended or not flew_on:
         return f"{reached} of {total} waypoints reached in {known}{expected}"
     times = f"the operator received the end of the plan at {known}; the flight ended at {ended}"
@@ -92,23 +172,24 @@ def _facts(station: Station, total: int, ended_ns: int, told_ns: int, expected: 
 
 def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) -> tuple[str, str]:
     """Return why a mission failed, empty if it did not, and what was expected of it, where that explains it."""
-    total, reached, frame = mission.num_legs, len(station.reached), station.reported.telemetry
+    operator, total = station.operator, mission.num_legs
+    reached, frame = len(operator.reached), operator.reported.telemetry
     wanted = total if mission.expect.reached == "all" else mission.expect.reached
     waiting = standing_reason(mission, frame)
     if late:
         why = waiting or (station.missing if station.dispatcher.unanswered and not over else "")
         return f"the mission took longer than {mission.expect.max_time_s:g} s" + (f"; {why}" if why else ""), ""
     expected = f", {wanted} expected"
-    if station.failure == FALL or (frame is not None and frame.mode is Mode.FALLEN):
+    if operator.failure == FALL or (frame is not None and frame.mode is Mode.FALLEN):
         return FALL, expected
     if not over and (waiting or reached < wanted):
         return waiting + NO_COMMAND_FOLLOWED if waiting else station.missing or SILENT, ""
     if reached < wanted:
-        return station.failure or "not all reached", expected
+        return operator.failure or "not all reached", expected
     if frame is not None and frame.cause.startswith(RETURN_FAILED):
         return frame.cause, ""
-    if wanted == total and station.failure in _CUT_SHORT:
-        return station.failure, ""
+    if wanted == total and operator.failure in _CUT_SHORT:
+        return operator.failure, ""
     return "", ""
 
 

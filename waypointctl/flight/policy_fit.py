@@ -1,15 +1,16 @@
-"""What a flight needs of its policy: that it was made for the robot, and the weights of its reward."""
+"""What a flight needs of its policy: that it fits the robot, its reward weights, and what the log says of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TypeAlias
+import json
+from collections.abc import Iterable, Mapping
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
-from waypointctl.errors import InputError, PolicyError
+from waypointctl.errors import InputError, LogError, PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.protocol import Policy
 from waypointctl.policy.require import refuse_other_robot, require
@@ -20,6 +21,53 @@ from waypointctl.task.plugins import Plugin, RewardTerm
 from waypointctl.task.reward import RewardWeights
 
 FloatArray: TypeAlias = NDArray[np.float64]
+
+POLICY_CLASS: Final = "policy_class"  # of a policy that is not a bundle: the log does not carry it
+REWARD_WEIGHTS: Final = "reward_weights"  # of such a policy, JSON
+_WEIGHTS: Final = TypeAdapter(dict[str, float])
+
+
+class PolicyNotInLog(Policy):
+    """A policy that a log names and does not carry: its class, and what a replay needs besides its actions."""
+
+    def __init__(self, metadata: Mapping[str, str], robot: Robot) -> None:
+        """Read from a log's header which policy drove `robot`.
+
+        Raises:
+            LogError: its reward weights are not a mapping of names to numbers.
+        """
+        self.class_name = metadata.get(POLICY_CLASS, "")
+        self._metadata = metadata
+        self._robot = robot
+        try:
+            self._weights = _WEIGHTS.validate_json(metadata.get(REWARD_WEIGHTS, ""))
+        except ValidationError as error:
+            raise LogError(f"metadata: {REWARD_WEIGHTS}: expected a mapping of names to numbers") from error
+
+    @property
+    def name(self) -> str:
+        """What the log calls it."""
+        return self._metadata.get("policy", "")
+
+    @property
+    def robot(self) -> str:
+        """The robot that it drove."""
+        return self._robot.name
+
+    @property
+    def observation_layout(self) -> str | tuple[str, ...]:
+        """Its observation layout."""
+        names = tuple(self._metadata.get("observation_layout", "").split())
+        return names if len(names) > 1 else "".join(names)
+
+    @property
+    def reward_weights(self) -> Mapping[str, float]:
+        """The weight of each reward term."""
+        return self._weights
+
+    def act(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return zeros: its actions are not known."""
+        return np.zeros((len(observation), self._robot.num_actions))
 
 
 def refuse_misfit(policy: Policy, robot: Robot, plugins: Iterable[Plugin] = ()) -> None:
@@ -76,3 +124,16 @@ def reward_weights(policy: Policy, plugins: Iterable[Plugin] = ()) -> RewardWeig
         fault = error.errors(include_url=False)[0]
         problem = f"reward.{'.'.join(map(str, fault['loc']))}: {fault['msg']}"
         raise PolicyError(problem, where="policy", hint="train the policy again") from error
+
+
+def policy_facts(policy: Policy) -> dict[str, str]:
+    """Return the hash of a bundle; of another policy its class, and what replay needs of it besides its actions."""
+    if isinstance(policy, LoadedPolicy):
+        return {"sha256_policy": policy.sha256}
+    name = policy.class_name if isinstance(policy, PolicyNotInLog) else class_name(policy)
+    return {POLICY_CLASS: name, REWARD_WEIGHTS: json.dumps(dict(policy.reward_weights))}
+
+
+def class_name(value: object) -> str:
+    """Return the full name of a value's class."""
+    return f"{type(value).__module__}.{type(value).__qualname__}"

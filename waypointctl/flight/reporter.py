@@ -8,8 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from waypointctl.flight.executive.executive import Executive
-from waypointctl.flight.link.frames import BodyFrame
-from waypointctl.flight.link.logged import LoggedDirection
+from waypointctl.flight.link.frames import BodyFrame, LoggedDirection
 from waypointctl.log.messages import Ack, CommandStage, CommandStatus, Mode, Telemetry
 from waypointctl.sim.single import SingleRobot
 from waypointctl.task.body import Body

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.executive.rules import Rules
 from waypointctl.flight.link.frames import ControlFrame, Heartbeat
-from waypointctl.flight.navigator.navigator import DirectNavigator, Navigator, sound_goals
+from waypointctl.flight.navigator import DirectNavigator, Navigator, sound_goals
 from waypointctl.flight.policy_fit import chosen_action, reward_weights
 from waypointctl.flight.reporter import Reporter
 from waypointctl.flight.sink import Sink

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Literal, TypeAlias, cast, get_args
+from typing import Annotated, Any, Final, Literal, TypeAlias, cast, get_args
 
 from pydantic import AfterValidator, Field, Strict
 
@@ -22,6 +22,11 @@ ACCEPTANCE_SHAPES: Final[tuple[str, ...]] = get_args(AcceptanceShape)
 Tolerance: TypeAlias = Annotated[float, Quantity("m", gt=0, le=100)]
 Timeout: TypeAlias = Annotated[float, Quantity("s", gt=0, le=DAY_S)]
 Hold: TypeAlias = Annotated[float, Quantity("s", ge=0, le=DAY_S)]
+
+
+def bounds_of(field: Any) -> Quantity:
+    """Return the bounds of a number, such as `Tolerance`."""
+    return next(part for part in get_args(field) if isinstance(part, Quantity))
 
 
 class Acceptance(FileModel):

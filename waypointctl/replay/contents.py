@@ -10,24 +10,22 @@ from typing import Final
 from pydantic import ValidationError
 
 from waypointctl.errors import LogError
-from waypointctl.flight.camera import OnboardCamera
 from waypointctl.flight.header import (
     MISSION,
     MISSION_FILE_HASH,
     MISSION_FOLDER,
     MJB,
     NAVIGATOR_CLASS,
-    POLICY_CLASS,
     POLICY_FOLDER,
     ROBOT_FILE_HASH,
     ROBOT_FOLDER,
-    PolicyNotInLog,
     files_within,
     flight_header,
     platform_facts,
 )
-from waypointctl.flight.operator.operator import planned_waypoints
-from waypointctl.flight.policy_fit import refuse_misfit
+from waypointctl.flight.operator.requests import planned_waypoints
+from waypointctl.flight.policy_fit import POLICY_CLASS, PolicyNotInLog, refuse_misfit
+from waypointctl.flight.sink import OnboardCamera
 from waypointctl.log.comparison import brief
 from waypointctl.log.header import LIBRARY, LogHeader
 from waypointctl.log.reader import LogReader

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Self
 
 from waypointctl.errors import MissionError
-from waypointctl.flight.header import MISSION, MISSION_FOLDER, files_within
-from waypointctl.flight.operator.operator import planned_waypoints
-from waypointctl.flight.setting import setting_of
+from waypointctl.flight.header import MISSION, MISSION_FOLDER, files_within, setting_of
+from waypointctl.flight.operator.requests import planned_waypoints
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.log.opening import PART
 from waypointctl.log.reader import LogReader

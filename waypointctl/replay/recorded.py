@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.flight.camera import FORMAT, FRAME, OnboardCamera
-from waypointctl.flight.header import PolicyNotInLog
 from waypointctl.flight.operator.console import QUIT, request_from
+from waypointctl.flight.policy_fit import PolicyNotInLog
+from waypointctl.flight.sink import FORMAT, FRAME, OnboardCamera
 from waypointctl.log.messages import Action, Checkpoint, ConsoleInput, Event, GroundControl, Picture, State
 from waypointctl.log.png import SOFTWARE, texts_of
 from waypointctl.log.records import shown

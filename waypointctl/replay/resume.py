@@ -17,9 +17,9 @@ from typing import Final
 
 from waypointctl.errors import InputError, LogError, OutputError
 from waypointctl.flight.fly import fly
-from waypointctl.flight.header import PolicyNotInLog
 from waypointctl.flight.operator.console import QUIT, LineSource
 from waypointctl.flight.outcome import FlightResult
+from waypointctl.flight.policy_fit import PolicyNotInLog
 from waypointctl.flight.sink import Camera, Sink, with_pictures
 from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.opening import PART, open_file

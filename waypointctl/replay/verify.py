@@ -10,7 +10,8 @@ from typing import Final, Self
 
 from waypointctl.errors import InputError
 from waypointctl.flight.fly import fly
-from waypointctl.flight.header import POLICY_FOLDER, PolicyNotInLog, platform_facts
+from waypointctl.flight.header import POLICY_FOLDER, platform_facts
+from waypointctl.flight.policy_fit import PolicyNotInLog
 from waypointctl.flight.sink import with_pictures
 from waypointctl.log.messages import Message
 from waypointctl.log.reader import LogReader, open_log

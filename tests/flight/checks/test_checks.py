@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from tests.flight.flying import mission_of
+from waypointctl.flight.checks import Finding
 from waypointctl.flight.checks.check import cannot_succeed, check_mission
-from waypointctl.flight.checks.finding import Finding
 from waypointctl.flight.fly import fly
 from waypointctl.mission.files import load_mission, parse_mission
 from waypointctl.policy.bundle import load_policy

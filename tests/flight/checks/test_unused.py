@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from waypointctl.flight.checks.unused import unused_findings
+from waypointctl.flight.checks.schedule import unused_findings
 from waypointctl.mission.files import parse_mission
 
 BASE = "name: n\npolicy: p\nwaypoints: [[8, 6], [8, 16]]\n"

@@ -9,8 +9,7 @@ from dataclasses import replace
 from typing import Any, ClassVar, Final
 
 from tests.flight.executive.rig import SECOND, A, B, C, Rig
-from waypointctl.flight.executive.fence import Circle, Fence
-from waypointctl.flight.executive.rules import home_at
+from waypointctl.flight.executive.rules import Circle, Fence, home_at
 from waypointctl.flight.executive.state_machine import Signal, StateMachine
 from waypointctl.log.messages import FINAL_STAGES, Command, CommandKind, CommandStage, EventKind, Mode, Stage
 

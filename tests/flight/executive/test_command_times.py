@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from tests.flight.executive.rig import HOLD, SECOND, A, B, C, Rig
-from waypointctl.flight.executive.fence import Circle, Fence
+from waypointctl.flight.executive.rules import Circle, Fence
 from waypointctl.log.messages import CommandKind, EventKind, Mode, Stage
 
 UPLOAD, APPEND, RELEASE, GO_TO = (

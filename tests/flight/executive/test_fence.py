@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from waypointctl.flight.executive.fence import Circle, Fence, Point, Polygon
+from waypointctl.flight.executive.rules import Circle, Fence, Point, Polygon
 
 SQUARE = Polygon("square", ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)))
 HOLE = Circle("hole", (5.0, 5.0), 1.0)

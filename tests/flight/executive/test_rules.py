@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 
 from tests.flight.executive.rig import SECOND, A, B, C, Rig
-from waypointctl.flight.executive.fence import Circle, Fence, Polygon
-from waypointctl.flight.executive.rules import Rules, home_at, rules_of
+from waypointctl.flight.executive.rules import Circle, Fence, Polygon, Rules, home_at, rules_of
 from waypointctl.log.messages import CommandKind, Event, EventKind, Mode, Severity, Stage
 from waypointctl.mission.mission import Mission
 

@@ -11,10 +11,8 @@ from hypothesis import strategies as st
 
 from tests.flight.link.slow_link import Gate, Parcel
 from waypointctl.flight.link.contacts import Contacts, Window
-from waypointctl.flight.link.delay import Jitter, fixed_delay, uniform_jitter
 from waypointctl.flight.link.direction import Direction, Duplication
-from waypointctl.flight.link.draws import Draws
-from waypointctl.flight.link.loss import RandomLoss
+from waypointctl.flight.link.impairments import Draws, Jitter, RandomLoss, fixed_delay, uniform_jitter
 from waypointctl.seeding import stream
 
 ROUNDS = 60  # of windows that come again, in the oracle; more than any example needs

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waypointctl.flight.link.delay import (
+from waypointctl.flight.link.impairments import (
     drawn_jitter,
     fixed_delay,
     normal_jitter,

@@ -10,10 +10,8 @@ from hypothesis import strategies as st
 
 from tests.flight.link.made import Told, chancy, told_jitter
 from waypointctl.flight.link.contacts import Contacts, Window
-from waypointctl.flight.link.delay import fixed_delay, table_delay, uniform_jitter
 from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Direction, Duplication
-from waypointctl.flight.link.draws import BLOCK
-from waypointctl.flight.link.loss import RandomLoss
+from waypointctl.flight.link.impairments import BLOCK, RandomLoss, fixed_delay, table_delay, uniform_jitter
 from waypointctl.seeding import stream
 
 

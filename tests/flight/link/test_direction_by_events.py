@@ -13,9 +13,8 @@ from tests.budget import examples
 from tests.flight.link.made import Setting, arrival, parcels, settings_of_a_link, told_direction
 from tests.flight.link.slow_link import Parcel, SlowLink
 from waypointctl.flight.link.contacts import Contacts
-from waypointctl.flight.link.delay import fixed_delay, uniform_jitter
 from waypointctl.flight.link.direction import NEVER, NOISE, Delivery, Direction, Duplication
-from waypointctl.flight.link.loss import GilbertElliott, RandomLoss
+from waypointctl.flight.link.impairments import GilbertElliott, RandomLoss, fixed_delay, uniform_jitter
 from waypointctl.seeding import stream
 
 

@@ -6,8 +6,7 @@ from functools import partial
 from typing import Any
 
 from waypointctl.flight.link.direction import Direction
-from waypointctl.flight.link.frames import Heartbeat
-from waypointctl.flight.link.logged import link_state
+from waypointctl.flight.link.frames import Heartbeat, link_state
 from waypointctl.log.messages import Ack, Command, CommandKind, Mode, PlannedWaypoint, Stage, Telemetry
 
 S = 10**9

@@ -8,8 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from waypointctl.flight.link.build import direction
-from waypointctl.flight.link.frames import packets_bytes, size_bytes
-from waypointctl.flight.link.logged import UP, LoggedDirection, named
+from waypointctl.flight.link.frames import UP, LoggedDirection, named, packets_bytes, size_bytes
 from waypointctl.log.messages import Ack, Command, CommandKind, DeliveryOutcome, LinkRecord, Mode, Stage, Telemetry
 from waypointctl.log.proto import messages_pb2 as pb
 from waypointctl.mission.link import Link

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from waypointctl.flight.link.loss import GilbertElliott, RandomLoss
+from waypointctl.flight.link.impairments import GilbertElliott, RandomLoss
 from waypointctl.seeding import stream
 
 COUNT = 200_000

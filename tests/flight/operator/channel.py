@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from waypointctl.flight.link.direction import NOISE, Delivery
-from waypointctl.flight.operator.dispatcher import Dispatcher, RetryPolicy
+from waypointctl.flight.operator.dispatcher import Dispatcher
 from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.flight.operator.timing import RetryPolicy
 from waypointctl.log.messages import Ack, Command, CommandKind, CommandStage, Event, Mode, Stage, Telemetry
 
 DELAY_NS = 1000

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from tests.budget import examples
 from tests.flight.operator.missions import mission_of
-from waypointctl.flight.executive.arguments import wrong_arguments
 from waypointctl.flight.executive.rules import rules_of
+from waypointctl.flight.executive.start import wrong_arguments
 from waypointctl.flight.operator.console import impossible, request_from
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import Command, CommandKind

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from tests.budget import examples
 from tests.flight.operator.channel import AIRTIME_NS, DELAY_NS, HOLD, ROUND_TRIP_NS, Channel, ack, frame, ground, stages
 from waypointctl.flight.link.direction import NEVER, NOISE, QUEUE_FULL, Delivery
-from waypointctl.flight.operator.dispatcher import UNANSWERED, Dispatcher, RetryPolicy
+from waypointctl.flight.operator.dispatcher import UNANSWERED, Dispatcher
 from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.flight.operator.timing import RetryPolicy
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from waypointctl.flight.link.contacts import Contacts, Window
-from waypointctl.flight.link.delay import fixed_delay, uniform_jitter
 from waypointctl.flight.link.direction import Direction
-from waypointctl.flight.operator.build import answer_time, leaving_time, patience_ns
+from waypointctl.flight.link.impairments import fixed_delay, uniform_jitter
+from waypointctl.flight.operator.timing import answer_time, leaving_time, patience_ns
 from waypointctl.seeding import stream
 
 

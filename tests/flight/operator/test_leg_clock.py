@@ -5,9 +5,9 @@ from __future__ import annotations
 from tests.flight.flying import UNDER_FOOT, flown, mission_of, only
 from tests.flight.operator.missions import ack, frame
 from tests.flight.operator.missions import mission_of as mission_text
-from waypointctl.flight.operator.leg_clock import LegClock
+from waypointctl.flight.operator.planner import ShortRangeGoalOperator
 from waypointctl.flight.operator.requests import CommandRequest
-from waypointctl.flight.operator.steering import ShortRangeGoalOperator
+from waypointctl.flight.operator.timing import LegClock
 from waypointctl.log.messages import CommandKind, Mode, Stage, State
 from waypointctl.units import NS_PER_S
 

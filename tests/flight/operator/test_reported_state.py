@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tests.flight.operator.channel import ack, frame
-from waypointctl.flight.operator.reported_state import ReportedState
+from waypointctl.flight.operator.operator import ReportedState
 from waypointctl.log.messages import Mode, Stage
 
 

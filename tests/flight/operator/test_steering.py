@@ -5,8 +5,8 @@ import math
 import pytest
 
 from tests.flight.operator.missions import ack, frame, mission_of
+from waypointctl.flight.operator.planner import ShortRangeGoalOperator
 from waypointctl.flight.operator.requests import LOOKAHEAD, CommandRequest
-from waypointctl.flight.operator.steering import ShortRangeGoalOperator
 from waypointctl.log.messages import CommandKind, Stage
 from waypointctl.units import NS_PER_S
 

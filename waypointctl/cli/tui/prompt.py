@@ -17,8 +17,8 @@ from waypointctl.cli.tui.operator_status import status_lines
 from waypointctl.cli.tui.pace import Pace
 from waypointctl.cli.tui.terminal_input import TypedLines
 from waypointctl.display_text import printable_lines
+from waypointctl.flight.header import setting_of
 from waypointctl.flight.operator.console import QUIT, USAGE, impossible, request_from
-from waypointctl.flight.setting import setting_of
 from waypointctl.log.messages import Clock, Message, PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.replay.operator_view import OperatorView

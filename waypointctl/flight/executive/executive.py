@@ -7,18 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.flight.executive.arguments import wrong_arguments
 from waypointctl.flight.executive.command_tracker import CommandTracker
-from waypointctl.flight.executive.commands import BEHAVIOURS, by, end_command, names_of
-from waypointctl.flight.executive.leg_update import OBSERVATION_NS, update_leg
-from waypointctl.flight.executive.monitors import FenceMonitor, LinkMonitor
+from waypointctl.flight.executive.commands import end_command, names_of
+from waypointctl.flight.executive.monitors import OBSERVATION_NS, FenceMonitor, LinkMonitor, update_leg
 from waypointctl.flight.executive.plan_execution import PlanExecution
 from waypointctl.flight.executive.rules import FALL, FLIGHT_ENDED, Rules
-from waypointctl.flight.executive.start import is_overtaken, start
+from waypointctl.flight.executive.start import decide, start
 from waypointctl.flight.executive.state_machine import BUSY, POLICY_MODES, TRANSITIONS, Signal
 from waypointctl.log.messages import (
     Command,
@@ -33,6 +32,8 @@ from waypointctl.log.messages import (
 )
 
 FloatArray = NDArray[np.float64]
+
+_NO_GOALS: Final = np.zeros((1, 2, 2))
 
 
 class Executive:
@@ -93,12 +94,14 @@ class Executive:
     @property
     def goals(self) -> FloatArray:
         """The current waypoint and the next, (1, 2, 2) [m]; zeros while there is none."""
-        return self._execution.goals
+        leg = self._execution.leg
+        return _NO_GOALS if leg is None else leg.goals
 
     @property
     def target(self) -> PlannedWaypoint | None:
         """The waypoint it drives to, holds at, or resumes after a pause."""
-        return self._execution.target
+        leg = self._execution.leg
+        return None if leg is None else leg.waypoint
 
     def on_contact(self, now_ns: int) -> None:
         """Record that a heartbeat or a command has arrived from the ground."""
@@ -125,32 +128,7 @@ class Executive:
         self._execution.ordering.receive(command.id)
         text = f"command {command.id} received: {command.kind} {names_of(command)}".rstrip()
         self._execution.emit(now_ns, EventKind.COMMAND_RECEIVED, text, command_id=command.id)
-        self._decide(now_ns, command)
-
-    def _decide(self, now_ns: int, command: Command) -> None:
-        """Start a command that has just arrived, keep it for later, or end it."""
-        tracker = self._tracker
-        cancelled, begun = self._execution.ordering.take_cancel(command) or (None, False)
-        if self.mode is Mode.FALLEN:
-            tracker.advance(now_ns, command.id, Stage.REJECTED, FALL)
-        elif reason := wrong_arguments(command, self._execution.rules.fence):
-            tracker.advance(now_ns, command.id, Stage.REJECTED, reason)
-        elif 0 <= command.expires_ns < now_ns:
-            tracker.advance(now_ns, command.id, Stage.EXPIRED, "late")
-        elif cancelled is not None and not (begun and BEHAVIOURS[command.kind].lasts):
-            tracker.advance(now_ns, command.id, Stage.CANCELLED, by(cancelled))
-        elif command.not_before_ns > now_ns:
-            self._keep(now_ns, command)
-        else:
-            start(self._execution, now_ns, command)
-        if cancelled is not None and tracker.is_open(command.id):  # it has ended what came before it
-            end_command(self._execution, now_ns, command.id, Stage.CANCELLED, by(cancelled))
-
-    def _keep(self, now_ns: int, command: Command) -> None:
-        """Keep a command for its time, unless an abort that was issued later has come before it."""
-        if not is_overtaken(self._execution, now_ns, command):
-            self._tracker.advance(now_ns, command.id, Stage.ACCEPTED)
-            self._tracker.postpone(command)
+        decide(self._execution, now_ns, command)
 
     def sense(self, now_ns: int, position: FloatArray, fell: bool, heading_rad: float = 0.0) -> None:
         """Look at the world and the clock.
@@ -236,8 +214,8 @@ class Executive:
         due = [self._link.deadline_ns(execution), tracker.next_expiry_ns]
         if tracker.pending and not self._link.blocks_commands(execution):
             due.append(tracker.pending[0].not_before_ns)
-        if self.mode is Mode.HOLDING and execution.target is not None:
-            due.append(execution.stood_ns + execution.target.hold_ns)
+        if self.mode is Mode.HOLDING and (target := self.target) is not None:
+            due.append(execution.stood_ns + target.hold_ns)
         if self.mode is Mode.OBSERVING:
             due.append(execution.stood_ns + OBSERVATION_NS)
         times = [time_ns for time_ns in due if time_ns is not None]

@@ -6,22 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from waypointctl.flight.executive.command_ordering import CommandOrdering
 from waypointctl.flight.executive.command_tracker import CommandTracker
-from waypointctl.flight.executive.leg import Leg
-from waypointctl.flight.executive.plan import Plan, PlanItem
+from waypointctl.flight.executive.plan import SAVED, Leg, Plan, PlanItem
 from waypointctl.flight.executive.rules import AT_HOME, RETURN_FAILED, Rules
 from waypointctl.flight.executive.state_machine import RESUME_SIGNALS, SUSPENDED, UNDER_WAY, Signal, StateMachine
-from waypointctl.log.messages import Clock, Event, EventKind, Mode, PlannedWaypoint, Severity, Stage
-
-FloatArray = NDArray[np.float64]
+from waypointctl.log.messages import Clock, Event, EventKind, Mode, Severity, Stage
 
 BY_RULE: Final = -1  # in place of a command's id: a rule sent it home
-_TOLD: Final = 256  # of the waypoints reached, in a checkpoint, for the same reason as in plan.py
-_NO_GOALS: Final = np.zeros((1, 2, 2))
 
 
 @dataclass(slots=True)
@@ -30,11 +22,11 @@ class PlanExecution:
 
     Attributes:
         rules: what it does by itself.
-        life: of its commands.
+        tracker: of its commands.
         announce: takes every event.
         machine: its mode.
         plan: the waypoints on board.
-        sequence: as the ground issued what has arrived.
+        ordering: as the ground issued what has arrived.
         leg: the way to a waypoint, or home, while there is one.
         stood_ns: when the hold or the observation began.
         reached: indices in the mission, each once, in the order of reaching them.
@@ -66,16 +58,6 @@ class PlanExecution:
     def mode(self) -> Mode:
         """The mode it is in."""
         return self.machine.mode
-
-    @property
-    def goals(self) -> FloatArray:
-        """The current waypoint and the next, (1, 2, 2) [m]."""
-        return _NO_GOALS if self.leg is None else self.leg.goals
-
-    @property
-    def target(self) -> PlannedWaypoint | None:
-        """The waypoint that it drives to, holds at, or resumes after a pause."""
-        return None if self.leg is None else self.leg.waypoint
 
     @property
     def can_go_on(self) -> bool:
@@ -189,10 +171,10 @@ class PlanExecution:
         """Forget the plan, and the way home; the command under way has failed, and the rest is cancelled."""
         commands = self.under_way
         self.clear()
-        for command_id in commands[:1]:
-            self.tracker.advance(now_ns, command_id, Stage.FAILED, code)
-        for command_id in commands[1:]:
-            self.tracker.advance(now_ns, command_id, Stage.CANCELLED, f"plan given up: {code}")
+        stage, reason = Stage.FAILED, code
+        for command_id in commands:
+            self.tracker.advance(now_ns, command_id, stage, reason)
+            stage, reason = Stage.CANCELLED, f"plan given up: {code}"
 
     @property
     def under_way(self) -> list[int]:
@@ -248,7 +230,7 @@ class PlanExecution:
 
     def state(self) -> dict[str, object]:
         """Return it as plain data; of many waypoints reached the newest, and how many they are."""
-        newest = list(self.reached[-_TOLD:])
+        newest = list(self.reached[-SAVED:])
         return {
             "mode": self.mode.value,
             "command_id": self.command_id,

@@ -2,7 +2,7 @@
 
 A command that arrives for the first time is RECEIVED. Then, in this order, it is
 
-1. REJECTED if its arguments are wrong (arguments.py) or a waypoint of it lies outside the fence,
+1. REJECTED if its arguments are wrong (`wrong_arguments`) or a waypoint of it lies outside the fence,
 2. EXPIRED, "late", if its `expires` is over,
 3. ACCEPTED and kept if its `not_before` is in the future,
 4. SKIPPED, "overtaken by command 7", if one that was issued later has been executed and made it obsolete
@@ -26,14 +26,104 @@ docs/commands.md has this as a table for users.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from waypointctl.flight.executive.commands import BEHAVIOURS, by, issued_before
+from waypointctl.flight.executive.commands import BEHAVIOURS, by, end_command, issued_before
+from waypointctl.flight.executive.monitors import OBSERVE
 from waypointctl.flight.executive.plan_execution import PlanExecution
+from waypointctl.flight.executive.rules import FALL, GEOFENCE, Fence
 from waypointctl.flight.executive.state_machine import UNDER_WAY, Signal
-from waypointctl.log.messages import Command, CommandKind, Stage
+from waypointctl.log.messages import Command, CommandKind, Mode, PlannedWaypoint, Stage
+from waypointctl.mission.fields import ACCEPTANCE_SHAPES, Coordinate, Hold, Timeout, Tolerance, bounds_of
+from waypointctl.mission.mission import MOST_LEGS
+from waypointctl.units import seconds
+
+FAILURE_WORDS: Final = ("", "abort", "skip", "hold", "return_home")
+TASKS: Final = ("", OBSERVE)
+
+# How many waypoints each kind takes, at least and at most; the others take none.
+_WAYPOINTS: Final = {
+    CommandKind.UPLOAD_PLAN: (1, MOST_LEGS),
+    CommandKind.APPEND_PLAN: (1, MOST_LEGS),
+    CommandKind.GO_TO: (1, 1),
+    CommandKind.SKIP: (0, 1),
+}
+
+
+is_coordinate, is_tolerance = bounds_of(Coordinate).fits, bounds_of(Tolerance).fits
+is_timeout, is_hold = bounds_of(Timeout).fits, bounds_of(Hold).fits
+
+
+def wrong_arguments(command: Command, fence: Fence) -> str:
+    """Return what is wrong with a command whatever the robot is doing; empty if nothing is."""
+    if command.id < 1:
+        return "an id counts from 1"
+    least, most = _WAYPOINTS.get(command.kind, (0, 0))
+    count = len(command.waypoints)
+    if not least <= count <= most:
+        wanted = f"{least}" if least == most else f"{least} to {most:,}"
+        return f"{command.kind} takes {wanted} waypoint{'s' * (most != 1)}, and has {count:,}"
+    if 0 <= command.expires_ns < command.not_before_ns:
+        return "it expires before it may start"
+    if not math.isfinite(command.value):
+        return f"its value is {command.value:g}"
+    if command.on_failure not in FAILURE_WORDS:
+        return f"on_failure is {command.on_failure!r:.40}"
+    return _wrong_value(command) or next(filter(None, (_wrong_place(w, fence) for w in command.waypoints)), "")
+
+
+def _wrong_value(command: Command) -> str:
+    match command.kind:
+        case CommandKind.SET_TOLERANCE if not is_tolerance(command.value):
+            return f"a tolerance of {command.value:g} m is out of bounds"
+        case CommandKind.SET_TIMEOUT if not is_timeout(command.value):
+            return f"a time-out of {command.value:g} s is out of bounds"
+        case CommandKind.UPLOAD_PLAN | CommandKind.APPEND_PLAN if not -1 <= command.released <= len(command.waypoints):
+            return f"it releases {command.released} of {len(command.waypoints)} waypoints"
+        case CommandKind.RELEASE if command.released < -1:
+            return f"it releases {command.released} waypoints"
+    return ""
+
+
+def _wrong_place(waypoint: PlannedWaypoint, fence: Fence) -> str:
+    name = waypoint.name
+    if not (is_coordinate(waypoint.x_m) and is_coordinate(waypoint.y_m)):
+        return f"{name} at ({waypoint.x_m:g}, {waypoint.y_m:g}) is out of bounds"
+    if waypoint.acceptance not in ACCEPTANCE_SHAPES or not is_tolerance(waypoint.tolerance_m):
+        return f"{name}: acceptance {waypoint.acceptance!r:.40} within {waypoint.tolerance_m:g} m is out of bounds"
+    if waypoint.timeout_ns < 1 or not is_timeout(seconds(waypoint.timeout_ns)):
+        return f"{name}: a time-out of {seconds(waypoint.timeout_ns):g} s is out of bounds"
+    if not is_hold(seconds(waypoint.hold_ns)):
+        return f"{name}: a hold of {seconds(waypoint.hold_ns):g} s is out of bounds"
+    if waypoint.task not in TASKS:
+        return f"{name}: the task {waypoint.task!r:.40} is unknown"
+    breach = fence.breach(waypoint.x_m, waypoint.y_m)
+    return f"{GEOFENCE}: {name} at ({waypoint.x_m:g}, {waypoint.y_m:g}) {breach}" if breach else ""
+
 
 SUPERSEDING: Final = frozenset({CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME})
+
+
+def decide(execution: PlanExecution, now_ns: int, command: Command) -> None:
+    """Start a command that has just arrived, keep it for its time, or end it."""
+    tracker = execution.tracker
+    cancelled, begun = execution.ordering.take_cancel(command) or (None, False)
+    if execution.mode is Mode.FALLEN:
+        tracker.advance(now_ns, command.id, Stage.REJECTED, FALL)
+    elif reason := wrong_arguments(command, execution.rules.fence):
+        tracker.advance(now_ns, command.id, Stage.REJECTED, reason)
+    elif 0 <= command.expires_ns < now_ns:
+        tracker.advance(now_ns, command.id, Stage.EXPIRED, "late")
+    elif cancelled is not None and not (begun and BEHAVIOURS[command.kind].lasts):
+        tracker.advance(now_ns, command.id, Stage.CANCELLED, by(cancelled))
+    elif command.not_before_ns <= now_ns:
+        start(execution, now_ns, command)
+    elif not is_overtaken(execution, now_ns, command):
+        tracker.advance(now_ns, command.id, Stage.ACCEPTED)
+        tracker.postpone(command)
+    if cancelled is not None and tracker.is_open(command.id):  # it has ended what came before it
+        end_command(execution, now_ns, command.id, Stage.CANCELLED, by(cancelled))
 
 
 def start(execution: PlanExecution, now_ns: int, command: Command) -> None:

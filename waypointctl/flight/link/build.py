@@ -7,9 +7,13 @@ from typing import TypeVar
 
 from waypointctl.errors import MissionError
 from waypointctl.flight.link.contacts import Contacts, Window, always
-from waypointctl.flight.link.delay import (
+from waypointctl.flight.link.direction import Direction, Duplication
+from waypointctl.flight.link.impairments import (
     Delay,
+    GilbertElliott,
     Jitter,
+    Loss,
+    RandomLoss,
     drawn_jitter,
     fixed_delay,
     normal_jitter,
@@ -17,8 +21,6 @@ from waypointctl.flight.link.delay import (
     table_delay,
     uniform_jitter,
 )
-from waypointctl.flight.link.direction import Direction, Duplication
-from waypointctl.flight.link.loss import GilbertElliott, Loss, RandomLoss
 from waypointctl.mission.contact_plan import Passage, read_contact_plan
 from waypointctl.mission.link import Bursts, LinkDirection
 from waypointctl.mission.text_file import read_jitter

@@ -17,9 +17,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Generic, NamedTuple, TypeVar
 
 from waypointctl.flight.link.contacts import Contacts, always
-from waypointctl.flight.link.delay import Delay, Jitter
-from waypointctl.flight.link.draws import Draws
-from waypointctl.flight.link.loss import Loss
+from waypointctl.flight.link.impairments import Delay, Draws, Jitter, Loss
 
 T = TypeVar("T")
 

@@ -8,16 +8,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Final, Protocol, get_args
+from typing import Final, Protocol
 
-from waypointctl.flight.executive.arguments import is_hold, is_timeout, is_tolerance
 from waypointctl.flight.executive.rules import fence_of
 from waypointctl.flight.operator.requests import CommandRequest, place
 from waypointctl.log.messages import CommandKind, PlannedWaypoint
-from waypointctl.mission.fields import FURTHEST_M, Hold, Timeout, Tolerance
+from waypointctl.mission.fields import FURTHEST_M, Hold, Timeout, Tolerance, bounds_of
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.operator import LARGEST_NUMBER
-from waypointctl.mission.quantity import Quantity
 from waypointctl.units import DISTANCE_UNITS_M, DURATION_UNITS_S, NUMBER_PATTERN, ns, quantity, whole_ns
 
 QUIT: Final = "quit"  # the line that ends it
@@ -115,35 +113,26 @@ def _place(text: str, mission: Mission) -> PlannedWaypoint:
 
 
 def _tolerance_m(text: str) -> float:
-    (value,) = _quantities("tolerance", text, "a length such as 0.5 m", DISTANCE_UNITS_M, 1)
-    return value
+    return _quantities("tolerance", text, "a length such as 0.5 m", DISTANCE_UNITS_M, 1)[0]
 
 
-def _timeout_s(text: str) -> float:
-    (value,) = _quantities("timeout", text, "a time such as 30 s", DURATION_UNITS_S, 1)
-    return value
+def _time_s(word: str, example: str, text: str) -> float:
+    return _quantities(word, text, f"a time such as {example}", DURATION_UNITS_S, 1)[0]
 
 
-def _hold_s(text: str) -> float:
-    (value,) = _quantities("hold", text, "a time such as 5 s", DURATION_UNITS_S, 1)
-    return value
-
-
-def _within(name: str, value: float, is_allowed: Callable[[float], bool], field: object) -> float:
+def _within(name: str, value: float, field: object) -> float:
     """Return the value of an option of `goto`, within the bounds of a mission file's field."""
-    if not is_allowed(value):
+    if not bounds_of(field).fits(value):
         raise ValueError(f"goto: {name} {value:g} is not {_range(field)}")
     return value
 
 
 _OPTIONS: Final[Mapping[str, Callable[[PlannedWaypoint, str], PlannedWaypoint]]] = {
-    "tolerance": lambda it, text: replace(
-        it, tolerance_m=_within("tolerance", _tolerance_m(text), is_tolerance, Tolerance)
-    ),
+    "tolerance": lambda it, text: replace(it, tolerance_m=_within("tolerance", _tolerance_m(text), Tolerance)),
     "timeout": lambda it, text: replace(
-        it, timeout_ns=whole_ns(_within("timeout", _timeout_s(text), is_timeout, Timeout))
+        it, timeout_ns=whole_ns(_within("timeout", _time_s("timeout", "30 s", text), Timeout))
     ),
-    "hold": lambda it, text: replace(it, hold_ns=ns(_within("hold", _hold_s(text), is_hold, Hold))),
+    "hold": lambda it, text: replace(it, hold_ns=ns(_within("hold", _time_s("hold", "5 s", text), Hold))),
 }
 
 
@@ -167,9 +156,9 @@ def impossible(request: CommandRequest, mission: Mission) -> str:
     What depends on the robot's state is checked on board. A line from a log is not checked: it was sent.
     """
     match request.kind:
-        case CommandKind.SET_TOLERANCE if not is_tolerance(request.value):
+        case CommandKind.SET_TOLERANCE if not bounds_of(Tolerance).fits(request.value):
             return f"tolerance: {request.value:g} m is not {_range(Tolerance)}; type tolerance 0.5 m, for instance"
-        case CommandKind.SET_TIMEOUT if not is_timeout(request.value):
+        case CommandKind.SET_TIMEOUT if not bounds_of(Timeout).fits(request.value):
             return f"timeout: {request.value:g} s is not {_range(Timeout)}; type timeout 30 s, for instance"
         case CommandKind.RELEASE if request.released < -1:
             return f"release: {request.released} is not a number of waypoints; type 0 or more, or -1 for all"
@@ -183,7 +172,7 @@ def impossible(request: CommandRequest, mission: Mission) -> str:
 
 def _range(field: object) -> str:
     """Return the bounds of a mission file's number, in words."""
-    (bounds,) = (part for part in get_args(field) if isinstance(part, Quantity))
+    bounds = bounds_of(field)
     least = f"more than {bounds.gt:g}" if bounds.ge is None else f"at least {bounds.ge:g}"
     return f"{least} {bounds.unit} and at most {bounds.le:g} {bounds.unit}"
 
@@ -204,5 +193,5 @@ _VALUED: Final[Mapping[str, Callable[[str], CommandRequest]]] = {
     "cancel": lambda text: CommandRequest(CommandKind.CANCEL, target_id=_whole("cancel", text)),
     "release": lambda text: CommandRequest(CommandKind.RELEASE, released=_whole("release", text)),
     "tolerance": lambda text: CommandRequest(CommandKind.SET_TOLERANCE, value=_tolerance_m(text)),
-    "timeout": lambda text: CommandRequest(CommandKind.SET_TIMEOUT, value=_timeout_s(text)),
+    "timeout": lambda text: CommandRequest(CommandKind.SET_TIMEOUT, value=_time_s("timeout", "30 s", text)),
 }

@@ -16,16 +16,16 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from waypointctl.flight.command_life import ONBOARD, StageReport
 from waypointctl.flight.link.direction import NEVER, Delivery
-from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.flight.operator.requests import CommandRequest, EventQueue
+from waypointctl.flight.operator.timing import RetryPolicy
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
     Clock,
-    Command,
     CommandStage,
     Event,
     EventKind,
@@ -35,32 +35,12 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 
-
-@dataclass(frozen=True, slots=True)
-class RetryPolicy:
-    """When a command is sent again, and how often.
-
-    Attributes:
-        acknowledged: whether it waits for acknowledgements at all.
-        retries: how often a command is sent again at most, whatever for.
-        answer_by: maps when a command's last bit leaves [ns] to when it has to be acknowledged [ns]; None for
-            never, where no contact is left.
-        patience_ns: how long after a frame that reports a command's end its acknowledgement may still arrive.
-    """
-
-    acknowledged: bool
-    retries: int
-    answer_by: Callable[[int], int | None]
-    patience_ns: int
-
-
 UNANSWERED: Final = "no acknowledgement"
 _JUST_SENT: Final = StageReport(Stage.QUEUED, "", -1)  # nothing has been reported
 _AT_REST: Final = frozenset({Mode.IDLE, Mode.DONE, Mode.FAILED, Mode.FALLEN})  # no command is under way
 
-
-# Sends a command at a time [ns]; the callback gets the time of arrival and returns the command.
-Uplink: TypeAlias = Callable[[int, Callable[[int], Command]], Delivery]
+# Sends a message at a time [ns]; the callback gets the time of arrival and returns what arrives.
+Uplink: TypeAlias = Callable[[int, Callable[[int], Any]], Delivery]
 
 
 @dataclass(slots=True)
@@ -88,8 +68,7 @@ class Dispatcher:
     _issued: int = 0
     _open: dict[int, _Sent] = field(default_factory=dict)  # by id: no final stage is known
     _unanswered: dict[int, _Sent] = field(default_factory=dict)  # not sent again; a late report reopens them
-    _upcoming: list[tuple[int, int, CommandStage]] = field(default_factory=list)  # a heap: future stages
-    _serial: int = 0
+    _upcoming: EventQueue[CommandStage] = field(default_factory=EventQueue)  # future stages
     _deadlines: list[tuple[int, int]] = field(default_factory=list)  # a heap: (answer by, id), some no longer so
 
     @property
@@ -97,7 +76,7 @@ class Dispatcher:
         """When there is something to do next [ns]; None for never."""
         while self._deadlines and not self._is_current(self._deadlines[0]):
             heapq.heappop(self._deadlines)
-        earliest = self._upcoming[0][0] if self._upcoming else None
+        earliest = self._upcoming.next_ns
         if self._deadlines and (earliest is None or self._deadlines[0][0] < earliest):
             return self._deadlines[0][0]
         return earliest
@@ -143,8 +122,8 @@ class Dispatcher:
 
     def wake(self, now_ns: int) -> list[Ack]:
         """Do what is due; return the ends taken from telemetry, in the form of acknowledgements."""
-        while self._upcoming and self._upcoming[0][0] <= now_ns:
-            self.sink(heapq.heappop(self._upcoming)[2])
+        for stage in self._upcoming.due(now_ns):
+            self.sink(stage)
         late = set()
         while self._deadlines and self._deadlines[0][0] <= now_ns:
             deadline = heapq.heappop(self._deadlines)
@@ -228,13 +207,8 @@ class Dispatcher:
         why = f"transmission {sent.attempt} was not acknowledged"
         if is_known:
             why = f"no final stage received; its last known stage is {sent.known.stage}"
-        self._announce(
-            now_ns,
-            EventKind.COMMAND_SENT,
-            command_id,
-            f"sent again (transmission {sent.attempt + 1}): {why}",
-            Severity.WARNING,
-        )
+        text = f"sent again (transmission {sent.attempt + 1}): {why}"
+        self._announce(now_ns, EventKind.COMMAND_SENT, command_id, text, Severity.WARNING)
         self._send(now_ns, command_id)
 
     def _query_silent(self, now_ns: int, frame: Telemetry) -> None:
@@ -272,7 +246,4 @@ class Dispatcher:
 
     def _log_later(self, at_ns: int, command_id: int, stage: Stage, clock: Clock, reason: str = "") -> None:
         attempt = self._open[command_id].attempt
-        self._serial += 1
-        heapq.heappush(
-            self._upcoming, (at_ns, self._serial, CommandStage(at_ns, command_id, stage, reason, clock, attempt))
-        )
+        self._upcoming.add(at_ns, CommandStage(at_ns, command_id, stage, reason, clock, attempt))

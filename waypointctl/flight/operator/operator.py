@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import ClassVar, Final
 
-from waypointctl.flight.executive.rules import STUCK, TIMEOUT
-from waypointctl.flight.operator.event_queue import EventQueue
-from waypointctl.flight.operator.reported_state import ReportedState
-from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.flight.executive.rules import AT_HOME, STUCK, TIMEOUT
+from waypointctl.flight.operator.requests import CommandRequest, EventQueue, planned_waypoints
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
@@ -18,13 +17,56 @@ from waypointctl.log.messages import (
     CommandKind,
     Event,
     EventKind,
+    Mode,
     PlannedWaypoint,
     Severity,
     Stage,
     Telemetry,
 )
 from waypointctl.mission.mission import Mission
-from waypointctl.units import ns, whole_ns
+from waypointctl.units import ns
+
+
+@dataclass(slots=True)
+class ReportedState:
+    """What the robot has reported.
+
+    Attributes:
+        telemetry: the newest frame that has arrived; None before the first.
+        went_home: whether a way home has been reported.
+        ended_ns: when, on the robot's clock, the command ended whose end was reported last; -1 before the first.
+    """
+
+    telemetry: Telemetry | None = None
+    went_home: bool = False
+    ended_ns: int = -1
+    _reached: set[int] = field(default_factory=set)
+
+    @property
+    def reached(self) -> tuple[int, ...]:
+        """The waypoints that the robot has reported as reached."""
+        return self.telemetry.reached if self.telemetry else ()
+
+    def knows_reached(self, index: int) -> bool:
+        """Return whether the robot has reported a waypoint as reached."""
+        return index in self._reached
+
+    @property
+    def is_current(self) -> bool:
+        """Whether a frame has arrived that is no older than the last end reported: the one before it may be lost."""
+        return self.ended_ns < 0 or (self.telemetry is not None and self.telemetry.issued_ns >= self.ended_ns)
+
+    def on_message(self, message: Ack | Telemetry) -> None:
+        """Take what has arrived."""
+        if isinstance(message, Ack):
+            if message.stage in FINAL_STAGES:
+                self.ended_ns = max(self.ended_ns, message.issued_ns)
+            return
+        if self.telemetry is None or message.frame >= self.telemetry.frame:  # ignore frames that arrive out of order
+            self.telemetry = message
+            self._reached.update(message.reached[len(self._reached) :])  # what is reached stays so, in its order
+        self.went_home = self.went_home or message.mode is Mode.RETURNING or message.cause.startswith(AT_HOME)
+
 
 # Ended by another command or by the clock: the reason alone names the command or the time, not the stage.
 _BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
@@ -191,21 +233,3 @@ def _ended_by_another(ack: Ack, kinds: Mapping[int, CommandKind]) -> str:
         return f"{text} ({kind})"
     replaced = "the plan" if kinds.get(ack.command_id) is CommandKind.UPLOAD_PLAN else f"command {ack.command_id}"
     return f"command {named[1]} ({kind}) replaced {replaced}"
-
-
-def planned_waypoints(mission: Mission) -> tuple[PlannedWaypoint, ...]:
-    """Return the mission's waypoints as they are commanded."""
-    return tuple(
-        PlannedWaypoint(
-            index=leg.index,
-            name=leg.name,
-            x_m=leg.x_m,
-            y_m=leg.y_m,
-            acceptance=leg.acceptance,
-            tolerance_m=leg.tolerance_m,
-            timeout_ns=whole_ns(leg.timeout_s),
-            hold_ns=ns(leg.hold_s),
-            task="observe" if leg.observe else "",
-        )
-        for leg in mission.legs()
-    )

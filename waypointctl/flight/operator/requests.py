@@ -1,17 +1,53 @@
-"""What an operator wants sent, before it has an id and a time."""
+"""What an operator wants sent, before it has an id and a time, and the queue in which that waits for its time."""
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, field
+from typing import Final, Generic, TypeVar
 
 from waypointctl.flight.executive.plan import names
-from waypointctl.flight.operator.event_queue import EventQueue
 from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.operator import ScheduledCommand
 from waypointctl.units import ns, whole_ns
+
+T = TypeVar("T")
+
+
+@dataclass(slots=True)
+class EventQueue(Generic[T]):
+    """Things to do at a time, in the order of their times, and as they were noted where those are the same."""
+
+    _entries: list[tuple[int, int, T]] = field(default_factory=list)  # a heap: (time, number, what)
+    _noted: int = 0
+
+    @property
+    def next_ns(self) -> int | None:
+        """When the first is due [ns]; None where there is none."""
+        return self._entries[0][0] if self._entries else None
+
+    def add(self, at_ns: int, what: T) -> None:
+        """Note something to do."""
+        self._noted += 1
+        heapq.heappush(self._entries, (at_ns, self._noted, what))
+
+    def due(self, now_ns: int) -> list[T]:
+        """Take out what is due by now."""
+        taken = []
+        while self._entries and self._entries[0][0] <= now_ns:
+            taken.append(heapq.heappop(self._entries)[2])
+        return taken
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._entries.clear()
+
+    def entries(self) -> list[tuple[int, T]]:
+        """Return what is noted, in order."""
+        return [(at_ns, what) for at_ns, _, what in sorted(self._entries, key=lambda entry: entry[:2])]
+
 
 LOOKAHEAD: Final = -1  # index of a place that is none of the mission's waypoints
 
@@ -78,6 +114,24 @@ def request_of(scheduled: ScheduledCommand, mission: Mission) -> CommandRequest:
         value=_value(scheduled),
         not_before_ns=-1 if scheduled.not_before_s is None else ns(scheduled.not_before_s),
         expires_ns=-1 if scheduled.expires_s is None else ns(scheduled.expires_s),
+    )
+
+
+def planned_waypoints(mission: Mission) -> tuple[PlannedWaypoint, ...]:
+    """Return the mission's waypoints as they are commanded."""
+    return tuple(
+        PlannedWaypoint(
+            index=leg.index,
+            name=leg.name,
+            x_m=leg.x_m,
+            y_m=leg.y_m,
+            acceptance=leg.acceptance,
+            tolerance_m=leg.tolerance_m,
+            timeout_ns=whole_ns(leg.timeout_s),
+            hold_ns=ns(leg.hold_s),
+            task="observe" if leg.observe else "",
+        )
+        for leg in mission.legs()
     )
 
 

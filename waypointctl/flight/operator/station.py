@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any
 
 from waypointctl.flight.executive.rules import FALL
-from waypointctl.flight.link.direction import Delivery
-from waypointctl.flight.link.frames import BodyFrame, Heartbeat
-from waypointctl.flight.operator.dispatcher import Dispatcher
-from waypointctl.flight.operator.event_queue import EventQueue
+from waypointctl.flight.link.direction import Direction
+from waypointctl.flight.link.frames import BodyFrame, Heartbeat, LoggedDirection
+from waypointctl.flight.operator.dispatcher import Dispatcher, Uplink
 from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.operator import Operator
-from waypointctl.flight.operator.reported_state import ReportedState
-from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.flight.operator.planner import MissionOperator, ShortRangeGoalOperator, WaypointOperator
+from waypointctl.flight.operator.requests import CommandRequest, EventQueue, scheduled_requests
+from waypointctl.flight.operator.timing import LegClock, RetryPolicy, answer_time, leaving_time, patience_ns
+from waypointctl.flight.sink import Sink
 from waypointctl.log.messages import FINAL_STAGES, Ack, GroundControl, Telemetry
-
-# Sends a heartbeat at a time [ns]; the callback gets the time of arrival and returns the heartbeat.
-HeartbeatUplink: TypeAlias = Callable[[int, Callable[[int], Heartbeat]], Delivery]
+from waypointctl.mission.mission import Mission
+from waypointctl.units import ns
 
 
 @dataclass(slots=True)
@@ -32,7 +32,7 @@ class HeartbeatSender:
         beats: number of heartbeats sent.
     """
 
-    uplink: HeartbeatUplink
+    uplink: Uplink
     period_ns: int
     next_ns: int | None = field(init=False)
     beats: int = 0
@@ -55,6 +55,9 @@ class Station:
     """The operator, the schedule and the dispatcher, in the order of their times.
 
     Attributes:
+        operator: who decides.
+        dispatcher: what sends it.
+        heartbeats: signs of life that it sends.
         console_is_open: whether a person may still send something.
     """
 
@@ -70,23 +73,8 @@ class Station:
         self.dispatcher = dispatcher
         self.console_is_open = False
         self._schedule = schedule
-        self._heartbeats = heartbeats
+        self.heartbeats = heartbeats
         self._on_final: set[int] = set()  # commands whose end is known
-
-    @property
-    def reported(self) -> ReportedState:
-        """What the ground knows of the robot."""
-        return self.operator.reported
-
-    @property
-    def reached(self) -> tuple[int, ...]:
-        """The waypoints that it knows to be reached: their indices in the mission."""
-        return self.operator.reached
-
-    @property
-    def failure(self) -> str:
-        """Why the operator ended the mission, where that is a failure."""
-        return self.operator.failure
 
     @property
     def finished(self) -> bool:
@@ -94,26 +82,17 @@ class Station:
 
         A person at the console may try again where the script has stopped, but no command moves a fallen robot.
         """
-        if not self.operator.finished or (self.console_is_open and self.failure != FALL):
+        operator = self.operator
+        if not operator.finished or (self.console_is_open and operator.failure != FALL):
             return False
-        if self.failure == FALL:
+        if operator.failure == FALL:
             return True
-        return self._schedule.next_ns is None and not self.dispatcher.awaits and self.reported.is_current
+        return self._schedule.next_ns is None and not self.dispatcher.awaits and operator.reported.is_current
 
     @property
     def is_idle(self) -> bool:
         """Whether it wants to send nothing more by itself, but for signs of life."""
         return self._schedule.next_ns is None and self.operator.wake_ns is None and self.dispatcher.wake_ns is None
-
-    @property
-    def acts_on_states(self) -> bool:
-        """Whether every state of the robot that arrives may make it send something."""
-        return self.operator.acts_on_states
-
-    @property
-    def next_heartbeat_ns(self) -> int | None:
-        """When it sends the next sign of life [ns]; None for never."""
-        return self._heartbeats.next_ns
 
     @property
     def missing(self) -> str:
@@ -125,7 +104,7 @@ class Station:
     def wake_ns(self) -> int | None:
         """When the ground wants to act next, if nothing arrives before [ns]; None for never."""
         earliest = self._schedule.next_ns
-        for time_ns in (self.operator.wake_ns, self.dispatcher.wake_ns, self._heartbeats.next_ns):
+        for time_ns in (self.operator.wake_ns, self.dispatcher.wake_ns, self.heartbeats.next_ns):
             if time_ns is not None and (earliest is None or time_ns < earliest):
                 earliest = time_ns
         return earliest
@@ -158,7 +137,7 @@ class Station:
 
     def wake(self, now_ns: int) -> None:
         """Do what is due now."""
-        self._heartbeats.send_due(now_ns)
+        self.heartbeats.send_due(now_ns)
         self.issue(now_ns, self._schedule.due(now_ns))
         self.issue(now_ns, [] if self.operator.finished else self.operator.wake(now_ns), own=True)
         for end in self.dispatcher.wake(now_ns):
@@ -181,5 +160,37 @@ class Station:
             "operator": self.operator.state(),
             "commands": dict(self.dispatcher.state()),
             "scheduled": scheduled,
-            "heartbeats": self._heartbeats.beats,
+            "heartbeats": self.heartbeats.beats,
         }
+
+
+def station_for(
+    mission: Mission,
+    joint: Callable[[], JointOperator],
+    sink: Sink,
+    uplink: LoggedDirection[Any],
+    down: Direction[Any],
+    robot_ns: int,
+) -> Station:
+    """Return the ground at mission start.
+
+    Args:
+        mission: the mission.
+        joint: makes the operator that drives the robot from the ground, for autonomy `joint`.
+        sink: takes the ground's own records.
+        uplink: the direction of commands and heartbeats.
+        down: the direction of acknowledgements.
+        robot_ns: how long the robot takes to answer at most [ns].
+    """
+    commands, margin_ns = mission.commands, ns(mission.commands.margin_s)
+    answer_by = answer_time(uplink.direction, down, robot_ns, margin_ns)
+    retry_policy = RetryPolicy(commands.acknowledged, commands.retries, answer_by, patience_ns(down, margin_ns))
+    operator: Operator
+    if mission.autonomy == "joint":
+        operator = joint()
+    elif mission.autonomy == "short_range_goal":
+        operator = ShortRangeGoalOperator(mission, LegClock(answer_by, leaving_time(uplink.direction)), sink)
+    else:
+        operator = MissionOperator(mission, sink) if mission.autonomy == "mission" else WaypointOperator(mission, sink)
+    heartbeats = HeartbeatSender(uplink.send, ns(mission.operator.heartbeat_s or 0.0))
+    return Station(operator, scheduled_requests(mission), Dispatcher(uplink.send, retry_policy, sink), heartbeats)

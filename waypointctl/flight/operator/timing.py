@@ -1,25 +1,87 @@
-"""How long the robot has been under way on a leg, by its own clock, as far as the ground knows.
+"""What the ground knows of the times of its link, and of the robot's time under way on a leg.
 
 A leg that is led from the ground consists of goals. Its time is the time under way: from when a goal of it is STARTED
 on board to when that goal has ended, and the same for the next. The time that the robot is stopped between two goals,
 or in a hold, is not in it: it waits for the link or the operator. All times are read from the robot's time stamps, in
-acknowledgements and in frames of telemetry.
-
-Without reports the ground's own clock is used: a leg times out when the answer to a command sent at its timeout would
-have arrived.
+acknowledgements and in frames of telemetry. Without reports the ground's own clock is used: a leg times out when the
+answer to a command sent at its timeout would have arrived.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 from waypointctl.flight.command_life import NEVER_STARTED
+from waypointctl.flight.link.direction import Direction
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import FINAL_STAGES, Ack, Mode, Stage, Telemetry
 
 _STANDING: Final = frozenset({Mode.PAUSED, Mode.SAFE, Mode.WAITING})
+
+
+ACK_BYTES: Final = 64  # an acknowledgement with a reason of some words
+
+
+@dataclass(frozen=True, slots=True)
+class RetryPolicy:
+    """When a command is sent again, and how often.
+
+    Attributes:
+        acknowledged: whether it waits for acknowledgements at all.
+        retries: how often a command is sent again at most, whatever for.
+        answer_by: maps when a command's last bit leaves [ns] to when it has to be acknowledged [ns]; None for
+            never, where no contact is left.
+        patience_ns: how long after a frame that reports a command's end its acknowledgement may still arrive.
+    """
+
+    acknowledged: bool
+    retries: int
+    answer_by: Callable[[int], int | None]
+    patience_ns: int
+
+
+def answer_time(up: Direction[Any], down: Direction[Any], robot_ns: int, margin_ns: int) -> Callable[[int], int | None]:
+    """Return by when a command that leaves at a time [ns] has to be acknowledged: what the ground knows of its link.
+
+    Round trip, jitter, what sending takes both ways and the next contact back are in it; queues on board are not.
+
+    Args:
+        up: the direction of commands.
+        down: the direction of acknowledgements.
+        robot_ns: how long the robot takes to answer at most [ns].
+        margin_ns: how much later is still no loss [ns].
+    """
+
+    def at(left_ns: int) -> int | None:
+        arrives_ns = left_ns + up.delay(left_ns) + _most_jitter_ns(up) + robot_ns
+        placed = down.contacts.place(arrives_ns, ACK_BYTES)
+        if placed is None:
+            return None
+        _, back_ns = placed
+        return back_ns + down.delay(back_ns) + _most_jitter_ns(down) + margin_ns
+
+    return at
+
+
+def patience_ns(down: Direction[Any], margin_ns: int) -> int:
+    """Return how much later than a frame an acknowledgement that was issued with it may come [ns]."""
+    return margin_ns + 2 * _most_jitter_ns(down)
+
+
+def _most_jitter_ns(way: Direction[Any]) -> int:
+    return 0 if way.jitter is None else max(way.jitter.most_ns, 0)
+
+
+def leaving_time(up: Direction[Any]) -> Callable[[int], int | None]:
+    """Return when a command that is sent at a time [ns] leaves: when a contact is open; queues are not known."""
+
+    def at(sent_ns: int) -> int | None:
+        placed = up.contacts.place(sent_ns, ACK_BYTES)
+        return None if placed is None else placed[1]
+
+    return at
 
 
 @dataclass(slots=True)

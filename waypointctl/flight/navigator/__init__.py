@@ -1,1 +1,0 @@
-"""On board, between plan and policy: where the policy is to go now, and next."""
