@@ -38,7 +38,7 @@ bench: $(VENV)/.dev
 	$(BIN)/python bench/log_write.py
 	$(BIN)/python bench/train_speed.py
 
-mutate: $(VENV)/.dev # hours; SAMPLE="executive --sample 100" runs some
+mutate: $(VENV)/.dev # half an hour; SAMPLE="executive --sample 100" runs some
 	$(BIN)/python bench/mutate.py $(SAMPLE)
 
 train: $(VENV)/.dev
