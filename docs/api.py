@@ -41,6 +41,9 @@ is wrong, where, what is allowed and what to do.
 
 _ORDER: Final = ("load_mission", "load_policy", "load_robot", "load_suite", "load_recipe", "fly", "verify", "open_log")
 _ALIASES: Final = {
+    id(
+        waypointctl.Plugins
+    ): "What `plugins=` takes: observation groups, reward terms, paths of Python files, or several.",
     id(waypointctl.PolicyState): "What `Policy.state` returns, `Mapping[str, NDArray]`: arrays (n, ...) by name.",
     id(waypointctl.Sink): "What takes the messages of a flight, `Callable[[messages.Message], None]`, as they happen.",
 }

@@ -3,7 +3,7 @@
     python examples/own_observation_group.py
 
 A recipe names groups in `observation: [height, gait_phase]`; own_reward_term.py describes how to name their file.
-The log does not contain the group, so verification needs the plugin again.
+The log does not contain the group, so verification needs it again; of a file, `--plugin FILE` on the command line.
 """
 
 from __future__ import annotations

@@ -55,7 +55,14 @@ if TYPE_CHECKING:
     from waypointctl.task.batched import BatchedWaypointEnv, Step
     from waypointctl.task.config import TaskConfig
     from waypointctl.task.env import WaypointEnv
-    from waypointctl.task.plugins import ObservationGroup, RewardTerm, load_plugins, observation_group, reward_term
+    from waypointctl.task.plugins import (
+        ObservationGroup,
+        Plugins,
+        RewardTerm,
+        load_plugins,
+        observation_group,
+        reward_term,
+    )
     from waypointctl.task.reward import RewardWeights
     from waypointctl.task.view import SimulationView
     from waypointctl.training.recipe import Recipe
@@ -81,6 +88,7 @@ __all__ = [
     "Navigator",
     "ObservationGroup",
     "OutputError",
+    "Plugins",
     "Policy",
     "PolicyError",
     "PolicyState",
@@ -159,7 +167,7 @@ _MODULES: Final = {
     "task.config": ("TaskConfig",),
     "task.env": ("WaypointEnv",),
     "task.reward": ("RewardWeights",),
-    "task.plugins": ("ObservationGroup", "RewardTerm", "load_plugins", "observation_group", "reward_term"),
+    "task.plugins": ("ObservationGroup", "Plugins", "RewardTerm", "load_plugins", "observation_group", "reward_term"),
     "task.view": ("SimulationView",),
     "training.recipe": ("Recipe",),
     "training.recipe_file": ("RecipeFile", "load_recipe"),

@@ -12,13 +12,17 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.cli.flying import Program, start
+from tests.conftest import observation_of
 from tests.robots.folders import CART, CART_XML, write_folder
 from waypointctl.cli.app import app
 from waypointctl.mission.link import LinkDirection
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.robots.load import load_robot
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(str(path) for path in (ROOT / "missions").glob("*.yaml"))
+ANT = observation_of(load_robot("ant"))
+OTHER_LAYOUT = ANT.model_copy(update={"names": ("a", *ANT.names[1:])})
 BAD = "name: n\npolicy: p\nsead: 3\nwaypoints:\n  - {position: [1 m, 2 m], timeout: 20}\n"
 
 
@@ -140,14 +144,22 @@ def test_a_robot_that_is_wrong_or_not_the_policys_is_a_problem(
     assert (result.exit_code, result.stdout[: len(f"{path}:{place}")]) == (2, f"{path}:{place}")
 
 
+@pytest.mark.parametrize(
+    ("policy", "problem"),
+    [
+        ({"robot": "cart"}, "made for the robot 'cart', not 'ant'"),
+        ({"control_period_ns": 10_000_000}, "made for a control period of 10 ms, not 20 ms"),
+        ({"observation": OTHER_LAYOUT}, "made for another observation layout 'egocentric': number 0 is 'a'"),
+    ],
+)
 def test_a_policy_that_is_not_the_shipped_robots_is_a_problem(
-    tmp_path: Path, make_policy: Callable[..., LoadedPolicy]
+    tmp_path: Path, make_policy: Callable[..., LoadedPolicy], policy: dict[str, object], problem: str
 ) -> None:
-    make_policy(tmp_path / "tiny", robot="cart")
+    make_policy(tmp_path / "tiny", **policy)
     path = tmp_path / "m.yaml"
     path.write_text("name: dog\npolicy: ./tiny\nwaypoints: [[3, 4]]\n")
     result = CliRunner().invoke(app, ["validate", str(path)])
-    assert (result.exit_code, "made for the robot 'cart', not 'ant'" in result.stdout) == (2, True)
+    assert (result.exit_code, f"{path}:2:9: policy: policy 'tiny': {problem}" in result.stdout) == (2, True)
 
 
 def test_lists_every_problem_of_every_file_and_exits_with_2(bad: Path) -> None:

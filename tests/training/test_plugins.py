@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -74,17 +77,56 @@ def test_a_policy_is_trained_evaluated_and_flown_with_them(tmp_path: Path) -> No
     assert len(observed[0]) == 5
     terms = [dict(message.terms) for message in messages if isinstance(message, Reward)]
     assert terms[0]["low_torso"] == pytest.approx(-0.3 * (observed[1][0] - 0.5))
-    with pytest.raises(PolicyError, match="foot_clearance"):
+    with pytest.raises(PolicyError, match=rf"foot_clearance.*\n.*my_terms.py .*{sha256_of(PLUGIN)}.*--plugin"):
         fly(mission, load_policy(tmp_path / "run"), messages.append)
+    (tmp_path / "my_terms.py").write_text(f"{PLUGIN}# other\n")
+    with pytest.raises(PolicyError, match=rf"{sha256_of(PLUGIN + '# other' + chr(10))}.*{sha256_of(PLUGIN)}"):
+        fly(mission, policy, plugins=tmp_path / "my_terms.py")
+
+
+def sha256_of(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def test_a_run_does_not_go_on_with_a_plugin_that_was_changed(tmp_path: Path) -> None:
     trained(with_plugins(recipe_of(tmp_path), allowed=True), tmp_path / "run", rollouts=1)
-    changed = with_plugins(recipe_of(tmp_path, plugin=PLUGIN.replace("0.5", "0.6")), allowed=True)
-    with pytest.raises(RecipeError, match="plugins"):
+    other = PLUGIN.replace("0.5", "0.6")
+    changed = with_plugins(recipe_of(tmp_path, plugin=other), allowed=True)
+    with pytest.raises(RecipeError, match=f"plugins my_terms.py .*{sha256_of(PLUGIN)}.*{sha256_of(other)}"):
         trained(changed, tmp_path / "run", resume=True)
     same = with_plugins(recipe_of(tmp_path), allowed=True)
     assert trained(same, tmp_path / "run", rollouts=0, resume=True).steps == 128
+
+
+def test_a_run_keeps_its_plugins_and_goes_on_without_the_originals(tmp_path: Path) -> None:
+    asked, run = with_plugins(recipe_of(tmp_path), allowed=True), tmp_path / "run"
+    trained(asked, run, rollouts=1)
+    assert (run / "plugins" / "my_terms.py").read_text() == PLUGIN
+    shutil.rmtree(tmp_path / "terms")
+    kept = load_recipe(run / "train.yaml")
+    with pytest.raises(RecipeError, match="--allow-plugins"):
+        with_plugins(kept, allowed=False)
+    result = trained(with_plugins(kept, allowed=True), run, resume=True)
+    assert result.policy.manifest.plugins == {"my_terms.py": sha256_of(PLUGIN)}
+    assert json.loads((run / "manifest.json").read_text())["plugins"] == {"my_terms.py": sha256_of(PLUGIN)}
+    assert (run / "plugins" / "my_terms.py").read_text() == PLUGIN
+
+
+def test_a_folder_called_plugins_beside_a_recipe_of_ones_own_is_no_copy(tmp_path: Path) -> None:
+    recipe_file = recipe_of(tmp_path)
+    (tmp_path / "plugins").mkdir()
+    (tmp_path / "plugins" / "my_terms.py").write_text("raise SystemExit")
+    assert recipe_file.recipe.plugin_paths == (tmp_path / "terms" / "my_terms.py",)
+    (tmp_path / "checkpoints").mkdir()
+    assert recipe_file.recipe.plugin_paths == (tmp_path / "plugins" / "my_terms.py",)
+
+
+def test_two_plugins_of_one_name_are_refused(tmp_path: Path) -> None:
+    recipe_of(tmp_path)
+    (tmp_path / "my_terms.py").write_text(PLUGIN.replace("low_torso", "lower"))
+    with pytest.raises(InputError, match="two plugins have the file name"):
+        load_plugins([tmp_path / "terms" / "my_terms.py", tmp_path / "my_terms.py"])
+    assert len(load_plugins([tmp_path / "my_terms.py", tmp_path / "my_terms.py"])) == 2
 
 
 def test_a_plugin_is_executed_only_where_that_is_allowed(tmp_path: Path) -> None:

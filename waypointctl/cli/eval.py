@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from waypointctl.cli.options import policy_named, rate_from, whole_number
+from waypointctl.cli.options import PluginFiles, policy_named, rate_from, whole_number
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
@@ -70,6 +70,7 @@ def evaluate_policy(
             metavar="N", parser=whole_number(0, 1024), help="Threads for the physics; 0: one per core, at most 8."
         ),
     ] = 0,
+    plugin: PluginFiles = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
     """Run policies many times on each path of a suite, deterministically; count successes, falls and time-outs.
@@ -89,7 +90,7 @@ def evaluate_policy(
     refuse_selection_trials(loaded, chosen, seed, save=save)
     shown = _progress(chosen.used, trials or chosen.own.trials, len(policies))
     with _interruption_told(), shown as progress:
-        found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress)
+        found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress, plugin or ())
     evaluations = [one.evaluation for one in found]
     names = names_of(evaluations, policies)
     _print_tables(tables(chosen.own, evaluations, names), to_stderr=json)

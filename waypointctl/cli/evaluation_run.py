@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +19,8 @@ from waypointctl.evaluation.suite import Suite, SuiteCase, load_suite
 from waypointctl.mission.fields import Acceptance
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import SelectionRecord
-from waypointctl.robots.description import ROBOT_FILE
-from waypointctl.training.recipe import ROBOT_COPY
+from waypointctl.robots.folder import kept_robot
+from waypointctl.task.plugins import load_plugins
 from waypointctl.training.recipe_file import trained_on
 from waypointctl.units import NUMBER_PATTERN
 
@@ -99,6 +98,7 @@ def evaluate_loaded(
     seed: int,
     threads: int = 0,
     progress: Progress | None = None,
+    plugins: Sequence[Path] = (),
 ) -> list[Evaluated]:
     """Evaluate policies one after the other, each with the robot in its folder where the suite names none.
 
@@ -109,17 +109,26 @@ def evaluate_loaded(
         seed: of the starts and of random paths.
         threads: of the physics; 0 is one a core, 8 at most.
         progress: called with the progress of each policy.
+        plugins: Python files, which are executed.
 
     Raises:
         PolicyError: a policy was made for something else.
     """
     own = None if suite.other_acceptance is None else suite.own.acceptance
-    found = []
+    found, executed = [], load_plugins(plugins)
     for folder, policy in loaded:
-        rollouts, used = _RolloutsByCase(), suite.used
-        if (folder / ROBOT_COPY / ROBOT_FILE).is_file():  # a training keeps a user's robot there
-            used = used.with_robot(os.path.join(folder, ROBOT_COPY))
-        evaluation = evaluate(policy, used, trials, seed, threads, progress, on_case=rollouts.keep)
+        rollouts = _RolloutsByCase()
+        evaluation = evaluate(
+            policy,
+            suite.used,
+            trials,
+            seed,
+            threads,
+            progress,
+            on_case=rollouts.keep,
+            plugins=executed,
+            robot=suite.used.robot or kept_robot(folder),
+        )
         facts = {"suite_acceptance": own, "training": trained_on(folder, policy.manifest)}
         found.append(Evaluated(folder, evaluation.model_copy(update=facts), rollouts.by_case))
     return found

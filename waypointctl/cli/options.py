@@ -5,8 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Annotated, TypeAlias
 
 import typer
+
+PluginFiles: TypeAlias = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--plugin",
+        metavar="FILE.py",
+        help="Execute this Python file, with observation groups and reward terms of the policy; repeatable.",
+        show_default=False,
+    ),
+]
 
 
 def policy_named(text: str) -> Path:

@@ -22,7 +22,11 @@ _KINDS: Final = {"ack": "acknowledgement", "bodyframe": "state", "controlframe":
 
 
 def rehearse_files(
-    files: Sequence[tuple[MissionFile, Path]], flights: int, autonomies: str | None, jobs: int
+    files: Sequence[tuple[MissionFile, Path]],
+    flights: int,
+    autonomies: str | None,
+    jobs: int,
+    plugins: tuple[Path, ...] = (),
 ) -> list[tuple[Rehearsal, ...]]:
     """Rehearse missions, each with the policy in a folder; an interruption ends the program with 130.
 
@@ -31,6 +35,7 @@ def rehearse_files(
         flights: of each mission and autonomy.
         autonomies: names separated by commas, or "all", to fly beside the mission's own; None for none.
         jobs: flights at a time; 0 for one a core.
+        plugins: Python files, which are executed.
     """
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.main import INTERRUPTED
@@ -46,22 +51,23 @@ def rehearse_files(
         return list(dict.fromkeys((mission.autonomy, *others)))
 
     with interruption() as interrupted, flights_progress() as show:
-        found = rehearse(missions, of, flights, jobs, show, interrupted)
+        found = rehearse(missions, of, flights, jobs, show, interrupted, plugins)
     if found is None:
         typer.echo("interrupted", err=True)
         raise typer.Exit(INTERRUPTED)
     return [tuple(rehearsals) for rehearsals in found]
 
 
-def dry_run(files: Sequence[MissionFile], policy: Path | None, *, as_json: bool) -> int:
+def dry_run(files: Sequence[MissionFile], policy: Path | None, plugins: tuple[Path, ...], *, as_json: bool) -> int:
     """Fly missions once each, without logs; print how they end and return the exit code.
 
     Args:
         files: the missions.
         policy: that flies them; None for each mission's own.
+        plugins: Python files, which are executed.
         as_json: print one JSON object.
     """
-    found = rehearse_files([(file, policy or file.policy_path) for file in files], 1, None, jobs=0)
+    found = rehearse_files([(file, policy or file.policy_path) for file in files], 1, None, 0, plugins)
     if as_json:
         missions = [
             {"file": str(file.path), "mission": file.mission.name, "rehearsals": [each.record() for each in rehearsals]}

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from waypointctl.cli.options import number_to, positive
+from waypointctl.cli.options import PluginFiles, number_to, positive
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from waypointctl.cli.tui.playback import Playback
     from waypointctl.replay.flight_log import FlightLog
     from waypointctl.replay.verdict import Verification
@@ -35,6 +37,7 @@ def replay(
             metavar="FOLDER", help="Also write the pictures of the robot's camera, as PNG files.", show_default=False
         ),
     ] = None,
+    plugin: PluginFiles = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
     rate: Annotated[
         float | None,
@@ -61,24 +64,24 @@ def replay(
 ) -> None:
     """Simulate a logged flight again, compare it with the log, and print a summary.
 
-    The replay needs nothing but the log. The verdict is EXACT if the replay writes the same file, byte for byte;
-    EQUIVALENT if physics and messages are the same, bit for bit; APPROXIMATE if the physics is the same, bit for bit,
-    and the rest within rounding. These exit with 0. DIVERGED and UNVERIFIABLE exit with 1, with --strict every verdict
-    but EXACT. With --rate, --start-offset, --loop or --start-paused the flight is not verified, only shown on the
-    terminal.
+    The replay needs the log and the plugins that it names, if it names any. The verdict is EXACT if the replay writes
+    the same file, byte for byte; EQUIVALENT if physics and messages are the same, bit for bit; APPROXIMATE if the
+    physics is the same, bit for bit, and the rest within rounding. These exit with 0. DIVERGED and
+    UNVERIFIABLE exit with 1, with --strict every verdict but EXACT. With --rate, --start-offset, --loop or
+    --start-paused the flight is not verified, only shown on the terminal.
     """
     from waypointctl.cli.tui.playback import Playback
     from waypointctl.replay.flight_log import FlightLog
 
     if rate is not None or start_offset is not None or loop or start_paused:
-        if verify or strict or json or png is not None or pictures is not None:
+        if verify or strict or json or plugin or png is not None or pictures is not None:
             raise typer.BadParameter(
                 "--rate, --start-offset, --loop and --start-paused cannot be used with --verify, --strict, --json, "
-                "--png or --pictures."
+                "--plugin, --png or --pictures."
             )
         _play(FlightLog.open(log), Playback(rate or 1.0, start_offset or 0.0, loop, start_paused))
         return
-    verification = _replay(log, _Outputs(summary=not verify, png=png, pictures=pictures, json=json))
+    verification = _replay(log, _Outputs(summary=not verify, png=png, pictures=pictures, json=json), plugin or ())
     accepted = verification.verdict == "exact" if strict else verification.verdict.is_reproduced
     raise typer.Exit(0 if accepted else 1)
 
@@ -93,7 +96,7 @@ class _Outputs:
     json: bool
 
 
-def _replay(path: Path, outputs: _Outputs) -> Verification:
+def _replay(path: Path, outputs: _Outputs, plugins: Sequence[Path]) -> Verification:
     """Verify a log and write the outputs; refuse files that cannot be written before the replay starts."""
     from waypointctl.cli.pictures import picture_files, write_pictures
     from waypointctl.cli.tui.summary import print_summary
@@ -106,7 +109,7 @@ def _replay(path: Path, outputs: _Outputs) -> Verification:
         refuse_other_content(outputs.png, _PNG, "a PNG")
     log = FlightLog.open(path)
     files = None if outputs.pictures is None else picture_files(log, outputs.pictures)
-    verification = _verify(log, stderr=outputs.json)
+    verification = _verify(log, plugins, stderr=outputs.json)
     found = verification_json(verification)
     if outputs.summary:
         print_summary(log.summary, log.mission_name, stderr=outputs.json)
@@ -130,14 +133,15 @@ def _play(log: FlightLog, playback: Playback) -> None:
             raise typer.Exit(130)
 
 
-def _verify(log: FlightLog, *, stderr: bool) -> Verification:
+def _verify(log: FlightLog, plugins: Sequence[Path], *, stderr: bool) -> Verification:
     from waypointctl.cli.console import console, is_live
     from waypointctl.cli.tui.summary import print_verdict
     from waypointctl.replay.verify import verify_log
+    from waypointctl.task.plugins import load_plugins
 
-    people = console(stderr=True)
+    people, executed = console(stderr=True), load_plugins(plugins)
     with people.status("simulating the flight") if is_live(people) else nullcontext():
-        verification = verify_log(log)
+        verification = verify_log(log, executed)
     print_verdict(verification, stderr=stderr)
     return verification
 

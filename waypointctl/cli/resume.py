@@ -11,23 +11,27 @@ import typer
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from waypointctl.replay.resume import Unfinished
 
 _INTERRUPTED = 130
 
 
-def resume_flight(path: Path, rate: float | None, *, console: bool, json: bool) -> int:
+def resume_flight(path: Path, rate: float | None, plugins: Sequence[Path], *, console: bool, json: bool) -> int:
     """Continue a flight; return the exit code.
 
     Args:
         path: of the log, or of its .part.
         rate: simulated seconds in a second, from where the log ends.
+        plugins: Python files, which are executed.
         console: whether a person types commands, from where the log ends.
         json: whether the answer is one JSON object.
     """
     from waypointctl.replay.resume import unfinished
+    from waypointctl.task.plugins import load_plugins
 
-    with unfinished(path) as flight:
+    with unfinished(path, load_plugins(plugins)) as flight:
         if flight is None:
             return _say_complete(path, json=json)
         return _continue(flight, rate, console=console, json=json)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from waypointctl.cli.options import policy_named, positive, whole_number
+from waypointctl.cli.options import PluginFiles, policy_named, positive, whole_number
 
 if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
@@ -81,6 +81,7 @@ def run(
     resume: Resume = None,
     junit: Junit = None,
     dry_run: DryRun = False,
+    plugin: PluginFiles = None,
     json: Json = False,
 ) -> None:
     """Fly a mission, or several, and log it. Exit with 0 for success, 1 for failure, 130 if it was interrupted.
@@ -94,28 +95,30 @@ def run(
 
         other = {"MISSION.yaml": missions, "--policy": policy, "--seed": seed, "--dry-run": dry_run}
         _refuse_beside("--resume: mission, policy, seed and file name are those of the log", other | flight)
-        raise typer.Exit(resume_flight(resume, rate, console=console, json=json))
+        raise typer.Exit(resume_flight(resume, rate, plugin or (), console=console, json=json))
+    plugins = tuple(plugin or ())
     if not missions:
         raise typer.BadParameter("name a mission file, or a log with --resume.", param_hint="MISSION.yaml")
     if dry_run:
         from waypointctl.cli.rehearsing import dry_run as fly_dry
 
         _refuse_beside("--dry-run", flight | watched)
-        raise typer.Exit(fly_dry([_mission(path, seed, policy) for path in missions], policy, as_json=json))
+        raise typer.Exit(fly_dry([_mission(path, seed, policy) for path in missions], policy, plugins, as_json=json))
     if len(missions) > 1 or junit is not None:
         from waypointctl.cli.run_many import Many, run_many
 
         beside = "several missions" if len(missions) > 1 else "--junit"
         _refuse_beside(beside, watched | ({"--out": out} if len(missions) > 1 else {}))
-        many = Many(tuple(missions), policy, out, force, junit, json)
+        many = Many(tuple(missions), policy, plugins, out, force, junit, json)
         raise typer.Exit(run_many(many, lambda path: _mission(path, seed, policy)))
     file = _mission(missions[0], seed, policy)
-    raise typer.Exit(_fly(file, policy, out, rate, force=force, console=console, json=json))
+    raise typer.Exit(_fly(file, policy, plugins, out, rate, force=force, console=console, json=json))
 
 
 def _fly(
     file: MissionFile,
     policy: Path | None,
+    plugins: tuple[Path, ...],
     out: Path | None,
     rate: float | None,
     *,
@@ -143,6 +146,7 @@ def _fly(
                 log=path,
                 pictures=True,
                 console=view.console,
+                plugins=plugins,
                 interrupted=interrupted,
             )
         wall_s = time.monotonic() - began_s

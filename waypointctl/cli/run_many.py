@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
     from waypointctl.policy.bundle import LoadedPolicy
     from waypointctl.replay.summary_json import Plain
+    from waypointctl.task.plugins import Plugin
 
 _NOT_FLOWN: Final = "not flown: interrupted before it started"
 _WORDS: Final = {"success": "succeeded", "failure": "failed", "interrupted": "interrupted"}
@@ -32,6 +33,7 @@ class Many:
     Attributes:
         paths: their files.
         policy: the policy that drives the robot, in place of the one in each mission.
+        plugins: Python files, which are executed.
         out: the log, where there is only one of them.
         force: replace it.
         junit: where the JUnit report goes.
@@ -40,6 +42,7 @@ class Many:
 
     paths: tuple[Path, ...]
     policy: Path | None
+    plugins: tuple[Path, ...]
     out: Path | None
     force: bool
     junit: Path | None
@@ -95,14 +98,17 @@ def run_many(many: Many, load: LoadMission) -> int:
 
 
 def _fly_all(many: Many, load: LoadMission, interrupted: Callable[[], bool]) -> list[Outcome]:
+    from waypointctl.task.plugins import load_plugins
+
     outcomes: list[Outcome] = []
     policies: dict[Path, LoadedPolicy] = {}
+    plugins = load_plugins(many.plugins)
     for path in many.paths:
         if interrupted():
             outcomes.append(Outcome(path))
             continue
         try:
-            outcome = _fly(path, many, load, policies, interrupted)
+            outcome = _fly(path, many, load, policies, plugins, interrupted)
         except InputError as error:
             outcome = Outcome(path, problem=str(error))
         outcomes.append(outcome)
@@ -112,7 +118,12 @@ def _fly_all(many: Many, load: LoadMission, interrupted: Callable[[], bool]) -> 
 
 
 def _fly(
-    path: Path, many: Many, load: LoadMission, policies: dict[Path, LoadedPolicy], interrupted: Callable[[], bool]
+    path: Path,
+    many: Many,
+    load: LoadMission,
+    policies: dict[Path, LoadedPolicy],
+    plugins: tuple[Plugin, ...],
+    interrupted: Callable[[], bool],
 ) -> Outcome:
     from waypointctl.cli.flight_answer import facts
     from waypointctl.cli.log_place import claimed
@@ -129,7 +140,7 @@ def _fly(
     if folder not in policies:
         policies[folder] = load_policy(many.policy or file.policy_path)
     with claimed(name, many.out, force=many.force) as log:
-        result = fly(file, policies[folder], flight, log=log, pictures=True, interrupted=interrupted)
+        result = fly(file, policies[folder], flight, log=log, pictures=True, plugins=plugins, interrupted=interrupted)
     say_missing(result)
     return Outcome(path, name, result, facts(name, result, flight.summary()))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from waypointctl.cli.options import number_to, policy_named, whole_number
+from waypointctl.cli.options import PluginFiles, number_to, policy_named, whole_number
 from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 from waypointctl.mission.policy_name import FLAGSHIP
@@ -84,6 +84,7 @@ def delay(
         Path | None, typer.Option(help="The folder of the results.", show_default="runs/study-delay")
     ] = None,
     keep_logs: Annotated[bool, typer.Option("--keep-logs", help="Also keep the log of each flight.")] = False,
+    plugin: PluginFiles = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
     """Fly routes at several round-trip times under several autonomies; compare success, time, distance and falls.
@@ -99,7 +100,12 @@ def delay(
 
     cases, fine, routes = _cases(route, rtt, autonomy, seed, seeds, quick=quick, find_joint_limit=find_joint_limit)
     folder = out or Path("runs/study-delay-quick" if quick else "runs/study-delay")
-    options: dict[str, Any] = {"think_s": think, "processes": jobs, "keep_logs": keep_logs}
+    options: dict[str, Any] = {
+        "think_s": think,
+        "processes": jobs,
+        "keep_logs": keep_logs,
+        "plugins": tuple(plugin or ()),
+    }
     found = _flown(partial(study_delay, load_policy(policy), routes, cases, fine, folder, **options), folder)
     _show(found, folder, stderr=json)
     if json:

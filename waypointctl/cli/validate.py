@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from waypointctl.cli.options import policy_named, whole_number
+from waypointctl.cli.options import PluginFiles, policy_named, whole_number
 from waypointctl.display_text import printable
 from waypointctl.paths import folder_fault
 
@@ -87,6 +87,7 @@ def validate(
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if there is a warning or a failed rehearsal.")
     ] = False,
+    plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Check mission files: list every problem, and warn of what may go wrong. Nothing is flown without --rehearse.
@@ -101,9 +102,10 @@ def validate(
     if rehearse is None and autonomy is not None:
         raise typer.BadParameter("needs --rehearse N.", param_hint="--autonomy")
     _refuse_missing(policy)
-    checked = [_check(path, policy) for path in missions]
+    plugins = tuple(plugin or ())
+    checked = [_check(path, policy, plugins) for path in missions]
     if rehearse is not None:
-        checked = _rehearsed(checked, rehearse, autonomy, jobs)
+        checked = _rehearsed(checked, rehearse, autonomy, jobs, plugins)
     if as_json:
         good = all(result.is_good for result in checked)
         typer.echo(json.dumps({"ok": good, "missions": [_record(result) for result in checked]}))
@@ -116,13 +118,15 @@ def validate(
         raise typer.Exit(1)
 
 
-def _rehearsed(checked: list[_Checked], flights: int, autonomy: str | None, jobs: int) -> list[_Checked]:
+def _rehearsed(
+    checked: list[_Checked], flights: int, autonomy: str | None, jobs: int, plugins: tuple[Path, ...]
+) -> list[_Checked]:
     """Return what checking has found, with the rehearsals of the missions without problems."""
     from waypointctl.cli.rehearsing import rehearse_files
 
     sound = {at: result for at, result in enumerate(checked) if result.file is not None and not result.problems}
     files = [(result.file, result.policy) for result in sound.values() if result.file and result.policy]
-    found = dict(zip(sound, rehearse_files(files, flights, autonomy, jobs), strict=True))
+    found = dict(zip(sound, rehearse_files(files, flights, autonomy, jobs, plugins), strict=True))
     return [replace(result, rehearsals=found.get(at, ())) for at, result in enumerate(checked)]
 
 
@@ -134,7 +138,7 @@ def _refuse_missing(policy: Path | None) -> None:
         raise PolicyError(fault, where=str(policy), hint=policies_there_are(policy.name))
 
 
-def _check(path: Path, policy: Path | None) -> _Checked:
+def _check(path: Path, policy: Path | None, plugins: tuple[Path, ...]) -> _Checked:
     from waypointctl.errors import MissionError
     from waypointctl.evaluation.walking_speed import walking_speed
     from waypointctl.flight.checks.check import cannot_succeed, check_mission, robot_and_policy_problems
@@ -154,7 +158,7 @@ def _check(path: Path, policy: Path | None) -> _Checked:
     flown_by = policy or file.policy_path
     findings = check_mission(file.mission, walking_speed(flown_by).mps)
     prevented = cannot_succeed(file.mission, findings)
-    problems = robot_and_policy_problems(file, flown_by)
+    problems = robot_and_policy_problems(file, flown_by, plugins)
     return _Checked(path, file, problems, flown_by, tuple(_warnings(file, findings)), prevented)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -14,12 +14,16 @@ from waypointctl.evaluation.rollout import Rollouts, rollout
 from waypointctl.evaluation.suite import Case, RandomPaths, Suite, SuiteCase, load_suite
 from waypointctl.evaluation.wilson import wilson_interval
 from waypointctl.flight.policy_fit import refuse_misfit
+from waypointctl.mission.policy_name import policy_folder
 from waypointctl.policy.bundle import LoadedPolicy, policy_of
 from waypointctl.policy.protocol import Policy
+from waypointctl.robots.folder import kept_robot
+from waypointctl.robots.load import given_robot
+from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig
-from waypointctl.task.plugins import Plugin
+from waypointctl.task.plugins import Plugin, Plugins, load_plugins
 
 Progress: TypeAlias = Callable[[str, int], None]  # (the case's name, its trials that have ended)
 OnCase: TypeAlias = Callable[[SuiteCase, Rollouts], None]
@@ -33,7 +37,8 @@ def evaluate(
     threads: int = 0,
     progress: Progress | None = None,
     on_case: OnCase | None = None,
-    plugins: Sequence[Plugin] = (),
+    plugins: Plugins = (),
+    robot: Robot | Path | str | None = None,
 ) -> Evaluation:
     """Run a policy many times on each path of a suite, with its actions as they are, and count how the trials ended.
 
@@ -48,7 +53,10 @@ def evaluate(
         threads: of the physics; 0 is one per core, 8 at most. The result does not depend on it.
         progress: called with a case's name and the number of its trials that have ended, whenever it grows.
         on_case: called with each case and the rollouts of its trials.
-        plugins: observation groups that the policy was trained with and that are not built in.
+        plugins: observation groups that the policy was trained with and that are not built in: themselves, or the
+            paths of their Python files, which are executed.
+        robot: itself, its folder, or its name; None: the suite's, else that in the policy's folder, else the one that
+            the policy names.
 
     Raises:
         PolicyError: the policy is missing, damaged, or made for another robot, observation layout or control period; or
@@ -57,14 +65,17 @@ def evaluate(
         RobotError: the robot does not exist, or its robot.yaml is wrong.
         InputError: an argument has a wrong type, the number of trials or the seed is invalid, or a plugin fails.
     """
-    policy = policy_of(policy)
+    given, policy = policy, policy_of(policy)
     suite = load_suite(suite) if isinstance(suite, Path | str) else suite
     if not isinstance(suite, Suite):
         raise wrong_type("suite", suite, "a Suite, its file, or its name")
     trials = suite.trials if trials is None else trials
     if trials < 1 or seed < 0:
         raise InputError(f"trials are at least 1 and a seed at least 0, not {trials} and {seed}")
-    env = _env(policy, suite, trials, seed, threads, plugins)
+    if robot is None and isinstance(given, Path | str):
+        robot = suite.robot or kept_robot(policy_folder(given) if isinstance(given, str) else given)
+    plugins = load_plugins(plugins)
+    env = _env(policy, suite, trials, seed, threads, plugins, robot or suite.robot or policy.robot)
     results = []
     for case in suite.all_cases:
         name = f"evaluation/{suite.name}/{case.name}"
@@ -120,25 +131,31 @@ def case_result(case: SuiteCase, rollouts: Rollouts) -> CaseResult:
 
 
 def _env(
-    policy: Policy, suite: Suite, trials: int, seed: int, threads: int, plugins: Sequence[Plugin]
+    policy: Policy,
+    suite: Suite,
+    trials: int,
+    seed: int,
+    threads: int,
+    plugins: tuple[Plugin, ...],
+    named: Robot | Path | str,
 ) -> BatchedWaypointEnv:
+    try:
+        robot = given_robot(named)
+    except InputError as error:
+        if error.where is not None or named != policy.robot:
+            raise
+        raise PolicyError(error.problem, where=f"policy {policy.name!r}", hint=error.hint) from error
+    refuse_misfit(policy, robot, plugins)
     config = TaskConfig(
-        robot=suite.robot or policy.robot,
+        robot=robot,
         observation=policy.observation_layout,
         acceptance=suite.acceptance,
         deadline=suite.deadline,
         start=suite.start,
-        plugins=tuple(plugins),
+        plugins=plugins,
     )
     longest = max(case.longest for case in suite.all_cases)
-    try:
-        env = BatchedWaypointEnv(config, trials, seed, threads=threads, max_waypoints=longest, autoreset=False)
-    except InputError as error:
-        if error.where is not None:
-            raise
-        raise PolicyError(error.problem, where=f"policy {policy.name!r}", hint=error.hint) from error
-    refuse_misfit(policy, env.robot, plugins)
-    return env
+    return BatchedWaypointEnv(config, trials, seed, threads=threads, max_waypoints=longest, autoreset=False)
 
 
 def _ignore(ended: int) -> None:

@@ -121,10 +121,6 @@ class Suite(FileModel):
         """Given paths first, then random ones."""
         return (*self.cases, *self.courses)
 
-    def with_robot(self, robot: str) -> Suite:
-        """Return the suite with a robot, a name or a path, where it names none."""
-        return self if self.robot else self.model_copy(update={"robot": robot})
-
     def accepting(self, acceptance: Acceptance) -> Suite:
         """Return the suite with another acceptance region."""
         return self.model_copy(update={"acceptance": acceptance})

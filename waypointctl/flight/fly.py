@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -22,9 +22,9 @@ from waypointctl.mission.mission import Mission
 from waypointctl.paths import MCAP, refuse_other_content
 from waypointctl.policy.bundle import policy_of
 from waypointctl.policy.protocol import Policy
-from waypointctl.robots.load import load_robot
+from waypointctl.robots.load import given_robot, load_robot
 from waypointctl.robots.robot import Robot
-from waypointctl.task.plugins import Plugin
+from waypointctl.task.plugins import Plugins, load_plugins
 
 
 def fly(
@@ -38,7 +38,7 @@ def fly(
     robot: Robot | Path | str | None = None,
     console: LineSource | None = None,
     navigator: Navigator | None = None,
-    plugins: Sequence[Plugin] = (),
+    plugins: Plugins = (),
     interrupted: Callable[[], bool] = lambda: False,
 ) -> FlightResult:
     """Fly a mission to its end.
@@ -56,8 +56,8 @@ def fly(
         console: the source of a person's commands.
         navigator: gives the policy its goals; straight to the plan's waypoints unless given. A log names its class and
             does not hold it: such a log cannot be verified.
-        plugins: observation groups and reward terms that the policy was trained with and that are not built in. A log
-            does not hold them.
+        plugins: observation groups and reward terms that the policy was trained with and that are not built in:
+            themselves, or the paths of their Python files, which are executed. A log names them and does not hold them.
         interrupted: called before every control step; True ends the flight.
 
     Raises:
@@ -71,7 +71,8 @@ def fly(
     file = _mission_file(mission, seed, logged=log is not None)
     policy = file.policy_path if policy is None else policy
     driver = policy_of(policy)
-    robot = robot_of(file) if robot is None else _given_robot(robot)
+    robot = robot_of(file) if robot is None else given_robot(robot)
+    plugins = load_plugins(plugins)
     refuse_misfit(driver, robot, plugins)
     reward_weights(driver, plugins)  # refused here, a policy leaves no log behind
     with ExitStack() as stack:
@@ -113,14 +114,6 @@ def _mission_file(mission: Mission | MissionFile | Path | str, seed: int | None,
     if seed is not None and not (isinstance(seed, int) and 0 <= seed < 2**63):
         raise MissionError(f"a seed is a whole number from 0 to 2^63 - 1, not {seed!r}")
     return mission if seed is None else replace(mission, mission=mission.mission.model_copy(update={"seed": seed}))
-
-
-def _given_robot(robot: Robot | Path | str) -> Robot:
-    if isinstance(robot, Path | str):
-        return load_robot(robot)
-    if not isinstance(robot, Robot):
-        raise wrong_type("robot", robot, "a Robot, its folder, or its name")
-    return robot
 
 
 def robot_of(file: MissionFile) -> Robot:

@@ -19,7 +19,7 @@ from waypointctl.flight.link.build import contacts_of
 from waypointctl.flight.link.contacts import FOREVER_NS, Contacts
 from waypointctl.flight.navigator import Navigator
 from waypointctl.flight.operator.requests import planned_waypoints
-from waypointctl.flight.policy_fit import class_name, policy_facts, reward_weights
+from waypointctl.flight.policy_fit import class_name, plugin_facts, policy_facts, reward_weights
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.files import MissionFile
@@ -131,6 +131,7 @@ def flight_header(
             "sha256_mjb": hashlib.sha256(mjb).hexdigest(),
             **policy_facts(policy),
             **({} if navigator is None else {NAVIGATOR_CLASS: class_name(navigator)}),
+            **plugin_facts(policy, plugins),
             **{
                 f"{MISSION_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
                 for name, data in sorted(mission_file.files.items())

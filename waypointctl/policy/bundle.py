@@ -54,8 +54,7 @@ class LoadedPolicy(Policy):
     @property
     def observation_layout(self) -> str | tuple[str, ...]:
         """The observation layout it was trained on: its name, or the names of its groups."""
-        seen = self.manifest.observation
-        return seen.groups if seen.layout == "custom" else seen.layout
+        return self.manifest.observation_layout
 
     @property
     def reward_weights(self) -> Mapping[str, float]:

@@ -120,12 +120,20 @@ class PolicyDescription(_Record):
     network: NetworkSpec
     reward: dict[Name, Weight]  # the weight of each term; "Infinity" without a cap
     training: TrainingRecord
+    # The SHA-256 of each file with observation groups and reward terms of the user's, by its name. Nothing executes
+    # them from here: whoever flies the policy gives the files, and another content is refused.
+    plugins: dict[Name, Sha256] = Field(default_factory=dict, exclude_if=lambda plugins: not plugins)
 
 
 class Manifest(PolicyDescription):
     """manifest.json: the description, and the files that belong to it."""
 
     files: dict[Name, FileRecord]
+
+    @property
+    def observation_layout(self) -> str | tuple[str, ...]:
+        """The observation layout that the policy was trained on: its name, or the names of its groups."""
+        return self.observation.groups if self.observation.layout == "custom" else self.observation.layout
 
     @model_validator(mode="after")
     def _lists_its_files(self) -> Manifest:

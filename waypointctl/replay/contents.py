@@ -24,7 +24,14 @@ from waypointctl.flight.header import (
     platform_facts,
 )
 from waypointctl.flight.operator.requests import planned_waypoints
-from waypointctl.flight.policy_fit import POLICY_CLASS, PolicyNotInLog, refuse_misfit
+from waypointctl.flight.policy_fit import (
+    GIVE_PLUGINS,
+    PLUGIN_HASH,
+    PLUGINS_NOT_OF_A_FILE,
+    POLICY_CLASS,
+    PolicyNotInLog,
+    refuse_misfit,
+)
 from waypointctl.flight.sink import OnboardCamera
 from waypointctl.log.comparison import brief
 from waypointctl.log.header import LIBRARY, LogHeader
@@ -37,7 +44,7 @@ from waypointctl.replay.verdict import Divergence
 from waypointctl.robots.description import ROBOT_FILE
 from waypointctl.robots.load import robot_of_files
 from waypointctl.robots.robot import Robot
-from waypointctl.task.plugins import Plugin
+from waypointctl.task.plugins import Plugin, named_plugins, plugin_hashes
 
 KERNELS: Final = {
     "version_numpy": "numpy",
@@ -93,9 +100,14 @@ class LogContents:
 def contents_of(log: LogReader, plugins: Sequence[Plugin] = ()) -> LogContents | Divergence:
     """Return the contents of a log, or the first that differs from its recorded hash or from the compiled robot.
 
+    Args:
+        log: of the flight.
+        plugins: that are given; the flight used those that the log names.
+
     Raises:
-        InputError: it cannot be used.
+        InputError: it cannot be used, or needs a plugin that is not given.
     """
+    plugins = _plugins_of(log, plugins)
     for name, recorded in _recorded_hashes(log):
         found = hashlib.sha256(log.attachments.get(name, b"")).hexdigest()
         if found != recorded:
@@ -123,6 +135,39 @@ def _contents(log: LogReader, robot: Robot, plugins: Sequence[Plugin]) -> LogCon
     # As fly() does: the manifest defines the observations.
     refuse_misfit(policy, robot, plugins)
     return LogContents(MissionFile(mission, attachments[MISSION], log.path), robot, policy, plugins)
+
+
+def _plugins_of(log: LogReader, given: Sequence[Plugin]) -> tuple[Plugin, ...]:
+    """Return those of the given plugins that the flight used, as its log names them.
+
+    Raises:
+        LogError: one is missing, or has another content.
+    """
+    used: list[Plugin] = []
+    for key in log.metadata:
+        if key.startswith(PLUGIN_HASH):
+            used += _of_file(key.removeprefix(PLUGIN_HASH), log.metadata[key], given)
+    for name in log.metadata.get(PLUGINS_NOT_OF_A_FILE, "").split():
+        found = next((plugin for plugin in given if plugin.name == name), None)
+        if found is None:
+            problem = f"the flight needs the plugin {brief(name)!r}, which was not loaded from a file"
+            raise LogError(problem, hint=f"it is not in the log: {GIVE_PLUGINS}")
+        used.append(replace(found, source=None))
+    return tuple(used)
+
+
+def _of_file(name: str, sha256: str, given: Sequence[Plugin]) -> Iterator[Plugin]:
+    """Yield the given plugins of the file that a log names, under its name there."""
+    found = False
+    for plugin in given:
+        if plugin.source is not None and plugin.source.sha256 == sha256:
+            found = True
+            yield replace(plugin, source=replace(plugin.source, name=name))
+    if not found:
+        other = plugin_hashes(given).get(name)
+        but = f"; the given {brief(name)} has SHA-256 {other}" if other else ""
+        problem = f"the flight needs the plugin {named_plugins({brief(name): sha256[:64]})}{but}"
+        raise LogError(problem, hint=f"it is not in the log: {GIVE_PLUGINS}")
 
 
 def platform_differences(log: LogReader, facts: Mapping[str, str] = PROGRAM) -> list[str]:

@@ -9,7 +9,7 @@ all that the old one has, it takes the old one's place, and at the end the name 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,6 +32,7 @@ from waypointctl.replay.flight_log import summary_of_events
 from waypointctl.replay.recorded import RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.verdict import Divergence
+from waypointctl.task.plugins import Plugin
 
 _KEPT: Final = (
     "The log is unchanged; `waypointctl info` shows its contents. `waypointctl run` flies the mission from the start."
@@ -60,11 +61,12 @@ class Interrupted(Exception):
 
 
 @contextmanager
-def unfinished(path: Path) -> Iterator[Unfinished | None]:
+def unfinished(path: Path, plugins: Sequence[Plugin] = ()) -> Iterator[Unfinished | None]:
     """Yield the flight of a log, locked against other processes; None if the flight has ended.
 
     Args:
         path: of the log: its .part, or the name that it was to have.
+        plugins: observation groups and reward terms that it was flown with and that are not built in.
 
     Raises:
         LogError: it cannot be read, carries nothing that can be flown, is altered, or is being written.
@@ -82,7 +84,7 @@ def unfinished(path: Path) -> Iterator[Unfinished | None]:
                 part.replace(final)  # it was killed when all was written, just before this
             yield None
             return
-        yield Unfinished(log, final, _contents(log), events)
+        yield Unfinished(log, final, _contents(log, plugins), events)
 
 
 def go_on(
@@ -125,7 +127,15 @@ def go_on(
             audited = RecordedCamera(camera, comparator)
             sink = with_pictures(_passage(comparator, writer, again, watch), _camera(comparator, audited, camera))
             policy = RecordedPolicy(contents.policy, comparator, bitwise=True)
-            result = fly(contents.mission, policy, sink, robot=contents.robot, interrupted=stopped, console=lines)
+            result = fly(
+                contents.mission,
+                policy,
+                sink,
+                robot=contents.robot,
+                interrupted=stopped,
+                console=lines,
+                plugins=contents.plugins,
+            )
             _require_all_seen(comparator, result)
     except Diverged as error:
         raise _not_the_same(flight.log, error.where) from None
@@ -195,15 +205,16 @@ class _Lines:
         return self.is_open and not self._logged.has_closed
 
 
-def _contents(log: LogReader) -> LogContents:
+def _contents(log: LogReader, plugins: Sequence[Plugin]) -> LogContents:
     where = str(log.path)
     if reason := unverifiable(log):
         raise LogError(f"cannot be resumed: {reason}", where=where, hint=_KEPT)
     try:
-        contents = contents_of(log)
+        contents = contents_of(log, plugins)
     except InputError as error:
         problem = f"cannot be resumed: its contents cannot be used: {error.problem}"
-        raise LogError(problem, where=where, hint=_KEPT, details=error.details) from error
+        hint = f"{error.hint}. {_KEPT}" if error.hint else _KEPT
+        raise LogError(problem, where=where, hint=hint, details=error.details) from error
     if isinstance(contents, Divergence):
         problem = f"cannot be resumed: {contents.component} differs from its recorded hash"
         raise LogError(problem, where=where, hint=_KEPT)

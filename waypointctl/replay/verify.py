@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Self
 
-from waypointctl.errors import InputError
+from waypointctl.errors import InputError, wrong_type
 from waypointctl.flight.fly import fly
 from waypointctl.flight.header import POLICY_FOLDER, platform_facts
 from waypointctl.flight.policy_fit import PolicyNotInLog
@@ -23,20 +23,24 @@ from waypointctl.replay.flight_log import summary_of_events
 from waypointctl.replay.recorded import ACTION_TOLERANCE, RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.verdict import Divergence, Verdict, Verification
 from waypointctl.replay.whole_file import WholeFile, whole_file
-from waypointctl.task.plugins import Plugin
+from waypointctl.task.plugins import Plugin, Plugins, load_plugins
 
 
-def verify(path: Path | str, plugins: Sequence[Plugin] = ()) -> Verification:
+def verify(path: Path | str, plugins: Plugins = ()) -> Verification:
     """Simulate the flight of a log from the log alone, and compare every message and byte.
 
     Args:
         path: of the log.
-        plugins: observation groups and reward terms that it was flown with and that are not built in.
+        plugins: observation groups and reward terms that it was flown with and that are not built in: themselves, or
+            the paths of their Python files, which are executed. Without one that the log names it is unverifiable.
 
     Raises:
         LogError: the log cannot be read.
+        InputError: an argument has a wrong type, or a plugin is missing or fails.
     """
-    return verify_log(open_log(Path(path)), plugins)
+    if not isinstance(path, Path | str):
+        raise wrong_type("path", path, "the path of a log")
+    return verify_log(open_log(Path(path)), load_plugins(plugins))
 
 
 def verify_log(log: LogReader, plugins: Sequence[Plugin] = ()) -> Verification:
@@ -62,10 +66,10 @@ def verify_log(log: LogReader, plugins: Sequence[Plugin] = ()) -> Verification:
     if isinstance(contents, Divergence):
         reason = f"diverged before the flight: {contents.component} differs from its recorded hash"
         return Verification(Verdict.DIVERGED, 0, contents, reason, ())
-    return _fly_again(log, contents, plugins)
+    return _fly_again(log, contents)
 
 
-def _fly_again(log: LogReader, contents: LogContents, plugins: Sequence[Plugin]) -> Verification:
+def _fly_again(log: LogReader, contents: LogContents) -> Verification:
     other_kernels = platform_differences(log, KERNELS)
     comparator = LogComparator(log.encoded_messages(), bitwise=not other_kernels)
     policy = RecordedPolicy(contents.policy, comparator, bitwise=not other_kernels)
@@ -84,7 +88,7 @@ def _fly_again(log: LogReader, contents: LogContents, plugins: Sequence[Plugin])
                 robot=contents.robot,
                 interrupted=by_hand.interrupted,
                 console=by_hand,
-                plugins=plugins,
+                plugins=contents.plugins,
             )
             if comparator.upcoming is not None:
                 raise comparator.diverged("/event", "end", type(comparator.upcoming).__name__, "the flight has ended")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cache, lru_cache
 from pathlib import Path
 
-from waypointctl.errors import InputError, RobotError
+from waypointctl.errors import InputError, RobotError, wrong_type
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.limits import limit
 from waypointctl.mission.yaml_source import read_model, read_source
@@ -31,6 +31,20 @@ def load_robot(named: str | Path) -> Robot:
     """
     folder = robot_folder(named)
     return _shipped(folder) if folder.parent == SHIPPED else _load(folder)
+
+
+def given_robot(robot: Robot | Path | str) -> Robot:
+    """Return a robot that is given as itself, its folder, or its name.
+
+    Raises:
+        RobotError: as for `load_robot`.
+        InputError: it is none of these, or as for `load_robot`.
+    """
+    if isinstance(robot, Robot):
+        return robot
+    if not isinstance(robot, Path | str):
+        raise wrong_type("robot", robot, "a Robot, its folder, or its name")
+    return load_robot(robot)
 
 
 def robot_of_files(files: Mapping[str, bytes], where: str) -> Robot:

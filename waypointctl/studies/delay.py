@@ -24,6 +24,7 @@ from waypointctl.studies.engine import Interrupted, engine_for
 from waypointctl.studies.flights import DelayFlight, FlyCase
 from waypointctl.studies.results_file import ResultsFile, StudyInputs
 from waypointctl.studies.route import refuse_what_is_not_kept
+from waypointctl.task.plugins import load_plugins
 
 LOGS: Final = "logs"
 STUDY: Final = "study.json"
@@ -98,6 +99,7 @@ def study_delay(
     think_s: float | None = None,
     processes: int = 1,
     keep_logs: bool = False,
+    plugins: tuple[Path, ...] = (),
     progress: Callable[[int, int], None] = lambda flown, total: None,
     interrupted: Interrupted = lambda: False,
 ) -> DelayStudy | None:
@@ -112,6 +114,7 @@ def study_delay(
         think_s: how long the operator thinks before it sends [s]; each route's own time if it is left out.
         processes: that fly; 0 for one a core. The results do not depend on it.
         keep_logs: write the logs of the flights, too.
+        plugins: Python files with groups and terms of the policy; each process executes them.
         progress: called with the number of flights that have ended, those of an earlier run among them, and of all.
         interrupted: whether to stop.
 
@@ -121,8 +124,9 @@ def study_delay(
         OutputError: something cannot be written, or another study is writing there.
         WaypointctlError: a worker process was killed.
     """
+    executed = load_plugins(plugins)
     for name in {file.mission.robot for file in routes.values()}:
-        refuse_misfit(policy, load_robot(name))
+        refuse_misfit(policy, load_robot(name), executed)
     refuse_what_is_not_kept(routes, sorted({case.rtt_s for case in cases}))
     inputs = StudyInputs(
         policy=policy.manifest.name,
@@ -146,7 +150,7 @@ def study_delay(
             ended += 1
             progress(ended, len(every))
 
-        fly_case = FlyCase(routes, policy, think_s, logs)
+        fly_case = FlyCase(routes, policy, think_s, logs, plugins)
         flown = engine_for(processes, len(to_fly)).map(fly_case, to_fly, keep, interrupted)
         results.write_in_order(every)
         if flown is None:

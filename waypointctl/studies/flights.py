@@ -61,19 +61,21 @@ class FlyCase:
         policy: that drives the robot.
         think_s: the operator's, in place of the routes' own.
         logs: the folder for the flights' logs, which is there; None for none.
+        plugins: Python files, which are executed.
     """
 
     routes: Mapping[str, MissionFile]
     policy: LoadedPolicy
     think_s: float | None = None
     logs: Path | None = None
+    plugins: tuple[Path, ...] = ()
 
     def __call__(self, case: DelayCase, interrupted: Interrupted) -> DelayFlight | None:
         """Fly a case; return how it went, None if it was interrupted."""
         file, flight = self.routes[case.route], FlightSummaryBuilder()
         mission = mission_of(file.mission, case, self.think_s)
         log = None if self.logs is None else self.logs / log_name(case)
-        result = fly(mission, self.policy, flight, log=log, interrupted=interrupted)
+        result = fly(mission, self.policy, flight, log=log, plugins=self.plugins, interrupted=interrupted)
         return None if result.outcome == "interrupted" else measured(case, result, flight.summary())
 
 

@@ -6,6 +6,7 @@ import statistics
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias, get_args
 
 from waypointctl.evaluation.wilson import wilson_interval
@@ -17,6 +18,7 @@ from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
 from waypointctl.studies.engine import Interrupted, engine_for
+from waypointctl.task.plugins import load_plugins
 from waypointctl.units import seconds
 
 AUTONOMIES: Final[tuple[str, ...]] = get_args(Mission.model_fields["autonomy"].annotation)
@@ -142,6 +144,7 @@ def rehearse(
     processes: int,
     progress: Callable[[int, int], None],
     interrupted: Interrupted,
+    plugins: tuple[Path, ...] = (),
 ) -> list[list[Rehearsal]] | None:
     """Fly each mission several times under each autonomy; return its rehearsals, or None if it was interrupted.
 
@@ -152,13 +155,15 @@ def rehearse(
         processes: that fly; 0 for one a core.
         progress: called with the number of flights that have ended, and of all.
         interrupted: whether to stop.
+        plugins: Python files with groups and terms of the policies; each process executes them.
 
     Raises:
         PolicyError: a policy was made for another robot or another observation layout.
         WaypointctlError: a worker process was killed.
     """
+    executed = load_plugins(plugins)
     for mission, policy in missions:
-        refuse_misfit(policy, load_robot(mission.robot))
+        refuse_misfit(policy, load_robot(mission.robot), executed)
     groups = [(at, autonomy) for at, (mission, _) in enumerate(missions) for autonomy in autonomies(mission)]
     cases = [
         RehearsalCase(at, autonomy, rehearsal_seed(missions[at][0], index))
@@ -172,7 +177,7 @@ def rehearse(
         ended += 1
         progress(ended, len(cases))
 
-    flown = engine_for(processes, len(cases)).map(_Fly(missions), cases, count, interrupted)
+    flown = engine_for(processes, len(cases)).map(_Fly(missions, plugins), cases, count, interrupted)
     if flown is None:
         return None
     found: list[list[Rehearsal]] = [[] for _ in missions]
@@ -186,12 +191,13 @@ class _Fly:
     """Flies cases of rehearsals."""
 
     missions: Sequence[tuple[Mission, LoadedPolicy]]
+    plugins: tuple[Path, ...]
 
     def __call__(self, case: RehearsalCase, interrupted: Interrupted) -> RehearsedFlight | None:
         mission, policy = self.missions[case.mission]
         mission = mission.model_copy(update={"autonomy": case.autonomy, "seed": case.seed})
         watch = _Watch()
-        result = fly(mission, policy, watch, interrupted=interrupted)
+        result = fly(mission, policy, watch, plugins=self.plugins, interrupted=interrupted)
         if result.outcome == "interrupted":
             return None
         failed = result.outcome != "success"

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.errors import InputError
-from waypointctl.robots.load import load_robot
+from waypointctl.robots.load import given_robot
 from waypointctl.seeding import stream
-from waypointctl.sim.actions import clip_actions
+from waypointctl.sim.actions import clip_actions, refuse_bad_action
 from waypointctl.sim.batch import RobotBatch
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.config import TaskConfig, draw_start
@@ -26,35 +25,7 @@ from waypointctl.task.view import SimulationView
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_ACTION_HINT: Final = "An action is a number from -1 to 1 for each actuator; robot.yaml says what it means."
 Robots: TypeAlias = NDArray[np.intp] | slice
-
-
-def refuse_bad_action(action: object, num_joints: int, num_robots: int | None = None) -> FloatArray:
-    """Return an action (nu,), or actions (n, nu), as float64.
-
-    Args:
-        action: what was given.
-        num_joints: nu.
-        num_robots: n; None: one action.
-
-    Raises:
-        InputError: it is not numbers, has another shape, or a number that is not finite.
-    """
-    shape = (num_joints,) if num_robots is None else (num_robots, num_joints)
-    what = "the action" if num_robots is None else "the actions"
-    try:
-        numbers = np.asarray(action)
-        actions: FloatArray = numbers.astype(np.float64, casting="same_kind" if numbers.dtype.kind in "fc" else "safe")
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{what} must be real numbers: {error}") from error
-    if actions.shape != shape:
-        raise InputError(f"{what} must have the shape {shape}, not {actions.shape}", hint=_ACTION_HINT)
-    if not np.isfinite(actions).all():
-        place = np.argwhere(~np.isfinite(actions))[0]
-        where = f"joint {place[-1]}" + ("" if num_robots is None else f" of robot {place[0]}")
-        raise InputError(f"{what} must be finite: {where} is {actions[tuple(place)]}", hint=_ACTION_HINT)
-    return actions
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +87,7 @@ class BatchedWaypointEnv:
             autoreset: begin a new episode in the step that ends one; without it, ended robots continue to move.
         """
         self.config = config
-        self.robot = load_robot(config.robot)
+        self.robot = given_robot(config.robot)
         self.layout = layout(config.observation, self.robot, config.plugins)
         self.num_robots = num_robots
         self.batch = RobotBatch(self.robot, num_robots, threads)

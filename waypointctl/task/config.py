@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ FloatArray = NDArray[np.float64]
 class TaskConfig:
     """A waypoint task: the robot, its observation, its reward, its courses, and when a waypoint counts as reached."""
 
-    robot: str = "ant"
+    robot: Robot | Path | str = "ant"  # itself, its folder, or its name
     observation: str | tuple[str, ...] = "egocentric"  # a layout, or the names of groups
     reward: RewardWeights = field(default_factory=RewardWeights)
     course: Course = field(default_factory=Course)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
 from waypointctl.mission.fields import Start
-from waypointctl.task.batched import BatchedWaypointEnv, Step, refuse_bad_action
+from waypointctl.sim.actions import refuse_bad_action
+from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.progress import CourseProgress
 from waypointctl.task.rendering import RENDER_MODES, Rendering, render_mode_of

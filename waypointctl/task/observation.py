@@ -8,16 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.robots.robot import Robot
 from waypointctl.task.body import JOINT_RATE_SCALE
 from waypointctl.task.plugins import PLUGIN_HINT, Fill, ObservationGroup, Plugin, ViewFunction, by_name
 from waypointctl.task.view import SimulationView, write_heading_velocity
+
+if TYPE_CHECKING:
+    from waypointctl.robots.folder import RobotOutline
+    from waypointctl.robots.robot import Robot
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -192,7 +195,7 @@ def groups_of(observation: str | Sequence[str], plugins: Iterable[Plugin] = ()) 
     return tuple(groups[name] for name in names)
 
 
-def layout(observation: str | Sequence[str], robot: Robot, plugins: Iterable[Plugin] = ()) -> Layout:
+def layout(observation: str | Sequence[str], robot: Robot | RobotOutline, plugins: Iterable[Plugin] = ()) -> Layout:
     """Return an observation layout for a robot.
 
     Args:

@@ -4,8 +4,9 @@
     def clearance(view):
         return view.foot_heights.min(axis=1)
 
-A decorated function has an effect only where it is passed: in `TaskConfig.plugins`, or in a recipe's `plugins` with the
-permission to execute the file. A bundle or a log never names a file to execute.
+A decorated function has an effect only where it is passed. A file is executed only where the user names it: as an
+argument, or in a recipe's `plugins` with the permission to execute them. Bundles and logs record the names and hashes
+of the files, so that another content is refused, and never cause a file to be executed.
 """
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ from __future__ import annotations
 import hashlib
 import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
@@ -26,6 +28,7 @@ from waypointctl.errors import InputError, wrong_type
 from waypointctl.input_file import read_input
 
 if TYPE_CHECKING:
+    from waypointctl.robots.folder import RobotOutline
     from waypointctl.robots.robot import Robot
     from waypointctl.task.view import SimulationView
 
@@ -36,11 +39,24 @@ Components: TypeAlias = "Sequence[str] | Callable[[Robot], Sequence[str]]"
 T = TypeVar("T")
 
 PLUGIN_HINT: Final = (
-    "A group or term of your own needs its Python file: `plugins` in a recipe, with --allow-plugins; plugins=[...] "
-    "of fly(), evaluate() and verify(path, plugins=[...]) in Python."
+    "A group or term of your own needs its Python file: `plugins` in a recipe, with --allow-plugins; --plugin FILE of "
+    "`waypointctl run`, `eval` and `replay`; plugins= of fly(), evaluate() and verify() in Python."
 )
 _NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,59}")
 _LARGEST: Final = 2**20  # of a plugin's file [bytes]
+
+
+@dataclass(frozen=True)
+class PluginFile:
+    """A Python file that was executed: its name without folders, its content and the hash of that."""
+
+    name: str
+    content: bytes = field(repr=False)
+
+    @cached_property
+    def sha256(self) -> str:
+        """Of the content."""
+        return hashlib.sha256(self.content).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +71,7 @@ class ObservationGroup:
         units: of each number, or one for all.
         scales: that multiply the numbers, or one for all.
         built_in: whether it comes with waypointctl; the results of others are checked.
-        source_sha256: of the file that it was loaded from; empty for one that was not loaded from a file.
+        source: the file that it was loaded from; None for one that was not loaded from a file.
     """
 
     name: str
@@ -64,13 +80,13 @@ class ObservationGroup:
     units: str | Sequence[str]
     scales: float | Sequence[float] = 1.0
     built_in: bool = False
-    source_sha256: str = ""
+    source: PluginFile | None = None
 
-    def named(self, robot: Robot) -> tuple[tuple[str, str, float], ...]:
+    def named(self, robot: Robot | RobotOutline) -> tuple[tuple[str, str, float], ...]:
         """Return (name, unit, scale) of each number for a robot."""
         what = f"observation group {self.name!r}"
         try:
-            names = tuple(self.components(robot) if callable(self.components) else self.components)
+            names = tuple(self.components(cast("Robot", robot)) if callable(self.components) else self.components)
             units = (self.units,) * len(names) if isinstance(self.units, str) else tuple(self.units)
             scales = np.asarray(self.scales, np.float64)
         except Exception as error:
@@ -109,7 +125,7 @@ class RewardTerm:
         unit: of what it returns.
         factor: that multiplies the weight: -1 of a cost.
         built_in: whether it comes with waypointctl; another one's results are checked.
-        source_sha256: of the file that it was loaded from; empty for one that was not loaded from a file.
+        source: the file that it was loaded from; None for one that was not loaded from a file.
     """
 
     name: str
@@ -117,7 +133,7 @@ class RewardTerm:
     unit: str
     factor: float = 1.0
     built_in: bool = False
-    source_sha256: str = ""
+    source: PluginFile | None = None
 
     def filler(self) -> ViewFunction:
         """Return the function that computes (n,), before the weight."""
@@ -125,6 +141,7 @@ class RewardTerm:
 
 
 Plugin: TypeAlias = ObservationGroup | RewardTerm
+Plugins: TypeAlias = Path | str | Plugin | Iterable[Path | str | Plugin]
 
 
 def observation_group(
@@ -151,32 +168,46 @@ def reward_term(*, name: str, unit: str) -> Callable[[ViewFunction], RewardTerm]
     return lambda function: RewardTerm(_sound(name), function, unit)
 
 
-def load_plugins(paths: Path | str | Iterable[Path | str]) -> tuple[Plugin, ...]:
+def load_plugins(plugins: Plugins) -> tuple[Plugin, ...]:
     """Execute Python files and return the observation groups and reward terms that they define.
 
     Call it only for files that the user has named and allowed to be executed.
 
     Args:
-        paths: of the files; one path is one file.
+        plugins: the path of a file, or several; a group or a term is returned as it is. A file that is given twice is
+            executed once.
 
     Raises:
-        InputError: a file is missing, fails, or defines none; or an argument is not a path.
+        InputError: a file is missing, fails, defines none, or has the name of another one; or an argument has a wrong
+            type.
     """
-    if not isinstance(paths, Iterable):
-        paths = (paths,)
     found: list[Plugin] = []
-    for path in (paths,) if isinstance(paths, str) else paths:
-        if not isinstance(path, Path | str):
-            raise wrong_type("paths", path, "the path of a Python file, or several")
-        source = read_input(Path(path), _LARGEST)
-        sha256 = hashlib.sha256(source).hexdigest()
-        values = vars(_executed(Path(path), source)).values()
-        own = {id(value): value for value in values if isinstance(value, ObservationGroup | RewardTerm)}
-        if not own:
-            hint = "decorate a function with @waypointctl.observation_group(...) or @waypointctl.reward_term(...)"
-            raise InputError("defines no observation group and no reward term", where=str(path), hint=hint)
-        found += [replace(value, source_sha256=sha256) for value in own.values()]
+    hashes: dict[str, str] = {}
+    for one in plugins if isinstance(plugins, Iterable) and not isinstance(plugins, str) else (plugins,):
+        if isinstance(one, ObservationGroup | RewardTerm):
+            found.append(one)
+            continue
+        if not isinstance(one, Path | str):
+            raise wrong_type("plugins", one, "the path of a Python file, a group or a term, or several")
+        path = Path(one)
+        file = PluginFile(path.name, read_input(path, _LARGEST))
+        if hashes.setdefault(file.name, file.sha256) != file.sha256:
+            problem = f"two plugins have the file name {file.name}, which logs and policies record"
+            raise InputError(problem, where=str(path), hint="rename one of the files")
+        if all(plugin.source != file for plugin in found):
+            found += _defined(file, path)
     return tuple(found)
+
+
+def plugin_hashes(plugins: Iterable[Plugin]) -> dict[str, str]:
+    """Return the SHA-256 of each file that plugins were loaded from, by its name, in the order of the names."""
+    files = {plugin.source.name: plugin.source.sha256 for plugin in plugins if plugin.source is not None}
+    return dict(sorted(files.items()))
+
+
+def named_plugins(hashes: Mapping[str, str]) -> str:
+    """Return files and their hashes as a message has them."""
+    return ", ".join(f"{name} (SHA-256 {sha256})" for name, sha256 in hashes.items())
 
 
 def by_name(built_in: Iterable[T], plugins: Iterable[T], what: str) -> dict[str, T]:
@@ -192,6 +223,15 @@ def by_name(built_in: Iterable[T], plugins: Iterable[T], what: str) -> dict[str,
             raise InputError(f"two {what}s have the name {name!r}", hint="rename the plugin's")
         found[name] = one
     return found
+
+
+def _defined(file: PluginFile, path: Path) -> tuple[Plugin, ...]:
+    values = vars(_executed(path, file.content)).values()
+    own = {id(value): value for value in values if isinstance(value, ObservationGroup | RewardTerm)}
+    if not own:
+        hint = "decorate a function with @waypointctl.observation_group(...) or @waypointctl.reward_term(...)"
+        raise InputError("defines no observation group and no reward term", where=str(path), hint=hint)
+    return tuple(replace(value, source=file) for value in own.values())
 
 
 def _executed(path: Path, source: bytes) -> ModuleType:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Annotated, Final, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,12 @@ from pydantic import ConfigDict, Field, Strict
 
 from waypointctl.errors import InputError
 from waypointctl.mission.file_model import FileModel
-from waypointctl.robots.robot import Robot
 from waypointctl.task.body import JOINT_RATE_SCALE
 from waypointctl.task.plugins import PLUGIN_HINT, Plugin, RewardTerm, by_name
 from waypointctl.task.view import SimulationView
+
+if TYPE_CHECKING:
+    from waypointctl.robots.robot import Robot
 
 FloatArray: TypeAlias = NDArray[np.float64]
 # Far above any useful weight, and low enough that float32 does not overflow in the first step.

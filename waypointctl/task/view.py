@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.robots.robot import Robot
-from waypointctl.sim.feet import feet_of
 from waypointctl.task.body import Body
+
+if TYPE_CHECKING:
+    from waypointctl.robots.robot import Robot
+    from waypointctl.sim.feet import Feet
 
 FloatArray: TypeAlias = NDArray[np.float64]
 BoolArray: TypeAlias = NDArray[np.bool_]
@@ -102,12 +104,18 @@ class SimulationView:
     @property
     def foot_heights(self) -> FloatArray:
         """Of the lowest point of each of `robot.feet` above the ground, (n, k) [m]."""
-        return _locked(feet_of(self.robot, self.robot.feet).heights(self.qpos))
+        return _locked(self._feet.heights(self.qpos))
 
     @property
     def contacts(self) -> BoolArray:
         """Whether each foot touches the ground, (n, k)."""
-        return self.foot_heights < feet_of(self.robot, self.robot.feet).margins
+        return self.foot_heights < self._feet.margins
+
+    @property
+    def _feet(self) -> Feet:
+        from waypointctl.sim.feet import feet_of  # the simulator, which a layout is known without
+
+        return feet_of(self.robot, self.robot.feet)
 
 
 def write_heading_velocity(body: Body, out: FloatArray) -> None:

@@ -17,6 +17,7 @@ from safetensors.numpy import load, save
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.policy.manifest import StartRecord
+from waypointctl.task.plugins import named_plugins, plugin_hashes
 from waypointctl.training.export import export_policy
 from waypointctl.training.recipe_evaluation import SelectionRecipe
 from waypointctl.training.recipe_file import RECIPE, RecipeFile
@@ -41,7 +42,7 @@ class Facts(BaseModel):
         selection: of the run, which can differ from the file's.
         start: the policy of the warm start, whose files may be gone.
         robot_sha256: of the files of its folder.
-        plugins_sha256: of the files of the recipe's plugins; empty without any.
+        plugins: the SHA-256 of each file of the recipe's plugins, by its name.
         torch_threads: of the run, on which the weights depend.
         state: of the robots and the learner.
     """
@@ -55,7 +56,7 @@ class Facts(BaseModel):
     selection: SelectionRecipe | None
     start: StartRecord | None
     robot_sha256: str
-    plugins_sha256: str
+    plugins: dict[str, str]
     torch_threads: int
     state: StateFacts
 
@@ -116,7 +117,7 @@ def load_checkpoint(state: TrainingState, recipe_file: RecipeFile, folder: Path)
         ("seed", facts.seed, recipe.seed),
         ("steps", facts.phase_steps, [phase.steps for phase in recipe.phases]),
         ("a robot of SHA-256", facts.robot_sha256, _robot_sha256(state)),
-        ("plugins of SHA-256", facts.plugins_sha256, _plugins_sha256(state)),
+        ("the plugins", named_plugins(facts.plugins), named_plugins(_plugins(state))),
     ):
         if began != now:
             problem = f"the run began with {what} {began}, not {now}"
@@ -143,7 +144,7 @@ def _facts(state: TrainingState, recipe_file: RecipeFile, wall_time_s: float, fa
         selection=recipe.selection,
         start=state.start,
         robot_sha256=_robot_sha256(state),
-        plugins_sha256=_plugins_sha256(state),
+        plugins=_plugins(state),
         torch_threads=state.threads.torch,
         state=facts,
     )
@@ -156,8 +157,8 @@ def _robot_sha256(state: TrainingState) -> str:
     return digest.hexdigest()
 
 
-def _plugins_sha256(state: TrainingState) -> str:
-    return " ".join(sorted({plugin.source_sha256 for plugin in state.env.config.plugins} - {""}))
+def _plugins(state: TrainingState) -> dict[str, str]:
+    return plugin_hashes(state.env.config.plugins)
 
 
 def _sha256(facts: Facts, arrays: bytes) -> str:

@@ -59,8 +59,16 @@ class Evaluator:
             self.on_event(EvaluationProgress(suite.name, final, case, ended, plan.trials))
 
         try:
-            suite = suite.with_robot(self.robot)
-            return evaluate(policy, suite, plan.trials, plan.seed, self.threads, progress, plugins=self.plugins)
+            return evaluate(
+                policy,
+                suite,
+                plan.trials,
+                plan.seed,
+                self.threads,
+                progress,
+                plugins=self.plugins,
+                robot=suite.robot or self.robot,
+            )
         except _Interrupted:
             return None
 

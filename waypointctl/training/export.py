@@ -12,6 +12,7 @@ from safetensors.numpy import save
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import ActionSpec, NetworkSpec, ObservationSpec, PolicyDescription, TrainingRecord
 from waypointctl.policy.write import write_bundle
+from waypointctl.task.plugins import plugin_hashes
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.state import TrainingState
 
@@ -56,6 +57,7 @@ def _description(state: TrainingState, recipe_file: RecipeFile, wall_time_s: flo
             versions=_versions(),
             start=state.start,
         ),
+        plugins=plugin_hashes(env.config.plugins),
     )
 
 

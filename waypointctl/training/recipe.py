@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Final, Literal, Self, TypeAlias
+from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, PrivateAttr, Strict, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
@@ -15,8 +14,7 @@ from waypointctl.errors import InputError, RobotError
 from waypointctl.mission.fields import Acceptance, RobotName, Start
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.policy_name import from_folder, is_bare
-from waypointctl.robots.description import ROBOT_FILE
-from waypointctl.robots.folder import robot_folder
+from waypointctl.robots.folder import kept_robot, robot_folder
 from waypointctl.robots.load import load_robot
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.course import Course, Deadline
@@ -30,8 +28,8 @@ from waypointctl.training.algorithms.ppo import PpoRecipe
 from waypointctl.training.recipe_evaluation import EvaluationRecipe, SelectionRecipe
 from waypointctl.training.recipe_fields import Count
 from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe
+from waypointctl.training.run_folder import PLUGIN_COPIES, keeps_copies
 
-ROBOT_COPY: Final = "robot"  # folder of a robot, in the folder of a run and of its policy
 LayoutName: TypeAlias = Literal["state", "state_noise", "state_goal", "egocentric"]
 GroupName: TypeAlias = Annotated[str, Field(max_length=60)]
 PluginFile: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
@@ -73,20 +71,28 @@ class Recipe(FileModel):
         None, description="how the policy is selected among the checkpoints; default: the last checkpoint"
     )
 
-    _robot_folder: str | None = PrivateAttr(None)
+    _folder: Path = PrivateAttr(Path())
 
     @property
     def robot_path(self) -> str:
         """The robot's name, or the path of its folder, relative to the working directory."""
-        return self._robot_folder or self.robot
+        kept = None if is_bare(self.robot) or not keeps_copies(self._folder) else kept_robot(self._folder)
+        return from_folder(self.robot, self._folder) if kept is None else str(kept)
+
+    @property
+    def plugin_paths(self) -> tuple[Path, ...]:
+        """The paths of the plugins' files, relative to the working directory."""
+        paths = [(self._folder / name, self._folder / PLUGIN_COPIES / Path(name).name) for name in self.plugins]
+        keeps = keeps_copies(self._folder)
+        return tuple(copy if keeps and copy.is_file() else named for named, copy in paths)
 
     def read_from(self, folder: Path) -> Recipe:
-        """Return the recipe as it is in a file of this folder, where a run's own copy of the robot has precedence."""
-        if is_bare(self.robot):
-            return self
-        recipe, copy = self.model_copy(), os.path.join(folder, ROBOT_COPY)
-        own = os.path.isfile(os.path.join(copy, ROBOT_FILE))
-        recipe._robot_folder = copy if own else from_folder(self.robot, folder)
+        """Return the recipe as it is in a file of this folder.
+
+        A run's folder and a policy's have copies of its robot and its plugins, which take precedence there.
+        """
+        recipe = self.model_copy()
+        recipe._folder = folder
         return recipe
 
     @field_validator("robot")

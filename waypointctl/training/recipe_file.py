@@ -16,9 +16,11 @@ from waypointctl.mission.yaml_source import read_model, read_source
 from waypointctl.mission.yaml_tree import read_tree
 from waypointctl.paths import write_whole
 from waypointctl.policy.manifest import Manifest
+from waypointctl.robots.folder import ROBOT_COPY
 from waypointctl.robots.load import load_robot
 from waypointctl.task.plugins import Plugin, load_plugins
-from waypointctl.training.recipe import ROBOT_COPY, Recipe, unknown_names
+from waypointctl.training.recipe import Recipe, unknown_names
+from waypointctl.training.run_folder import PLUGIN_COPIES
 
 RECIPE: Final = "train.yaml"  # in a run's folder and in a policy's
 MODULES: Final = ("torch", "stable_baselines3", "gymnasium", "onnx", "safetensors", "tensorboard")
@@ -67,7 +69,7 @@ def load_recipe(path: Path | str) -> RecipeFile:
 
 
 def place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
-    """Write a recipe into the folder of a run or a policy, with its robot where that does not come with waypointctl.
+    """Write a recipe into the folder of a run or a policy, with copies of a user's robot and plugins.
 
     Raises:
         OutputError: it cannot be written.
@@ -76,14 +78,18 @@ def place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
     if path.exists() and path.samefile(recipe_file.path):
         return
     write_whole(path, recipe_file.source, "the recipe")
-    if not is_bare(recipe.robot):
-        for name, content in load_robot(recipe.robot_path).files.items():
-            copy = folder / ROBOT_COPY / name
-            try:
-                copy.parent.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(copy.parent)) from error
-            write_whole(copy, content, "the robot")
+    files = {} if is_bare(recipe.robot) else load_robot(recipe.robot_path).files
+    copies = {f"{ROBOT_COPY}/{name}": content for name, content in files.items()}
+    for plugin in recipe_file.plugins:
+        if plugin.source is not None:
+            copies[f"{PLUGIN_COPIES}/{plugin.source.name}"] = plugin.source.content
+    for name, content in copies.items():
+        copy = folder / name
+        try:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(copy.parent)) from error
+        write_whole(copy, content, "the copy of what the recipe names")
 
 
 def trained_on(folder: Path, manifest: Manifest) -> Training | None:
@@ -131,7 +137,7 @@ def with_plugins(recipe_file: RecipeFile, *, allowed: bool) -> RecipeFile:
     if not allowed:
         problem = f"plugins are Python files, and their execution is not allowed: {', '.join(names)}"
         raise RecipeError(problem, where=recipe_file.place("plugins"), hint="read the files, then use --allow-plugins")
-    plugins = load_plugins(recipe_file.path.parent / name for name in names)
+    plugins = load_plugins(recipe_file.recipe.plugin_paths)
     for loc, problem in unknown_names(recipe_file.recipe, plugins):
         raise RecipeError(problem, where=recipe_file.place(*loc))
     return replace(recipe_file, plugins=plugins)

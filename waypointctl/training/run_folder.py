@@ -2,6 +2,7 @@
 
 runs/ant-waypoint/        the run, named for its recipe: -2, -3, ... where the name is taken
     train.yaml            the recipe as it was when the run began
+    robot/ plugins/       copies of the robot and the plugins that it names
     checkpoints/step-.../ each a bundle, and all that training needs to continue
     progress.csv          how it went, a row for each rollout
     selection.json        results of the evaluated checkpoints, if the recipe has a selection
@@ -23,8 +24,12 @@ from typing import Final
 
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.paths import open_lock, refuse_unwritable_folder
+from waypointctl.policy.manifest import MANIFEST
 
 FOLDER: Final = "checkpoints"
+PLUGIN_COPIES: Final = "plugins"
+
+_LOCK: Final = ".lock"
 
 _ELSEWHERE: Final = "Give a folder in a place that you can write to."
 
@@ -62,6 +67,11 @@ def places(name: str, runs: Path, out: Path | None, *, resume: bool) -> Places:
     refuse_unwritable_folder(runs)
     run = _newest_run(name, runs) if resume else new_run(name, runs)
     return Places(run, out or run)
+
+
+def keeps_copies(folder: Path) -> bool:
+    """Return whether a folder is that of a run or a policy, where a recipe's robot and plugins are copies."""
+    return any((folder / name).exists() for name in (_LOCK, FOLDER, MANIFEST))
 
 
 def checkpoints(run: Path) -> list[tuple[int, Path]]:
@@ -102,7 +112,7 @@ def held(run: Path) -> Iterator[None]:
     """
     try:
         run.mkdir(parents=True, exist_ok=True)
-        lock = open_lock(run / ".lock")
+        lock = open_lock(run / _LOCK)
     except OSError as error:
         raise OutputError(f"the run cannot be written: {error.strerror}", where=str(run), hint=_ELSEWHERE) from error
     with lock:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from waypointctl.flight.checks import Finding
 from waypointctl.flight.checks.link import Traffic, link_findings
 from waypointctl.flight.checks.route import route_findings, rule_findings, walking_time_s
 from waypointctl.flight.checks.schedule import ends_plan, schedule_findings, unused_findings
+from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.mission.files import MissionFile
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.policy_name import is_bare, policies_there_are
@@ -18,8 +19,8 @@ from waypointctl.mission.problems import Problem
 from waypointctl.mission.yaml_tree import read_tree
 from waypointctl.paths import folder_fault
 from waypointctl.policy.bundle import load_policy, read_manifest
-from waypointctl.policy.require import refuse_other_robot
-from waypointctl.robots.folder import read_description
+from waypointctl.robots.folder import read_description, shipped_outline
+from waypointctl.task.plugins import load_plugins
 from waypointctl.units import seconds
 
 
@@ -107,31 +108,34 @@ def _once(findings: Iterable[Finding]) -> Iterator[Finding]:
             yield finding
 
 
-def robot_and_policy_problems(file: MissionFile, policy: Path) -> tuple[Problem, ...]:
+def robot_and_policy_problems(file: MissionFile, policy: Path, plugins: Sequence[Path] = ()) -> tuple[Problem, ...]:
     """Return why the robot or the policy cannot be loaded, or why they do not fit each other.
 
-    A robot that comes with waypointctl is not compiled: that takes longer than all other checks of a mission, and its
-    name alone shows whether the policy was made for it.
+    A robot that comes with waypointctl is not compiled, and the network of its policy not loaded: that takes longer
+    than all other checks of a mission, and the manifest shows whether they fit.
 
     Args:
         file: of the mission.
         policy: the folder of the policy that drives the robot.
+        plugins: Python files with groups of the policy, which are executed.
+
+    Raises:
+        InputError: a plugin is missing or fails.
     """
     named = file.mission.robot
     if folder_fault(policy):
         text = f"there is no folder {policy}. {policies_there_are(file.mission.policy)}"
         missing = (_problem(file, "policy", text),)
         return (*_problems(file, "robot", lambda: read_description(named)), *missing)
-    if is_bare(named):
-        return _problems(file, "robot", lambda: read_description(named)) or _problems(
-            file, "policy", lambda: refuse_other_robot(read_manifest(policy), read_description(named).name)
+    if is_bare(named) and not plugins:
+        return _problems(file, "robot", lambda: shipped_outline(named)) or _problems(
+            file, "policy", lambda: refuse_misfit(read_manifest(policy), shipped_outline(named))
         )
-    # The simulator takes 0.3 s to load, which a mission with a robot that comes with waypointctl need not wait for.
-    from waypointctl.flight.policy_fit import refuse_misfit
-    from waypointctl.robots.load import load_robot
+    from waypointctl.robots.load import load_robot  # with the simulator, which takes 0.3 s to load
 
+    executed = load_plugins(plugins)
     return _problems(file, "robot", lambda: load_robot(named)) or _problems(
-        file, "policy", lambda: refuse_misfit(load_policy(policy), load_robot(named))
+        file, "policy", lambda: refuse_misfit(load_policy(policy), load_robot(named), executed)
     )
 
 
