@@ -194,6 +194,9 @@ class PlannedWaypoint:
     task: str = ""  # what to do there after the hold: nothing, or "observe"
 
 
+TELEOPERATION: Final = -2  # in place of a command's id
+
+
 @dataclass(frozen=True, slots=True)
 class Command:
     """A telecommand that has arrived at the robot."""
@@ -206,7 +209,7 @@ class Command:
     received_ns: int  # by the robot
     attempt: int = 1  # which sending of this id it is
     released: int = -1  # how many waypoints of the plan the robot may drive to; -1 for all
-    target_id: int = -1  # the command that a CANCEL takes back
+    target_id: int = -1  # the command that a CANCEL takes back; TELEOPERATION for a HOLD that stops that alone
     value: float = 0.0  # of SET_TOLERANCE [m], of SET_TIMEOUT [s]
     not_before_ns: int = -1  # it starts no earlier; -1 for at once
     expires_ns: int = -1  # after this it is not to be started or continued; -1 for never

@@ -135,6 +135,10 @@ def test_a_stuck_rule_that_no_robot_meets_is_found(rule: str, expected: bool) ->
         (DOWN % "windows: [{from: 0 s, to: 1 s}]", [("contact", "link.down.windows")]),
         (DOWN % "windows: [{from: 0 s, to: 1 s}], windows_period: 4 s", []),
         (DOWN % "windows: [{from: 0 s, to: 50 s}]", []),
+        (
+            "link: {up: {windows: [{from: 60 s, to: 99 s}]}, down: {windows: [{from: 0 s, to: 50 s}]}}\n",
+            [("contact", "link.down.windows")],
+        ),
         ("link: {loss: 1}\n", [("loss", "link.up.loss")]),
         ("link: {down: {loss: 100 %}}\n", [("loss", "link.down.loss")]),
         ("link: {loss: {p: 1, r: 1, one_minus_h: 1, one_minus_k: 1}}\n", [("loss", "link.up.loss")]),

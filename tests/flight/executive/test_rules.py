@@ -8,7 +8,7 @@ import pytest
 
 from tests.flight.executive.rig import SECOND, A, B, C, Rig
 from waypointctl.flight.executive.rules import Circle, Fence, Polygon, Rules, home_at, rules_of
-from waypointctl.log.messages import CommandKind, Event, EventKind, Mode, Severity, Stage
+from waypointctl.log.messages import TELEOPERATION, CommandKind, Event, EventKind, Mode, Severity, Stage
 from waypointctl.mission.mission import Mission
 
 YARD = Fence((Circle("yard", (0.0, 0.0), 20.0),), (Circle("pit", (3.0, 0.0), 1.0),))
@@ -182,6 +182,24 @@ def test_it_goes_home_without_a_link_and_stays_there(back: str) -> None:
         assert rig.sense(1070.0, "start") is Mode.SAFE
         rig.executive.on_contact(1080 * SECOND)
         assert rig.executive.mode is Mode.IDLE
+
+
+@pytest.mark.parametrize(("target", "mode"), [(TELEOPERATION, Mode.RETURNING), (-1, Mode.PAUSED)])
+def test_a_hold_of_teleoperation_leaves_the_way_home_alone_and_any_other_hold_stops_it(target: int, mode: Mode) -> None:
+    rig = Rig(link_loss_ns=MINUTE, on_link_loss="return_home")
+    rig.executive.on_action(0)
+    assert rig.sense(60.02, "a") is Mode.RETURNING
+    assert rig.send(61.0, CommandKind.HOLD, id=2, target_id=target) is Stage.COMPLETED
+    assert rig.executive.mode is mode
+    assert rig.send(62.0, CommandKind.RETURN_HOME, id=1) is Stage.STARTED, "older, and sent again"
+    assert rig.executive.mode is mode
+
+
+def test_a_hold_of_teleoperation_ends_it() -> None:
+    rig = Rig()
+    rig.executive.on_action(0)
+    rig.send(1.0, CommandKind.HOLD, id=1, target_id=TELEOPERATION)
+    assert rig.executive.mode is Mode.IDLE
 
 
 def test_what_waits_for_its_time_waits_for_the_link_too() -> None:

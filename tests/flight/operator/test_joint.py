@@ -13,12 +13,13 @@ from waypointctl.flight.executive.rules import AT_HOME
 from waypointctl.flight.link.frames import BodyFrame
 from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.requests import CommandRequest
-from waypointctl.log.messages import CommandKind, Event, EventKind, Mode, Stage
+from waypointctl.log.messages import TELEOPERATION, CommandKind, Event, EventKind, Mode, Stage
 from waypointctl.robots.load import load_robot
 from waypointctl.units import NS_PER_S
 
 ACTION = np.linspace(-0.5, 0.5, 8)
 PERIOD_NS = 20_000_000
+BODY = BodyFrame(0, np.array([0.0, 0.0, 0.5, 1.0, *[0.0] * 11]), np.zeros(14), 0, 0)
 
 
 class Ground:
@@ -60,6 +61,12 @@ def test_each_state_is_answered_until_the_last_waypoint_is_reached() -> None:
     assert ground.state(3 * PERIOD_NS, 4.0, 3.0) == (False, [])
     assert not ground.operator.acts_on_states
     assert ground.kinds == [EventKind.WAYPOINT_REACHED] * 2
+
+
+def test_its_own_hold_stops_teleoperation_alone() -> None:
+    ground = Ground("defaults: {timeout: 5 s}")
+    _, requests = ground.operator.on_state(5 * NS_PER_S, replace(BODY, issued_ns=5 * NS_PER_S))
+    assert requests == [CommandRequest(CommandKind.HOLD, target_id=TELEOPERATION)]
 
 
 def test_a_hold_on_the_way_is_waited_for_on_the_robots_clock() -> None:

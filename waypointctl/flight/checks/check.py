@@ -73,13 +73,13 @@ def _time_limit(mission: Mission, least_s: float) -> Iterator[Finding]:
 
 def _last_contact(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
     """Yield contacts down of which the last ends before the robot can be at its last waypoint."""
-    contacts, walking_s = traffic.down.contacts, walking_time_s(mission, speed_mps)
+    contacts, there_s = traffic.down.contacts, seconds(traffic.arrives_ns or 0) + walking_time_s(mission, speed_mps)
     last_s = seconds(contacts.windows[-1].end_ns)
-    if not contacts.period_ns and last_s < walking_s and not ends_plan(mission):
+    if not contacts.period_ns and last_s < there_s and not ends_plan(mission):
         field = "windows" if mission.link.down.contact_plan is None else "contact_plan"
         text = (
-            f"the last contact down ends at {last_s:g} s; the robot needs at least {walking_s:.1f} s to its last "
-            "waypoint at the policy's mean speed, and cannot report that it is there"
+            f"the last contact down ends at {last_s:g} s; the robot is at its last waypoint at {there_s:.1f} s at the "
+            "earliest, at the policy's mean speed, and cannot report that it is there"
         )
         yield Finding("contact", ("link", "down", field), text)
 

@@ -30,7 +30,8 @@ class Traffic:
         down: of telemetry and acknowledgements.
         command_bytes: size of the largest command of the operator.
         frame_bytes: size of a frame of telemetry near the end of the mission.
-        round_trip_ns: from a command at mission start to its acknowledgement; None where one of them never arrives.
+        arrives_ns: when a command that is sent at mission start arrives; None for never.
+        round_trip_ns: when its acknowledgement arrives; None where one of them never does.
     """
 
     def __init__(self, mission: Mission) -> None:
@@ -41,8 +42,8 @@ class Traffic:
         self._mission = mission
         self.command_bytes = _command_bytes(mission)
         self.frame_bytes = _frame_bytes(mission)
-        arrives_ns = _arrives_ns(self.up, 0, self.command_bytes)
-        self.round_trip_ns = None if arrives_ns is None else _arrives_ns(self.down, arrives_ns, ACK_BYTES)
+        self.arrives_ns = _arrives_ns(self.up, 0, self.command_bytes)
+        self.round_trip_ns = None if self.arrives_ns is None else _arrives_ns(self.down, self.arrives_ns, ACK_BYTES)
 
     @property
     def telemetry_bps(self) -> float:

@@ -19,7 +19,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
-from waypointctl.log.messages import Command, CommandKind
+from waypointctl.log.messages import TELEOPERATION, Command, CommandKind
 
 _FOR_EVER_NS: Final = 2**63 - 1
 _ALL: Final = 2**31
@@ -84,6 +84,8 @@ class CommandOrdering:
 
     def record(self, command: Command, start_ns: int) -> None:
         """Record a command that is executed now, and when it was to start [ns]."""
+        if command.target_id == TELEOPERATION:
+            return  # it holds no other command
         kind, released = command.kind, 0
         if kind is CommandKind.ABORT:
             start_ns = _FOR_EVER_NS

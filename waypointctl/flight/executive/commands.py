@@ -12,7 +12,7 @@ from typing import Final
 from waypointctl.flight.executive.plan import PlanItem, names
 from waypointctl.flight.executive.plan_execution import PlanExecution
 from waypointctl.flight.executive.state_machine import UNDER_WAY, Signal
-from waypointctl.log.messages import Command, CommandKind, Mode, Stage
+from waypointctl.log.messages import TELEOPERATION, Command, CommandKind, Mode, Stage
 from waypointctl.units import whole_ns
 
 
@@ -124,10 +124,12 @@ def _released_already(execution: PlanExecution, command: Command) -> str:
 
 
 def _hold(execution: PlanExecution, now_ns: int, command: Command) -> None:
-    if execution.mode in UNDER_WAY or (execution.mode is Mode.SAFE and execution.can_go_on):
-        execution.suspend(now_ns, Signal.PAUSE, by(command.id))
-    elif execution.mode is Mode.TELEOPERATED:
+    if execution.mode is Mode.TELEOPERATED:
         execution.stand_idle()
+    elif command.target_id == TELEOPERATION:
+        return  # a rule or a command has taken over: what it began goes on
+    elif execution.mode in UNDER_WAY or (execution.mode is Mode.SAFE and execution.can_go_on):
+        execution.suspend(now_ns, Signal.PAUSE, by(command.id))
 
 
 def _resume(execution: PlanExecution, now_ns: int, command: Command) -> None:

@@ -21,6 +21,7 @@ from waypointctl.flight.operator.operator import Operator, ended_by_robot, leg_f
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.flight.policy_fit import chosen_action
 from waypointctl.log.messages import (
+    TELEOPERATION,
     Ack,
     CommandKind,
     Event,
@@ -47,8 +48,6 @@ FloatArray = NDArray[np.float64]
 
 class JointOperator(Operator):
     """Computes every action on the ground."""
-
-    leads = True
 
     def __init__(
         self,
@@ -161,9 +160,11 @@ class JointOperator(Operator):
         return requests
 
     def _stop(self) -> list[CommandRequest]:
-        """Return the commands that stop the robot; none where it is returning home, which is not interrupted."""
+        """Return the commands that stop the robot: a way home, which may have begun meanwhile, is not interrupted."""
         frame = self.reported.telemetry
-        return [] if frame is not None and frame.mode is Mode.RETURNING else [CommandRequest(CommandKind.HOLD)]
+        if frame is not None and frame.mode is Mode.RETURNING:
+            return []
+        return [CommandRequest(CommandKind.HOLD, target_id=TELEOPERATION)]
 
     @property
     def _taken_by(self) -> str:

@@ -6,7 +6,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Final
+from typing import Final
 
 from waypointctl.flight.executive.rules import AT_HOME, STUCK, TIMEOUT
 from waypointctl.flight.operator.requests import CommandRequest, EventQueue, planned_waypoints
@@ -80,14 +80,12 @@ class Operator(ABC):
     Each method takes the time and returns the requests to send at that time. `on_issued` gives their ids.
 
     Attributes:
-        leads: whether it leads the robot step by step; else the robot follows a plan or a waypoint by itself.
         reported: what the robot has reported.
         finished: whether it has ended the mission.
         failure: why, where that is a failure.
-        suspended: whether it leads the robot no further for now.
+        suspended: whether it leads the robot no further for now: because of a hold, or of a return home.
+        going_home: whether the robot is at home, or on its way there, by a command from the schedule or the console.
     """
-
-    leads: ClassVar[bool] = False
 
     def __init__(self, mission: Mission, announce: Callable[[Event], None] = lambda _: None) -> None:
         """Start a mission; `announce` takes the operator's events."""
@@ -95,7 +93,8 @@ class Operator(ABC):
         self.reported = ReportedState()
         self.finished = False
         self.failure = ""
-        self.suspended = False  # a hold or a return home was commanded from the schedule or the console
+        self.suspended = self.going_home = False
+        self._home_ns: int | None = None  # when a return home is to start that was commanded from elsewhere
         self._plan = planned_waypoints(mission)
         self._think_ns = ns(mission.operator.think_s)
         self._queue: EventQueue[CommandRequest] = EventQueue()
@@ -120,15 +119,30 @@ class Operator(ABC):
         """Learn what the schedule, or a person at the console, has sent; return what to send because of it.
 
         An operator who leads the robot step by step stops leading it for a hold, until it is to be resumed, and for a
-        way home. Where the plan is on board the robot itself does that.
+        return home. Where the plan is on board the robot itself does that.
         """
-        goes_home = request.kind is CommandKind.RETURN_HOME and request.not_before_ns <= now_ns
-        if request.kind is CommandKind.HOLD or goes_home:
+        if request.kind is CommandKind.RETURN_HOME:
+            self._home_ns = request.not_before_ns
+            self.yield_to_return(now_ns, lambda sent_ns: sent_ns)
+        elif request.kind is CommandKind.HOLD:
             self.suspended = True
         elif request.kind is CommandKind.RESUME:
-            self.suspended = False
+            self.suspended = self.going_home = False
             return self._resume(now_ns)
         return []
+
+    def yield_to_return(self, now_ns: int, arrival_ns: Callable[[int], int | None]) -> None:
+        """Lead no further once what is sent would, by its latest arrival, call the robot back from its way home.
+
+        Args:
+            now_ns: the time.
+            arrival_ns: when what is sent at a time arrives at the latest [ns]; None for never.
+        """
+        if self._home_ns is None:
+            return
+        arrives_ns = arrival_ns(now_ns)
+        if arrives_ns is None or arrives_ns >= self._home_ns:
+            self.suspended, self.going_home, self._home_ns = True, True, None
 
     def _resume(self, now_ns: int) -> list[CommandRequest]:
         """Return what to send after a hold."""
@@ -147,15 +161,18 @@ class Operator(ABC):
         self.reported.on_message(message)
         if not isinstance(message, Ack) or message.stage not in FINAL_STAGES:
             return []
-        if self.leads and self.suspended and self._kinds.get(message.command_id) is CommandKind.RETURN_HOME:
+        if self._kinds.get(message.command_id) is CommandKind.RETURN_HOME and not self.finished:
             return self._after_return(now_ns, message)
         return self._on_final(now_ns, message)
 
     def _after_return(self, now_ns: int, ack: Ack) -> list[CommandRequest]:
         """End the mission after a return home commanded from elsewhere; lead on where the robot did not go."""
+        self._home_ns = None
+        if not self.going_home:
+            return []
         if ack.stage in (Stage.COMPLETED, Stage.FAILED, Stage.SUPERSEDED):
             return self._finish(ack.reason or f"command {ack.command_id} ({CommandKind.RETURN_HOME}) ended the mission")
-        self.suspended = False
+        self.suspended = self.going_home = False
         return self._resume(now_ns)
 
     def wake(self, now_ns: int) -> list[CommandRequest]:

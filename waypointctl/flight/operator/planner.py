@@ -54,6 +54,7 @@ class WaypointOperator(Operator):
         self._skips = mission.failure_rule.then == "skip"
         self._rule = rule_of_leg(mission)
         self._sent = 0
+        self._put_off: list[CommandRequest] = []  # until it is known that the robot does not return home
 
     def begin(self) -> list[CommandRequest]:
         """Send the first waypoint."""
@@ -73,7 +74,23 @@ class WaypointOperator(Operator):
             )
         elif ack.stage is not Stage.COMPLETED:
             return self._finish(ended_by_robot(ack, self._kinds))
-        return self._after_think(now_ns, self._next()) if self._sent < len(self._plan) else self._finish()
+        if self._sent == len(self._plan):
+            return self._finish()
+        return self._unless_going_home(self._after_think(now_ns, self._next()))
+
+    def wake(self, now_ns: int) -> list[CommandRequest]:
+        """Send what is due after the think time."""
+        return self._unless_going_home(super().wake(now_ns))
+
+    def _unless_going_home(self, requests: list[CommandRequest]) -> list[CommandRequest]:
+        if not self.going_home:
+            return requests
+        self._put_off += requests
+        return []
+
+    def _resume(self, now_ns: int) -> list[CommandRequest]:
+        put_off, self._put_off = self._put_off, []
+        return put_off
 
 
 _NEAR_GOAL: Final = 0.25  # of its distance: within this the goal counts as reached
@@ -81,8 +98,6 @@ _NEAR_GOAL: Final = 0.25  # of its distance: within this the goal counts as reac
 
 class ShortRangeGoalOperator(Operator):
     """Leads the robot by short-range goals."""
-
-    leads = True
 
     def __init__(
         self,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from waypointctl.flight.executive.rules import FALL
@@ -14,7 +15,7 @@ from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.operator import Operator
 from waypointctl.flight.operator.planner import MissionOperator, ShortRangeGoalOperator, WaypointOperator
 from waypointctl.flight.operator.requests import CommandRequest, EventQueue, scheduled_requests
-from waypointctl.flight.operator.timing import LegClock, RetryPolicy, answer_time, leaving_time, patience_ns
+from waypointctl.flight.operator.timing import ACK_BYTES, LegClock, RetryPolicy, answer_time, leaving_time, patience_ns
 from waypointctl.flight.sink import Sink
 from waypointctl.log.messages import FINAL_STAGES, Ack, GroundControl, Telemetry
 from waypointctl.mission.mission import Mission
@@ -67,12 +68,14 @@ class Station:
         schedule: EventQueue[CommandRequest],
         dispatcher: Dispatcher,
         heartbeats: HeartbeatSender,
+        arrival_ns: Callable[[int], int | None],
     ) -> None:
-        """Put the ground together."""
+        """Put the ground together; `arrival_ns` is when what is sent at a time [ns] arrives at the latest [ns]."""
         self.operator = operator
         self.dispatcher = dispatcher
         self.console_is_open = False
         self._schedule = schedule
+        self._arrival_ns = arrival_ns
         self.heartbeats = heartbeats
         self._on_final: set[int] = set()  # commands whose end is known
 
@@ -115,6 +118,7 @@ class Station:
 
     def on_message(self, now_ns: int, message: Ack | Telemetry) -> None:
         """Take what has arrived, and do what follows from it."""
+        self.operator.yield_to_return(now_ns, self._arrival_ns)
         self.dispatcher.on_message(now_ns, message)
         if isinstance(message, Ack) and message.stage in FINAL_STAGES:
             self._conclude(now_ns, message)
@@ -131,12 +135,14 @@ class Station:
         """Take a state of the body that has arrived; return the action that answers it, where a pilot flies."""
         if not isinstance(self.operator, JointOperator):
             return None
+        self.operator.yield_to_return(now_ns, self._arrival_ns)
         control, requests = self.operator.on_state(now_ns, frame)
         self.issue(now_ns, requests, own=True)
         return control
 
     def wake(self, now_ns: int) -> None:
         """Do what is due now."""
+        self.operator.yield_to_return(now_ns, self._arrival_ns)
         self.heartbeats.send_due(now_ns)
         self.issue(now_ns, self._schedule.due(now_ns))
         self.issue(now_ns, [] if self.operator.finished else self.operator.wake(now_ns), own=True)
@@ -193,4 +199,6 @@ def station_for(
     else:
         operator = MissionOperator(mission, sink) if mission.autonomy == "mission" else WaypointOperator(mission, sink)
     heartbeats = HeartbeatSender(uplink.send, ns(mission.operator.heartbeat_s or 0.0))
-    return Station(operator, scheduled_requests(mission), Dispatcher(uplink.send, retry_policy, sink), heartbeats)
+    dispatcher = Dispatcher(uplink.send, retry_policy, sink)
+    arrival_ns = partial(uplink.direction.latest_arrival_ns, size_bytes=ACK_BYTES)
+    return Station(operator, scheduled_requests(mission), dispatcher, heartbeats, arrival_ns)
