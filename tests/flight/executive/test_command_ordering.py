@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from itertools import permutations
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -177,3 +178,52 @@ def test_what_came_out_of_turn_is_in_the_state_and_what_did_not_is_not() -> None
         "cancelled": [[3, 5, 2 * SECOND]],
     }
     assert json.loads(json.dumps(state)) == state
+
+
+def test_a_newer_command_for_the_same_time_comes_after_an_older_one() -> None:
+    rig = arrived([Sent(GO_TO, (A,), not_before=10.0), Sent(GO_TO, (B,), not_before=10.0)], (2,))
+    rig.sense(10.0, "start")
+    rig.send(11.0, GO_TO, A, id=1, not_before=10.0)
+    assert rig.ended(1) == (Stage.SKIPPED, "overtaken by command 2")
+    assert rig.executive.target == B
+
+
+def test_of_several_that_overtake_a_command_the_newest_is_named() -> None:
+    rig = arrived([Sent(GO_TO, (A,)), Sent(UPLOAD, (B,)), Sent(GO_TO, (C,))], (2, 3, 1))
+    assert rig.ended(1) == (Stage.SKIPPED, "overtaken by command 3")
+
+
+def test_a_hold_that_was_resumed_before_the_plan_came_does_not_stop_it() -> None:
+    rig = arrived([Sent(GO_TO, (A,)), Sent(HOLD), Sent(RESUME)], (2, 3, 1))
+    assert (rig.executive.mode, rig.stage(1)) == (Mode.NAVIGATING, Stage.STARTED)
+
+
+@pytest.mark.parametrize(("first", "second", "released"), [(2, 1, 2), (1, 2, 2), (0, 0, 0), (-1, 1, 3)])
+def test_of_releases_that_came_before_the_plan_the_one_of_most_waypoints_counts(
+    first: int, second: int, released: int
+) -> None:
+    rig = arrived(
+        [Sent(UPLOAD, (A, B, C), released=0), *(Sent(RELEASE, released=it) for it in (first, second))], (2, 3, 1)
+    )
+    plan: Any = rig.executive.state()["plan"]
+    assert [item["released"] for item in plan["items"]] == [place < released for place in range(3)]
+
+
+def test_what_would_have_begun_before_its_cancel_still_supersedes_the_plan_before_it() -> None:
+    cancelled = Sent(GO_TO, (B,), not_before=1.0)
+    rig = arrived([Sent(GO_TO, (A,)), cancelled, Sent(CANCEL, target_id=2)], (1, 3, 2))
+    assert rig.stage(2) is Stage.CANCELLED
+    assert (rig.executive.mode, rig.stage(1)) == (Mode.IDLE, Stage.SUPERSEDED)
+
+
+def test_only_what_can_still_overtake_a_command_is_kept() -> None:
+    rig = arrived([Sent(GO_TO, (A,)), Sent(HOLD), Sent(GO_TO, (B,)), Sent(GO_TO, (C,))], (1, 3, 4))
+    state: Any = rig.executive.state()["sequence"]
+    assert state["executed"] == {"go_to": [[4, SECOND]]}
+
+
+def test_what_is_for_all_is_stored_as_the_largest_number() -> None:
+    rig = arrived([Sent(GO_TO, (A,)), Sent(RELEASE), Sent(ABORT)], (2, 3))
+    state: Any = rig.executive.state()["sequence"]
+    assert state["executed"] == {"release": [[2, SECOND]], "abort": [[3, 2**63 - 1]]}
+    assert state["released"] == [[2, 2**31]]

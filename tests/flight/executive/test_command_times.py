@@ -102,6 +102,17 @@ def test_a_late_plan_starts_at_once_unless_all_of_it_is_reached(rig: Rig) -> Non
     assert rig.send(5.0, UPLOAD, A, id=4) is Stage.STARTED, "who asks for it again without a time gets it again"
 
 
+def test_a_command_that_is_for_now_starts_now(walking: Rig) -> None:
+    assert walking.send(5.0, GO_TO, C, id=2, not_before=5.0) is Stage.STARTED
+
+
+def test_a_time_of_zero_is_a_time(rig: Rig) -> None:
+    rig.command(0.0, A)
+    rig.sense(1.0, "a")
+    assert rig.send(2.0, UPLOAD, A, id=2, not_before=0.0) is Stage.SKIPPED, "too late, and reached already"
+    assert rig.send(3.0, GO_TO, B, id=3, expires=0.0) is Stage.EXPIRED
+
+
 # Arguments
 
 
@@ -118,9 +129,11 @@ def test_a_fallen_robot_obeys_nothing(rig: Rig, kind: CommandKind) -> None:
         (UPLOAD, (), {}, "upload_plan takes 1 to 10,000 waypoints, and has 0"),
         (GO_TO, (A, B), {}, "go_to takes 1 waypoint, and has 2"),
         (CommandKind.HOLD, (A,), {}, "hold takes 0 waypoints, and has 1"),
+        (CommandKind.SKIP, (A, B), {}, "skip takes 0 to 1 waypoint, and has 2"),
         (UPLOAD, (A,), {"released": 2}, "it releases 2 of 1 waypoints"),
         (UPLOAD, (A,), {"on_failure": "dance"}, "on_failure is 'dance'"),
         (UPLOAD, (A,), {"not_before": 9.0, "expires": 8.0}, "it expires before it may start"),
+        (UPLOAD, (A,), {"released": -2}, "it releases -2 of 1 waypoints"),
         (RELEASE, (), {"released": -2}, "it releases -2 waypoints"),
         (CommandKind.SET_TOLERANCE, (), {"value": 0.0}, "a tolerance of 0 m is out of bounds"),
         (CommandKind.SET_TOLERANCE, (), {"value": 100.1}, "a tolerance of 100.1 m is out of bounds"),
@@ -146,6 +159,18 @@ def test_wrong_arguments_are_refused(
     assert rig.ended(2) == (Stage.REJECTED, reason)
     assert rig.stages_of(2) == [Stage.RECEIVED, Stage.REJECTED]
     assert (rig.executive.command_id, rig.executive.target) == (1, B), "and nothing has changed"
+
+
+def test_an_id_below_one_is_refused(rig: Rig) -> None:
+    assert rig.send(0.0, CommandKind.HOLD, id=0) is Stage.REJECTED
+
+
+def test_an_expiry_at_mission_start_is_one(rig: Rig) -> None:
+    assert rig.send(0.0, UPLOAD, A, id=1, not_before=1.0, expires=0.0) is Stage.REJECTED
+
+
+def test_a_waypoint_may_have_a_time_of_one_nanosecond(rig: Rig) -> None:
+    assert rig.send(0.0, UPLOAD, replace(A, timeout_ns=1), id=1) is Stage.STARTED
 
 
 def test_a_plan_of_one_waypoint_has_one(rig: Rig) -> None:

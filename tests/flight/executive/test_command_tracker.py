@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from tests.flight.executive.rig import A, Rig
 from waypointctl.flight.executive.command_tracker import CommandTracker
+from waypointctl.flight.executive.plan import names
 from waypointctl.log.messages import Command, CommandKind, Stage
 
 
@@ -54,6 +55,32 @@ def test_a_checkpoint_does_not_grow_with_the_waypoints_that_are_over() -> None:
     assert (plan["at"], plan["begin"], plan["of"], len(plan["items"])) == (999, 744, 1000, 256)
     assert plan["items"][-1]["waypoint"]["index"] == 999
     assert (state["reached"], state["reached_count"]) == ([*range(743, 999)], 999)
+
+
+def test_a_frame_has_the_newest_open_commands_and_those_that_ended_last() -> None:
+    rig = Rig()
+
+    def reported() -> list[int]:
+        return [status.command_id for status in rig.executive.statuses]
+
+    assert reported() == []
+    for number in (1, 2, 3, 4):
+        rig.send(0.0, CommandKind.HOLD, id=number)
+    assert reported() == [2, 3, 4]
+    for number in (5, 6, 7):
+        rig.send(1.0, CommandKind.GO_TO, A, id=number, not_before=90.0)
+        assert len(reported()) == 3
+    assert reported() == [4, 6, 7]
+    rig.send(2.0, CommandKind.CANCEL, id=8, target_id=6)
+    assert reported() == [5, 7, 8]
+    assert [status.stage for status in rig.executive.statuses] == [Stage.ACCEPTED, Stage.ACCEPTED, Stage.COMPLETED]
+
+
+@pytest.mark.parametrize(
+    ("count", "named"), [(1, "0"), (12, "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11"), (13, "0 to 12, 13 waypoints")]
+)
+def test_many_waypoints_are_named_by_the_first_and_the_last(count: int, named: str) -> None:
+    assert names([replace(A, name=str(number)) for number in range(count)]) == named
 
 
 ids = st.integers(1, 12)

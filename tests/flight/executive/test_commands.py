@@ -83,12 +83,14 @@ def test_a_plan_is_walked_as_far_as_it_is_released(rig: Rig) -> None:
 
 
 def test_a_release_is_refused_or_comes_too_late(rig: Rig) -> None:
-    assert rig.send(0.0, RELEASE, id=1) is Stage.REJECTED
+    rig.send(0.0, RELEASE, id=1)
+    assert rig.ended(1) == (Stage.REJECTED, "there is no plan")
     rig.send(0.0, UPLOAD, A, B, id=2, released=1)
     rig.send(0.0, RELEASE, id=3, released=3)
     assert rig.ended(3) == (Stage.REJECTED, "there are 2 waypoints in the plan")
     rig.send(0.0, RELEASE, id=4, released=1)
     assert rig.ended(4) == (Stage.SKIPPED, "late: 1 of 2 waypoints are released already")
+    assert rig.send(0.0, RELEASE, id=5, released=0) is Stage.SKIPPED
 
 
 def test_nothing_released_is_nothing_walked(rig: Rig) -> None:
@@ -269,3 +271,9 @@ def test_the_way_home_can_be_cancelled(walking: Rig) -> None:
     walking.send(1.0, CommandKind.RETURN_HOME, id=2)
     walking.send(2.0, CommandKind.CANCEL, id=3, target_id=2)
     assert (walking.executive.mode, walking.executive.target) == (Mode.IDLE, None)
+
+
+@pytest.mark.parametrize(("released", "named"), [(-1, "all"), (0, "0"), (1, "1")])
+def test_a_release_that_is_received_names_its_count(rig: Rig, released: int, named: str) -> None:
+    rig.send(0.0, RELEASE, id=1, released=released)
+    assert rig.events[0].text == f"command 1 received: release {named}"

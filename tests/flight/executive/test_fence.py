@@ -143,6 +143,7 @@ def test_a_way_breaks_the_fence_where_one_of_its_points_does(
         ((4.99, 3.0), (5.01, 9.0), "is inside keep-out hole"),
         ((5.0, 5.0), (5.0, 5.0), "is inside keep-out hole"),
         ((1.0, 1.0), (1.0, 1.0), ""),
+        ((1.0, 5.0), (3.0, 5.0), ""),
     ],
 )
 def test_the_way_between_two_places_is_held_against_the_fence(start: Point, end: Point, breach: str) -> None:
@@ -162,3 +163,17 @@ def test_a_way_meets_a_circle_where_geometry_says() -> None:
     assert list(circle.crossings((-7.0, 7.1), (13.0, 7.1))) == []
     assert list(circle.crossings((3.0, 2.0), (3.0, 2.0))) == []
     assert [circle.holds((8.0, 2.0)), circle.holds((8.0, 2.1))] == [True, False]
+    assert list(Circle("round", (0.0, 0.0), 10.0).crossings((-12.0, -16.0), (12.0, 16.0))) == [0.25, 0.75]
+    assert list(Circle("round", (0.0, 0.0), 1.0).crossings((0.75, 0.0), (1.25, 0.0))) == [-3.5, 0.5]
+
+
+def test_a_way_meets_the_borders_of_a_polygon_and_not_their_extensions() -> None:
+    assert sorted(SQUARE.crossings((-5.0, 5.0), (15.0, 5.0))) == [0.25, 0.75]
+    assert list(SQUARE.crossings((-5.0, 15.0), (15.0, 15.0))) == []
+    assert list(SQUARE.crossings((-5.0, -5.0), (15.0, -5.0))) == []
+
+
+def test_what_lies_beyond_the_end_of_a_way_is_not_on_it() -> None:
+    annex = Circle("annex", (12.0, 5.0), 3.0)
+    assert Fence((SQUARE, annex)).breach_between((5.0, 5.0), (14.0, 5.0)) == ""
+    assert Fence((SQUARE, annex)).breach_between((5.0, 5.0), (16.0, 5.0)) == "is outside keep-in"

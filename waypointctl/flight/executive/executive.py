@@ -130,7 +130,7 @@ class Executive:
         self._execution.emit(now_ns, EventKind.COMMAND_RECEIVED, text, command_id=command.id)
         decide(self._execution, now_ns, command)
 
-    def sense(self, now_ns: int, position: FloatArray, fell: bool, heading_rad: float = 0.0) -> None:
+    def sense(self, now_ns: int, position: FloatArray, fell: bool, heading_rad: float) -> None:
         """Look at the world and the clock.
 
         Args:

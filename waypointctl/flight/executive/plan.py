@@ -150,7 +150,7 @@ class Leg:
         since_ns: when its clock began.
         tries: how often it has been begun.
         best_m: the smallest distance that counted as progress.
-        best_ns: when that was.
+        best_ns: when that was, or when its clock began.
         goals: this waypoint and the next, (1, 2, 2) [m], as the policy's observation takes them.
     """
 
@@ -159,12 +159,13 @@ class Leg:
     since_ns: int
     tries: int = 1
     best_m: float = math.inf
-    best_ns: int = 0
+    best_ns: int = field(init=False)
     goals: FloatArray = field(init=False)
     _acceptance: Acceptance = field(init=False)
 
     def __post_init__(self) -> None:
         """Work out what every control step needs."""
+        self.best_ns = self.since_ns
         self.aim(self.waypoint, self.following)
 
     def aim(self, waypoint: PlannedWaypoint, following: PlannedWaypoint) -> None:

@@ -76,7 +76,7 @@ class PlanExecution:
             self.emit(now_ns, EventKind.RELEASE_AWAITED, f"waiting for the release of {item.waypoint.name}", item)
             return
         self.machine.signal(Signal.START_LEG)
-        self.leg = Leg(item.waypoint, self.plan.following or item.waypoint, now_ns, best_ns=now_ns)
+        self.leg = Leg(item.waypoint, self.plan.following or item.waypoint, now_ns)
         self.emit(now_ns, EventKind.LEG_STARTED, f"driving to {item.waypoint.name}", item)
 
     def suspend(self, now_ns: int, signal: Signal, cause: str) -> None:
@@ -187,7 +187,7 @@ class PlanExecution:
         self.machine.signal(Signal.GO_HOME)
         self.home_id = self.command_id = command_id
         self.cause = self.home_cause = cause
-        self.leg = Leg(self.rules.home, self.rules.home, now_ns, best_ns=now_ns)
+        self.leg = Leg(self.rules.home, self.rules.home, now_ns)
         self.emit(now_ns, EventKind.RETURN_STARTED, f"returning home: {cause}" if cause else "returning home")
 
     def fail(self, now_ns: int, code: str) -> None:

@@ -92,7 +92,7 @@ def _wrong_place(waypoint: PlannedWaypoint, fence: Fence) -> str:
         return f"{name} at ({waypoint.x_m:g}, {waypoint.y_m:g}) is out of bounds"
     if waypoint.acceptance not in ACCEPTANCE_SHAPES or not is_tolerance(waypoint.tolerance_m):
         return f"{name}: acceptance {waypoint.acceptance!r:.40} within {waypoint.tolerance_m:g} m is out of bounds"
-    if waypoint.timeout_ns < 1 or not is_timeout(seconds(waypoint.timeout_ns)):
+    if not is_timeout(seconds(waypoint.timeout_ns)):
         return f"{name}: a time-out of {seconds(waypoint.timeout_ns):g} s is out of bounds"
     if not is_hold(seconds(waypoint.hold_ns)):
         return f"{name}: a hold of {seconds(waypoint.hold_ns):g} s is out of bounds"
@@ -115,15 +115,18 @@ def decide(execution: PlanExecution, now_ns: int, command: Command) -> None:
         tracker.advance(now_ns, command.id, Stage.REJECTED, reason)
     elif 0 <= command.expires_ns < now_ns:
         tracker.advance(now_ns, command.id, Stage.EXPIRED, "late")
-    elif cancelled is not None and not (begun and BEHAVIOURS[command.kind].lasts):
-        tracker.advance(now_ns, command.id, Stage.CANCELLED, by(cancelled))
-    elif command.not_before_ns <= now_ns:
+    elif cancelled is None or (begun and BEHAVIOURS[command.kind].lasts):  # then it ends what came before it
+        _start_or_keep(execution, now_ns, command)
+    if cancelled is not None and tracker.is_open(command.id):
+        end_command(execution, now_ns, command.id, Stage.CANCELLED, by(cancelled))
+
+
+def _start_or_keep(execution: PlanExecution, now_ns: int, command: Command) -> None:
+    if command.not_before_ns <= now_ns:
         start(execution, now_ns, command)
     elif not is_overtaken(execution, now_ns, command):
-        tracker.advance(now_ns, command.id, Stage.ACCEPTED)
-        tracker.postpone(command)
-    if cancelled is not None and tracker.is_open(command.id):  # it has ended what came before it
-        end_command(execution, now_ns, command.id, Stage.CANCELLED, by(cancelled))
+        execution.tracker.advance(now_ns, command.id, Stage.ACCEPTED)
+        execution.tracker.postpone(command)
 
 
 def start(execution: PlanExecution, now_ns: int, command: Command) -> None:
