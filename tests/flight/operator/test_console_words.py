@@ -36,6 +36,7 @@ def test_each_command_becomes_its_order() -> None:
         ("goto 7", "goto takes X m Y m, not '7'"),
         ("goto a b", "goto takes X m Y m, not 'a b'"),
         ("goto nan 1", "goto takes X m Y m"),
+        ("goto 1 1e999", "goto takes X m Y m"),
         ("goto 1e9 0", "further than 10000 m"),
         ("hold 3", "hold takes no argument"),
         ("hold 5 s", "`goto X m Y m hold 5 s` holds at a place"),
@@ -109,6 +110,11 @@ def test_what_can_never_be_obeyed_is_not_sent(line: str, said: str) -> None:
     request = request_from(line, YARD)
     assert impossible(request, YARD).startswith(said)
     assert wrong_arguments(request.command(1, 1, 0, 0), rules_of(YARD).fence), "the robot would reject it"
+
+
+@pytest.mark.parametrize("line", ["release 0", "release -1", "cancel 1", "cancel 1000000000", "goto 10000 -10000"])
+def test_what_is_at_its_limit_can_be_sent(line: str) -> None:
+    assert impossible(request_from(line, MISSION), MISSION) == ""
 
 
 def test_a_command_that_never_was_is_not_cancelled() -> None:

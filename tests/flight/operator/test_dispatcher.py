@@ -84,6 +84,14 @@ def test_an_expired_command_is_not_sent_again() -> None:
     assert max(attempt for _, _, attempt in stages(told)) == 1
 
 
+def test_a_command_that_expires_at_mission_start_is_not_sent_again() -> None:
+    channel = Channel()
+    dispatcher, _ = ground(channel)
+    dispatcher.issue(0, CommandRequest(CommandKind.HOLD, expires_ns=0))
+    dispatcher.wake(AIRTIME_NS + ROUND_TRIP_NS)
+    assert (dispatcher.unanswered, len(channel.arrived)) == ((1,), 1)
+
+
 def test_what_the_own_sender_refuses_is_lost_at_once_and_tried_again() -> None:
     deliveries = [Delivery(NEVER, NEVER, (), QUEUE_FULL)]
     channel = Channel()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from waypointctl.flight.link.contacts import Contacts, Window
 from waypointctl.flight.link.direction import Direction
-from waypointctl.flight.link.impairments import fixed_delay, uniform_jitter
+from waypointctl.flight.link.impairments import drawn_jitter, fixed_delay, uniform_jitter
 from waypointctl.flight.operator.timing import answer_time, leaving_time, patience_ns
 from waypointctl.seeding import stream
 
@@ -19,6 +19,8 @@ def test_an_answer_is_due_after_both_delays_both_jitters_the_robots_time_and_the
     assert answer_time(up, down, 20, 7)(5) == 5 + 1_000 + 100 + 20 + 2_000 + 50 + 7
     assert patience_ns(down, 7) == 7 + 2 * 50
     assert patience_ns(Direction[int](), 7) == 7
+    for most_ns in (0, -5):
+        assert patience_ns(Direction[int](jitter=drawn_jitter([-9, most_ns], stream(0, "j"))), 7) == 7
 
 
 def test_an_answer_waits_for_the_contact_back_and_takes_its_airtime() -> None:

@@ -30,3 +30,11 @@ def test_the_state_is_current_when_a_frame_is_no_older_than_the_last_end() -> No
     assert not reported.is_current
     reported.on_message(replace(frame(Mode.FAILED), frame=1, issued_ns=7))
     assert reported.is_current
+
+
+def test_an_end_at_mission_start_is_one() -> None:
+    reported = ReportedState()
+    reported.on_message(ack(Stage.REJECTED))
+    assert not reported.is_current
+    reported.on_message(replace(frame(Mode.IDLE), issued_ns=0))
+    assert reported.is_current
