@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NoReturn
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -131,6 +132,29 @@ def test_a_robot_at_rest_whose_verdict_was_lost_is_asked_again() -> None:
     dispatcher.on_message(5200, ack(Stage.COMPLETED))
     assert dispatcher.wake(10_000) == []
     assert dispatcher.wake_ns is None
+
+
+@pytest.mark.parametrize(
+    ("not_before_ns", "frame_ns", "mode", "target", "queries"),
+    [
+        (-1, 901, Mode.DONE, -1, True),
+        (-1, 900, Mode.DONE, -1, False),  # no newer than the last report
+        (901, 901, Mode.DONE, -1, True),
+        (902, 901, Mode.DONE, -1, False),  # kept for its time
+        (-1, 901, Mode.SAFE, -1, True),
+        (-1, 901, Mode.SAFE, 0, False),  # it has something to go on with
+        (-1, 901, Mode.NAVIGATING, -1, False),
+    ],
+)
+def test_a_robot_at_rest_is_asked_only_after_what_it_should_have_ended(
+    not_before_ns: int, frame_ns: int, mode: Mode, target: int, queries: bool
+) -> None:
+    dispatcher, _ = ground(Channel())
+    dispatcher.issue(0, CommandRequest(CommandKind.HOLD, not_before_ns=not_before_ns))
+    dispatcher.wake(AIRTIME_NS)
+    dispatcher.on_message(1000, replace(ack(Stage.STARTED), issued_ns=900))
+    dispatcher.on_message(2000, replace(frame(mode), issued_ns=frame_ns, target=target))
+    assert (dispatcher.wake_ns is not None) is queries
 
 
 def test_an_acknowledgement_that_arrives_out_of_order_does_not_set_a_command_back() -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.flight.flying import Scripted
+from tests.flight.flying import FloatArray, Scripted
 from tests.flight.operator.missions import ack, frame, mission_of
 from waypointctl.flight.executive.rules import AT_HOME
 from waypointctl.flight.link.frames import BodyFrame
@@ -15,6 +15,8 @@ from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.log.messages import TELEOPERATION, CommandKind, Event, EventKind, Mode, Stage
 from waypointctl.robots.load import load_robot
+from waypointctl.task.plugins import ObservationGroup
+from waypointctl.task.view import SimulationView
 from waypointctl.units import NS_PER_S
 
 ACTION = np.linspace(-0.5, 0.5, 8)
@@ -148,3 +150,44 @@ def test_a_cause_that_no_rule_on_board_gave_is_not_why_the_mission_failed() -> N
     ground.operator.on_message(0, replace(frame(mode=Mode.PAUSED), cause="by command 3"))
     assert ground.state(5 * NS_PER_S) == (False, [CommandKind.HOLD])
     assert ground.operator.failure == "timeout"
+
+
+def test_a_state_is_answered_with_the_goals_the_time_and_the_last_action() -> None:
+    def seen(view: SimulationView) -> FloatArray:
+        return np.column_stack([view.goals.reshape(1, 4), view.steps, view.action])
+
+    numbers = tuple(f"number {number}" for number in range(13))
+    group = ObservationGroup("all_of_it", seen, numbers, "1", 1.0)
+    policy = Scripted(2 * ACTION)
+    policy.observation_layout = ("all_of_it",)  # type: ignore[assignment]
+    mission = mission_of("autonomy: joint", "[[4, 0], [4, 3], [1, 3]]")
+    operator = JointOperator(mission, policy, load_robot("ant"), np.zeros(4), (group,), lambda _: None)
+
+    def observed(step: int, x_m: float, y_m: float) -> list[float]:
+        qpos = np.array([x_m, y_m, 0.5, 1.0, *[0.0] * 11])
+        control, _ = operator.on_state(0, BodyFrame(step, qpos, np.zeros(14), step * PERIOD_NS, 0))
+        assert control is not None
+        observation: list[float] = control.observation.tolist()
+        return observation
+
+    assert observed(3, 0.0, 0.0) == [4.0, 0.0, 4.0, 3.0, 3.0, *[0.0] * 8]
+    assert observed(4, 4.0, 0.0) == [4.0, 3.0, 1.0, 3.0, 4.0, *np.clip(2 * ACTION, -1, 1)]
+    assert observed(5, 4.0, 3.0)[:4] == [1.0, 3.0, 1.0, 3.0]
+    assert operator.reached == (0, 1)
+    assert operator.state()["leg"] == 2
+
+
+def test_a_fall_during_a_task_stays_the_reason() -> None:
+    ground = Ground("", "[{position_m: [4, 0], observe: true}]")
+    assert "at_task" not in ground.operator.state()
+    assert ground.state(NS_PER_S, 4.0, 0.0) == (False, [CommandKind.GO_TO])
+    assert ground.operator.state()["at_task"] is True
+    ground.operator.on_message(0, frame(mode=Mode.FALLEN))
+    ground.operator.on_message(0, ack(Stage.COMPLETED, 1))
+    assert ground.operator.failure == "fall"
+
+
+def test_a_fall_ends_the_mission_whichever_command_reports_it() -> None:
+    ground = Ground()
+    ground.operator.on_message(0, ack(Stage.CANCELLED, 9, "fall"))
+    assert (ground.operator.finished, ground.operator.failure) == (True, "fall")

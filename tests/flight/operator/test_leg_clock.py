@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from tests.flight.flying import UNDER_FOOT, flown, mission_of, only
 from tests.flight.operator.missions import ack, frame
 from tests.flight.operator.missions import mission_of as mission_text
 from waypointctl.flight.operator.planner import ShortRangeGoalOperator
 from waypointctl.flight.operator.requests import CommandRequest
 from waypointctl.flight.operator.timing import LegClock
-from waypointctl.log.messages import CommandKind, Mode, Stage, State
+from waypointctl.log.messages import CommandKind, CommandStatus, Mode, Stage, State
 from waypointctl.units import NS_PER_S
 
 RTT_NS = 40 * NS_PER_S
@@ -154,3 +156,72 @@ def test_a_contact_that_is_still_to_come_is_waited_for() -> None:
     clock.restart(0)
     assert not clock.is_silent(opens_ns + RTT_NS + 10 * NS_PER_S, 10 * NS_PER_S)
     assert clock.is_silent(opens_ns + RTT_NS + 10 * NS_PER_S + 1, 10 * NS_PER_S)
+
+
+def test_a_leg_that_is_begun_anew_keeps_nothing_of_the_one_before() -> None:
+    clock = LegClock(answer_by)
+    clock.on_issued(1, clock.include(goal()))
+    started(clock, 1, 2.0)
+    clock.restart(5 * NS_PER_S)
+    started(clock, 1, 6.0, Stage.SUPERSEDED)
+    assert clock.began_ns is None
+    clock.on_issued(2, clock.include(goal()))
+    started(clock, 2, 20.0)
+    clock.on_message(frame(issued_ns=30 * NS_PER_S))
+    assert not clock.is_over(10 * NS_PER_S)
+    assert clock.is_over(10 * NS_PER_S - 1)
+
+
+def test_a_goal_that_was_dropped_before_it_was_sent_is_none_of_the_leg() -> None:
+    clock = LegClock(answer_by)
+    dropped, sent, last = (clock.include(goal()) for _ in range(3))
+    clock.on_issued(1, sent)
+    clock.on_issued(2, dropped)
+    started(clock, 2, 6.0)
+    assert clock.began_ns is None
+    clock.on_issued(3, last)
+    started(clock, 3, 7.0)
+    assert clock.began_ns == 7 * NS_PER_S
+
+
+def test_a_frame_reports_goals_too() -> None:
+    clock = LegClock(answer_by)
+    clock.on_issued(1, clock.include(goal()))
+    clock.on_message(replace(frame(issued_ns=3 * NS_PER_S), commands=(CommandStatus(1, Stage.STARTED),)))
+    assert clock.began_ns == 3 * NS_PER_S
+
+
+def test_a_frame_of_the_same_moment_is_news() -> None:
+    clock = LegClock(answer_by)
+    clock.on_issued(1, clock.include(goal()))
+    started(clock, 1, 20.0)
+    for second in (20, 40):
+        clock.on_message(frame(mode=Mode.PAUSED, issued_ns=second * NS_PER_S))
+    assert not clock.is_over(0)
+
+
+def test_a_robot_that_drives_for_others_takes_nothing_of_the_legs_time() -> None:
+    clock = LegClock(answer_by)
+    for second in (5, 50):
+        clock.on_message(frame(issued_ns=second * NS_PER_S))
+    assert not clock.is_over(0)
+    clock.on_issued(1, clock.include(goal()))
+    started(clock, 1, 60.0)
+    started(clock, 1, 60.0, Stage.COMPLETED)
+    for second in (70, 90):
+        clock.on_message(frame(issued_ns=second * NS_PER_S))
+    assert not clock.is_over(0), "its goal has ended"
+
+
+def test_what_is_acknowledged_once_more_is_no_change() -> None:
+    clock = LegClock(answer_by)
+    clock.on_issued(1, clock.include(goal()))
+    overdue_ns = 30 * NS_PER_S + RTT_NS + 1
+    started(clock, 1, 20.0)
+    started(clock, 1, 25.0)
+    assert clock.is_silent(overdue_ns, 10 * NS_PER_S)
+    assert not clock.is_silent(overdue_ns - 1, 10 * NS_PER_S)
+    started(clock, 1, 30.0, Stage.COMPLETED)
+    started(clock, 1, 35.0, Stage.COMPLETED)
+    assert clock.is_silent(overdue_ns + 10 * NS_PER_S, 10 * NS_PER_S)
+    assert not clock.is_silent(overdue_ns + 10 * NS_PER_S - 1, 10 * NS_PER_S)

@@ -5,7 +5,8 @@ import pytest
 from tests.flight.operator.missions import ack, mission_of
 from waypointctl.flight.operator.operator import ended_by_robot
 from waypointctl.flight.operator.planner import MissionOperator, WaypointOperator
-from waypointctl.log.messages import CommandKind, Stage
+from waypointctl.flight.operator.requests import CommandRequest
+from waypointctl.log.messages import CommandKind, Event, EventKind, Stage
 from waypointctl.units import NS_PER_S
 
 
@@ -65,3 +66,56 @@ def test_the_command_that_ended_another_is_named_with_its_kind(
 ) -> None:
     said = ack(stage, reason="by command 2")
     assert ended_by_robot(said, {1: own, 2: other}) == failure
+
+
+@pytest.mark.parametrize(
+    ("stage", "reason", "failure"),
+    [
+        (Stage.COMPLETED, "", ""),
+        (Stage.FAILED, "", "failed"),
+        (Stage.REJECTED, "", "rejected"),
+        (Stage.REJECTED, "geofence", "geofence"),
+    ],
+)
+def test_an_end_without_a_reason_is_named_by_its_stage(stage: Stage, reason: str, failure: str) -> None:
+    assert ended_by_robot(ack(stage, reason=reason)) == failure
+
+
+@pytest.mark.parametrize(("stage", "reason"), [(Stage.FAILED, "geofence"), (Stage.CANCELLED, "timeout")])
+def test_only_a_waypoint_that_was_not_reached_is_skipped(stage: Stage, reason: str) -> None:
+    operator = WaypointOperator(mission_of("on_failure: skip"))
+    operator.on_issued(1, operator.begin()[0])
+    assert operator.on_message(0, ack(stage, reason=reason)) == []
+    assert operator.finished
+
+
+def test_a_waypoint_that_is_skipped_is_announced() -> None:
+    events: list[Event] = []
+    operator = WaypointOperator(mission_of("on_failure: skip"), events.append)
+    operator.on_issued(1, operator.begin()[0])
+    operator.on_message(7, ack(Stage.FAILED, reason="timeout"))
+    assert [(event.time_ns, event.kind, event.waypoint) for event in events] == [(7, EventKind.WAYPOINT_SKIPPED, 0)]
+
+
+def test_what_was_thought_of_is_dropped_at_the_end() -> None:
+    operator = WaypointOperator(mission_of("operator: {think: 5 s}"))
+    operator.on_issued(1, operator.begin()[0])
+    operator.on_message(0, ack(Stage.COMPLETED))
+    assert operator.wake_ns == 5 * NS_PER_S
+    operator.on_message(0, ack(Stage.FAILED, reason="fall"))
+    assert operator.finished
+    assert operator.wake(9 * NS_PER_S) == []
+    assert not operator.acts_on_states
+
+
+@pytest.mark.parametrize(
+    ("start_ns", "arrives_ns", "yields"), [(5, 5, True), (6, 5, False), (6, 6, True), (6, None, True)]
+)
+def test_the_ground_leads_no_further_once_its_goals_would_arrive_after_a_return_home_begins(
+    start_ns: int, arrives_ns: int | None, yields: bool
+) -> None:
+    operator = WaypointOperator(mission_of(""))
+    operator.on_external_request(4, CommandRequest(CommandKind.RETURN_HOME, not_before_ns=start_ns))
+    assert not operator.going_home
+    operator.yield_to_return(4, lambda _: arrives_ns)
+    assert (operator.going_home, operator.suspended) == (yields, yields)

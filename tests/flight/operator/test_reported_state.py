@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
 from tests.flight.operator.channel import ack, frame
 from waypointctl.flight.operator.operator import ReportedState
 from waypointctl.log.messages import Mode, Stage
@@ -16,6 +18,7 @@ def test_a_frame_that_arrives_out_of_order_is_not_taken_for_the_newest() -> None
     reported.on_message(replace(frame(Mode.RETURNING), frame=4, reached=(0,)))
     assert reported.telemetry == newer
     assert reported.went_home, "a way home that is over is still one"
+    assert reported.reached == (0, 1)
     assert reported.knows_reached(1)
 
 
@@ -38,3 +41,14 @@ def test_an_end_at_mission_start_is_one() -> None:
     assert not reported.is_current
     reported.on_message(replace(frame(Mode.IDLE), issued_ns=0))
     assert reported.is_current
+
+
+@pytest.mark.parametrize(
+    ("mode", "cause", "home"),
+    [(Mode.NAVIGATING, "", False), (Mode.RETURNING, "", True), (Mode.SAFE, "at home: stuck", True)],
+)
+def test_a_way_home_is_known_from_a_frame(mode: Mode, cause: str, home: bool) -> None:
+    reported = ReportedState()
+    assert reported.reached == ()
+    reported.on_message(replace(frame(mode), cause=cause))
+    assert reported.went_home is home

@@ -4,7 +4,7 @@ import pytest
 
 from tests.flight.operator.missions import mission_of
 from waypointctl.errors import MissionError
-from waypointctl.flight.operator.requests import scheduled_requests
+from waypointctl.flight.operator.requests import CommandRequest, EventQueue, scheduled_requests
 from waypointctl.log.messages import CommandKind
 from waypointctl.units import NS_PER_S
 
@@ -32,6 +32,24 @@ def test_scheduled_commands_are_due_at_their_times_in_order() -> None:
 
 
 @pytest.mark.parametrize(
+    ("command", "request_"),
+    [
+        ("do: hold", CommandRequest(CommandKind.HOLD)),
+        ("do: release, released: -1", CommandRequest(CommandKind.RELEASE)),
+        ("do: release, released: 2", CommandRequest(CommandKind.RELEASE, released=2)),
+        ("do: cancel, command: 1", CommandRequest(CommandKind.CANCEL, target_id=1)),
+        ("do: set_tolerance, tolerance: 2 m", CommandRequest(CommandKind.SET_TOLERANCE, value=2.0)),
+        ("do: set_timeout, timeout: 9 s", CommandRequest(CommandKind.SET_TIMEOUT, value=9.0)),
+        ("do: hold, not_before: 3 s", CommandRequest(CommandKind.HOLD, not_before_ns=3 * NS_PER_S)),
+        ("do: hold, expires: 3 s", CommandRequest(CommandKind.HOLD, expires_ns=3 * NS_PER_S)),
+    ],
+)
+def test_a_scheduled_command_says_what_the_request_has(command: str, request_: CommandRequest) -> None:
+    queue = scheduled_requests(mission_of(f"schedule:\n- {{at: 1 s, {command}}}"))
+    assert queue.due(NS_PER_S) == [request_]
+
+
+@pytest.mark.parametrize(
     ("command", "said"),
     [
         ("{at: 1 s, do: go_to}", "go_to needs 'position'"),
@@ -44,3 +62,13 @@ def test_scheduled_commands_are_due_at_their_times_in_order() -> None:
 def test_a_command_that_cannot_be_is_refused(command: str, said: str) -> None:
     with pytest.raises(MissionError, match=said):
         mission_of(f"schedule:\n- {command}")
+
+
+def test_a_queue_that_is_cleared_has_nothing_due() -> None:
+    queue: EventQueue[str] = EventQueue()
+    queue.add(5, "later")
+    queue.add(5, "later still")
+    queue.add(3, "first")
+    assert queue.entries() == [(3, "first"), (5, "later"), (5, "later still")]
+    queue.clear()
+    assert (queue.next_ns, queue.due(9)) == (None, [])

@@ -30,7 +30,8 @@ def station(text: str = "", *, acknowledged: bool = True, period_ns: int = 0) ->
     mission, channel = mission_of(text), Channel()
     dispatcher, _ = ground(channel, acknowledged=acknowledged)
     heartbeats = HeartbeatSender(channel, period_ns)
-    return Station(WaypointOperator(mission), scheduled_requests(mission), dispatcher, heartbeats), channel
+    operator = WaypointOperator(mission)
+    return Station(operator, scheduled_requests(mission), dispatcher, heartbeats, lambda sent_ns: sent_ns), channel
 
 
 def sent(channel: Channel) -> list[CommandKind]:
@@ -166,7 +167,8 @@ def test_what_others_send_reaches_the_operator_only_while_it_leads() -> None:
     for finished in (False, True):
         dispatcher, _ = ground(Channel())
         operator = ShortRangeGoalOperator(mission)
-        led = Station(operator, scheduled_requests(mission), dispatcher, HeartbeatSender(no_uplink, 0))
+        heartbeats = HeartbeatSender(no_uplink, 0)
+        led = Station(operator, scheduled_requests(mission), dispatcher, heartbeats, lambda sent_ns: sent_ns)
         operator.finished = finished
         led.wake(NS_PER_S)
         assert operator.suspended is not finished

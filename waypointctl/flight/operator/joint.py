@@ -131,7 +131,7 @@ class JointOperator(Operator):
         if frame.issued_ns <= self._since_ns:
             return []
         acceptance = Acceptance.of(waypoint.acceptance, waypoint.tolerance_m)
-        if reached(acceptance, frame.qpos[np.newaxis, :2], self._goals[:, 0])[0]:
+        if reached(acceptance, frame.qpos[np.newaxis], self._goals[:, 0])[0]:
             self._reached.append(waypoint.index)
             self._announce_decision(
                 now_ns, EventKind.WAYPOINT_REACHED, waypoint, "reached, as seen from the ground", Severity.INFO

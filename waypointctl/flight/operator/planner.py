@@ -124,7 +124,8 @@ class ShortRangeGoalOperator(Operator):
         self._at_task = False  # a waypoint with a hold or an observation is under way
         self._leg = 0
         self._clock = clock or LegClock(lambda left_ns: left_ns)
-        self._next_goal_ns: int | None = 0  # when the next goal is due under `continuous`
+        # When the next goal is due under `continuous`.
+        self._next_goal_ns: int | None = self._period_ns if self._continuous else None
 
     @property
     def wake_ns(self) -> int | None:
@@ -135,7 +136,6 @@ class ShortRangeGoalOperator(Operator):
 
     def begin(self) -> list[CommandRequest]:
         """Send the first goal."""
-        self._next_goal_ns = self._period_ns if self._continuous else None
         return [self._lookahead_goal()]
 
     def on_issued(self, command_id: int, request: CommandRequest) -> None:

@@ -154,6 +154,5 @@ def place(position_m: Sequence[float], mission: Mission, scheduled: ScheduledCom
 
 
 def _value(scheduled: ScheduledCommand) -> float:
-    if scheduled.do == "set_tolerance":
-        return scheduled.tolerance_m or 0.0
-    return scheduled.timeout_s or 0.0 if scheduled.do == "set_timeout" else 0.0
+    values = {"set_tolerance": scheduled.tolerance_m, "set_timeout": scheduled.timeout_s}
+    return values.get(scheduled.do) or 0.0
