@@ -13,10 +13,11 @@ import importlib.util
 import json
 import math
 import os
+import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.machinery import ModuleSpec
@@ -45,6 +46,9 @@ class Measured:
     lines: dict[str, list[int]]
 
 
+_NOTHING: Final[Mapping[str, Measured]] = {}
+
+
 def collected(files: Sequence[str], work: Callable[[Items], None]) -> int:
     """Let pytest collect tests, do the work in place of its loop over them, and return its exit code."""
 
@@ -58,8 +62,8 @@ def collected(files: Sequence[str], work: Callable[[Items], None]) -> int:
     return int(pytest.main([*_PYTEST, *files], plugins=[Plugin()]))
 
 
-def _run(items: Sequence[pytest.Item], folder: Path) -> int:
-    """Run tests, and end the process at the first that fails, with its name as the result."""
+def _run(items: Sequence[pytest.Item], folder: Path, measured: Mapping[str, Measured] = _NOTHING) -> int:
+    """Run tests; end the process at the first that fails, with its name as the result, or that takes far too long."""
 
     class Plugin:
         def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
@@ -69,7 +73,10 @@ def _run(items: Sequence[pytest.Item], folder: Path) -> int:
 
     items[0].config.pluginmanager.register(Plugin())
     for item, following in zip(items, [*items[1:], None], strict=True):
+        if item.nodeid in measured:
+            signal.alarm(_limit_s(measured, [item.nodeid]))
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+    signal.alarm(0)
     return 0
 
 
@@ -85,8 +92,9 @@ def in_order(measured: dict[str, Measured], mutant: Mutant | None = None) -> lis
     return sorted((test for test, its in measured.items() if noticing(its)), key=rank)
 
 
-def _limit_s(measured: dict[str, Measured], tests: Iterable[str]) -> float:
-    return 10 + 5 * sum(measured[test].seconds for test in tests)
+def _limit_s(measured: Mapping[str, Measured], tests: Iterable[str]) -> int:
+    """Return how long tests may take before what they wait for never ends, also on a busy machine."""
+    return math.ceil(10 + 5 * sum(measured[test].seconds for test in tests))
 
 
 class Trace:
@@ -173,7 +181,7 @@ def run_in_place(
             if not tests:
                 (folder / RESULT).write_text("no test runs it")
                 return 0
-            return _run([items[test] for test in tests], folder)
+            return _run([items[test] for test in tests], folder, measured)
 
         return Task(mutant, body, _limit_s(measured, tests))
 
@@ -232,17 +240,18 @@ def run_anew(
 
         def body(folder: Path) -> int:
             sys.meta_path.insert(0, finder)
-            return collected(files, lambda items: _run_those(items, tests, folder))
+            return collected(files, lambda items: _run_those(items, tests, folder, measured))
 
         return Task(mutant, body, 60 + _limit_s(measured, tests))
 
     return map(_outcome, run_all(map(task, mutants), jobs))
 
 
-def _run_those(items: Items, tests: Sequence[str], folder: Path) -> None:
-    _run([items[test] for test in tests], folder)
+def _run_those(items: Items, tests: Sequence[str], folder: Path, measured: Mapping[str, Measured]) -> None:
+    _run([items[test] for test in tests], folder, measured)
 
 
 def _outcome(ended: Ended[Mutant]) -> Outcome:
-    what = "timeout" if ended.code is None else "survived" if ended.code == 0 else "killed"
+    too_long = ended.code in (None, -signal.SIGALRM)
+    what = "timeout" if too_long else "survived" if ended.code == 0 else "killed"
     return ended.key, what, ended.text
