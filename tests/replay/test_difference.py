@@ -3,9 +3,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from waypointctl.log.messages import Checkpoint, Command, CommandKind, PlannedWaypoint, Reward, State
-from waypointctl.replay.comparator import Difference, bits_of, difference
+from waypointctl.replay.comparator import Difference, bits_of, difference, different_bits
 
 STATE = State(20, 1, np.arange(3.0), np.array([0.0, np.nan]), np.zeros(2))
 WAYPOINT = PlannedWaypoint(0, "a", 0.0, 1.0, "box", 0.5, 10, 0)
@@ -77,3 +78,41 @@ def test_another_kind_of_record_another_size_and_another_name_are_differences() 
 
 def test_bits_are_those_of_ieee_754() -> None:
     assert (bits_of(0.0), bits_of(-0.0), bits_of(1.0)) == (0, 1 << 63, 0x3FF << 52)
+
+
+@pytest.mark.parametrize(
+    ("logged", "replayed", "near"),
+    [
+        (0.0, 1e-12, True),
+        (0.0, 1.5e-12, False),
+        (1.5, 1.5 + 1.4e-12, True),
+        (1000.0, 1000.0 + 5e-10, True),
+        (-1000.0, -1000.0 + 5e-10, True),
+        (1000.0, 1000.0 + 2e-9, False),
+    ],
+)
+def test_rounding_is_absolute_and_above_one_relative(logged: float, replayed: float, near: bool) -> None:
+    found = difference(Reward(20, 0, (), logged), Reward(20, 0, (), replayed))
+    assert found is not None
+    assert found.rounding is near
+
+
+@pytest.mark.parametrize(
+    ("logged", "replayed", "shown"),
+    [
+        ("a" * 120, "b" * 120, ("a" * 120, "b" * 120)),
+        ("a" * 121, "a" * 10 + "b", (f"...{'a' * 70}...", f"...{'a' * 10}b...")),
+        ("a" * 100, "a" * 200, (f"...{'a' * 60}...", f"...{'a' * 120}...")),
+    ],
+)
+def test_short_texts_are_shown_whole_and_long_ones_from_where_they_part(
+    logged: str, replayed: str, shown: tuple[str, str]
+) -> None:
+    one = Checkpoint(0, 0, np.zeros(2), logged, "")
+    found = difference(one, replace(one, executive=replayed))
+    assert found is not None
+    assert (found.logged, found.replayed) == shown
+
+
+def test_arrays_are_compared_by_their_bits() -> None:
+    assert different_bits(np.array([0.0, 1.0, -0.0]), np.array([0.0, 2.0, 0.0])) == [1, 2]
