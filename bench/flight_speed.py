@@ -26,7 +26,7 @@ from waypointctl.log.writer import LogWriter  # noqa: E402
 from waypointctl.mission.files import MissionFile, load_mission  # noqa: E402
 from waypointctl.policy.bundle import LoadedPolicy, load_policy  # noqa: E402
 from waypointctl.robots.load import load_robot  # noqa: E402
-from waypointctl.sim.single import SingleRobot  # noqa: E402
+from waypointctl.sim.stepping import SingleRobot  # noqa: E402
 
 MISSION = Path(__file__).parents[1] / "missions" / "paper-two-point-moon.yaml"
 

@@ -17,7 +17,7 @@ from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.robots.load import load_robot
 from waypointctl.robots.stance import stance_action
 from waypointctl.seeding import stream
-from waypointctl.sim.single import SingleRobot
+from waypointctl.sim.stepping import SingleRobot
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.course import Deadline

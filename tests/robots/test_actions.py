@@ -7,8 +7,7 @@ import pytest
 from tests.robots.folders import STEER, cart_with
 from waypointctl.robots.robot import Robot
 from waypointctl.robots.stance import stance_action
-from waypointctl.sim.batch import RobotBatch
-from waypointctl.sim.single import SingleRobot
+from waypointctl.sim.stepping import RobotBatch, SingleRobot
 
 
 @pytest.fixture(scope="module")

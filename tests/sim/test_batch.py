@@ -7,8 +7,8 @@ import pytest
 
 from tests.sim.bare import BareWorld, random_start
 from waypointctl.robots.load import load_robot
-from waypointctl.sim import batch
-from waypointctl.sim.batch import RobotBatch
+from waypointctl.sim import stepping
+from waypointctl.sim.stepping import RobotBatch
 
 ROBOTS = 7
 
@@ -83,7 +83,7 @@ def test_the_default_threads_are_the_cores_that_may_be_used(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cores: int, quota: str | None, expected: int
 ) -> None:
     monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(cores)))
-    monkeypatch.setattr(batch, "_QUOTA", tmp_path / "cpu.max")
+    monkeypatch.setattr(stepping, "_QUOTA", tmp_path / "cpu.max")
     if quota is not None:
         (tmp_path / "cpu.max").write_text(f"{quota}\n")
-    assert batch.default_threads() == expected
+    assert stepping.default_threads() == expected

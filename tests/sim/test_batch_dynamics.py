@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tests.sim.bare import BareWorld, random_start
 from waypointctl.robots.load import load_robot
-from waypointctl.sim.batch import RobotBatch
+from waypointctl.sim.stepping import RobotBatch
 
 FloatArray = NDArray[np.float64]
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from tests.drawing import require_rendering
 from waypointctl.robots.load import load_robot
-from waypointctl.sim.camera import POST_M, Marker, MountedCamera, Pixels
-from waypointctl.sim.scenery import FOVY_DEG, HEIGHT, WIDTH
+from waypointctl.sim.camera import FOVY_DEG, HEIGHT, POST_M, WIDTH, Marker, MountedCamera, Pixels
 
 FloatArray = NDArray[np.float64]
 

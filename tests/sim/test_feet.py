@@ -11,7 +11,7 @@ import pytest
 
 from tests.sim.bare import random_start
 from waypointctl.robots.load import load_robot
-from waypointctl.sim.feet import Feet, feet_of
+from waypointctl.sim.kinematics import Feet, feet_of
 
 
 def test_a_foot_is_as_high_as_the_lowest_point_of_its_capsule_and_touches_where_mujoco_has_a_contact() -> None:

@@ -14,7 +14,7 @@ from tests.sim.hostile_models import ANT, FILES, LARGE, within
 from waypointctl.errors import InputError
 from waypointctl.limits import VARIABLE, set_limits
 from waypointctl.robots.load import load_robot
-from waypointctl.sim.mjcf_audit import COUNTS, ELEMENTS
+from waypointctl.sim.mjcf_allowed import COUNTS, ELEMENTS
 
 KNOWN = Path(__file__).with_name("mjcf_attributes.txt")
 

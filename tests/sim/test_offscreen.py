@@ -58,7 +58,7 @@ def test_a_driver_that_fails_is_no_traceback(monkeypatch: pytest.MonkeyPatch, er
 @pytest.mark.parametrize("value", ["osmesa", "vulkan"])
 def test_mujoco_is_imported_whatever_the_environment_names(value: str) -> None:
     """By itself it fails on import with an OpenGL that there is not."""
-    code = "import waypointctl.sim.single, os; print(os.environ['MUJOCO_GL'])"
+    code = "import waypointctl.sim.stepping, os; print(os.environ['MUJOCO_GL'])"
     done = subprocess.run(
         [sys.executable, "-c", code], env=os.environ | {"MUJOCO_GL": value}, capture_output=True, text=True, check=False
     )

@@ -14,7 +14,7 @@ from safetensors.numpy import load
 from tests.training.tiny import RECIPE, after, new_state, tiny_recipe, trained
 from waypointctl.errors import RecipeError
 from waypointctl.policy.bundle import load_policy
-from waypointctl.sim.batch import default_threads
+from waypointctl.sim.stepping import default_threads
 from waypointctl.training.checkpoint import ARRAYS, FACTS, begun_as, load_checkpoint
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
 from waypointctl.training.state import TORCH_THREADS, TrainingState

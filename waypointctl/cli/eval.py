@@ -111,7 +111,7 @@ def _interruption_told() -> Iterator[None]:
 
 
 def _threads_text(threads: int) -> str:
-    from waypointctl.sim.batch import default_threads
+    from waypointctl.sim.stepping import default_threads
 
     return f"{threads} of the physics" if threads else f"{default_threads()} of the physics, the default"
 

@@ -29,7 +29,7 @@ from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.robot import Robot
 from waypointctl.sim.kinematics import RobotKinematics
-from waypointctl.sim.single import integration_components
+from waypointctl.sim.stepping import integration_components
 from waypointctl.task.plugins import Plugin
 from waypointctl.task.reward import RewardFunction
 

@@ -10,7 +10,7 @@ import numpy as np
 from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.link.frames import BodyFrame, LoggedDirection
 from waypointctl.log.messages import Ack, CommandStage, CommandStatus, Mode, Telemetry
-from waypointctl.sim.single import SingleRobot
+from waypointctl.sim.stepping import SingleRobot
 from waypointctl.task.body import Body
 
 _Standing: TypeAlias = tuple[Mode, int, int, tuple[CommandStatus, ...], str]

@@ -36,7 +36,7 @@ from waypointctl.policy.protocol import Policy, state_text
 from waypointctl.robots.robot import Robot
 from waypointctl.robots.stance import stance_action
 from waypointctl.sim.actions import clip_actions
-from waypointctl.sim.single import SingleRobot
+from waypointctl.sim.stepping import SingleRobot
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.observation import NOISE_SIZE, layout
 from waypointctl.task.plugins import Plugin

@@ -9,7 +9,6 @@ Elements and attributes: https://mujoco.readthedocs.io/en/stable/XMLreference.ht
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -19,7 +18,8 @@ from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
 from waypointctl.errors import InputError
-from waypointctl.limits import limit, limit_hint, over_limit, size_text
+from waypointctl.limits import limit, limit_hint, over_limit
+from waypointctl.sim.mjcf_allowed import ELEMENTS, FOLDERS, attribute_fault
 
 ReadFile: TypeAlias = Callable[[str], bytes]  # of the robot's folder, by its path in there; may raise InputError
 
@@ -27,54 +27,12 @@ MOST_BYTES: Final = 2**20
 MOST_DEPTH: Final = 64
 MOST_FILES: Final = 200
 MOST_JOINTS: Final = 128
-MOST_MEMORY: Final = 2**26  # [bytes] that the model may ask for to work in
 MOST_PIXELS: Final = 2**24  # of all textures and height fields together
 
 _LIMIT: Final = "model-elements"
 _FILES_LIMIT: Final = "robot-files"
 
-ELEMENTS: Final = frozenset(
-    re.findall(
-        r"\w+",
-        """
-        mujoco compiler option flag size statistic visual global quality headlight map scale rgba default asset texture
-        material layer hfield mesh include worldbody body inertial joint freejoint geom site camera light frame contact
-        pair exclude tendon spatial fixed pulley equality connect weld actuator general motor position velocity
-        intvelocity damper cylinder adhesion custom numeric text tuple element keyframe key
-
-        sensor touch accelerometer velocimeter gyro force torque magnetometer camprojection rangefinder jointpos
-        jointvel tendonpos tendonvel actuatorpos actuatorvel actuatorfrc jointactuatorfrc tendonactuatorfrc ballquat
-        ballangvel jointlimitpos jointlimitvel jointlimitfrc tendonlimitpos tendonlimitvel tendonlimitfrc framepos
-        framequat framexaxis frameyaxis framezaxis framelinvel frameangvel framelinacc frameangacc subtreecom
-        subtreelinvel subtreeangmom insidesite distance normal fromto e_potential e_kinetic clock user
-        """,
-    )
-)
-# Attributes that count something, and the most that they may count.
-COUNTS: Final[Mapping[str, int]] = {
-    **dict.fromkeys(("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations"), 1000),
-    **dict.fromkeys(("sdf_initpoints", "nkey", "nsample", "dim", "actdim"), 1000),
-    **dict.fromkeys(("nuser_actuator", "nuser_body", "nuser_cam", "nuser_geom", "nuser_jnt", "nuser_sensor"), 100),
-    **dict.fromkeys(("nuser_site", "nuser_tendon", "numquads", "numslices", "numstacks"), 100),
-    **dict.fromkeys(("nrow", "ncol", "width", "height", "offwidth", "offheight", "resolution", "shadowsize"), 4096),
-    **dict.fromkeys(("offsamples", "nchannel", "gridsize"), 16),
-    "nuserdata": 100_000,
-}
-_LENGTHS: Final = {("tendon", "width"), ("spatial", "width")}  # not a count here
-_FILE: Final = re.compile(r"file\w*|\w+dir|plugin|content_type|strippath")  # names a file, or where it is
-_FOLDERS: Final = ("assetdir", "meshdir", "texturedir", "strippath")  # of <compiler>
-_ASSETS: Final = {"mesh": (".stl", ".obj"), "texture": (".png",)}  # elements that may name a file, and its kinds
 _PNG: Final = b"\x89PNG\r\n\x1a\n"
-_REFUSED: Final = {  # and why
-    ("rangefinder", "camera"): "is not read: it casts a ray for each pixel",
-    ("mesh", "builtin"): "is not read: give the mesh as a file or its vertices",
-    **{("size", name): "is not read; use 'memory' instead" for name in ("njmax", "nconmax", "nstack")},
-}
-_COUNT: Final = re.compile(r"-1|[0-9]{1,9}")
-_KINDS: Final = ("dyntype", "gaintype", "biastype")
-_MEMORY: Final = re.compile(r"-1|([0-9]{1,9})([KMG]?)")
-_BYTES: Final = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30}
-_NO_NUMBER: Final = re.compile(r"[+-]?(nan(\(.*\))?|inf(inity)?)", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +145,9 @@ class _Audit:
         is_main = self._root_depth == 1
         self._is_written.append(name != "include" and (is_main or not is_root))
         if is_root:
-            self._check_root(name, is_main)
+            if name != "mujoco" and (is_main or name != "mujocoinclude"):
+                kind = "a URDF" if name == "robot" else "not MJCF"
+                raise self._refusal(f"is {kind}: its root is <{name}>, that of MJCF is <mujoco>")
             if not is_main:
                 return
         self._check_counts(name)
@@ -195,11 +155,11 @@ class _Audit:
             self._include(attributes)
             return
         for attribute, value in attributes.items():
-            if fault := _fault(name, attribute, value):
+            if fault := attribute_fault(name, attribute, value):
                 raise self._refusal(f"<{name}> {attribute}={_short(value)}: {fault}")
         if name == "compiler":
-            self._folders |= {key: attributes[key] for key in _FOLDERS if key in attributes}
-            attributes = {key: value for key, value in attributes.items() if key not in _FOLDERS}
+            self._folders |= {key: attributes[key] for key in FOLDERS if key in attributes}
+            attributes = {key: value for key, value in attributes.items() if key not in FOLDERS}
         if "file" in attributes:
             self._asset_files.append(_AssetFile(len(self.written), name, attributes, self._where))
         self._count_pixels(name, attributes)
@@ -208,11 +168,6 @@ class _Audit:
     def _end(self, name: str) -> None:
         if self._is_written.pop():
             self.written.append(f"</{name}>")
-
-    def _check_root(self, name: str, is_main: bool) -> None:
-        if name != "mujoco" and (is_main or name != "mujocoinclude"):
-            kind = "a URDF" if name == "robot" else "not MJCF"
-            raise self._refusal(f"is {kind}: its root is <{name}>, that of MJCF is <mujoco>")
 
     def _check_counts(self, name: str) -> None:
         self._seen[name] += 1
@@ -288,35 +243,6 @@ def _png_pixels(content: bytes, where: str) -> int:
     if not content.startswith(_PNG) or content[12:16] != b"IHDR":
         raise InputError("names a texture that is not a PNG", where=where)
     return int.from_bytes(content[16:20]) * int.from_bytes(content[20:24])
-
-
-def _fault(element: str, attribute: str, value: str) -> str:
-    """Return why an attribute must not be, nothing if it may."""
-    if _FILE.fullmatch(attribute):
-        return _file_fault(element, attribute, value)
-    if (element, attribute) in _REFUSED:
-        return _REFUSED[element, attribute]
-    words = value.split()
-    if any(_NO_NUMBER.fullmatch(word) for word in words):
-        return "is not a finite number"
-    if (element, attribute) == ("size", "memory"):
-        match = _MEMORY.fullmatch(value.strip())
-        most = MOST_MEMORY
-        return "" if match and int(match[1] or 0) * _BYTES[match[2] or ""] <= most else f"at most {size_text(most)}"
-    if attribute in COUNTS and (element, attribute) not in _LENGTHS:
-        is_within = all(_COUNT.fullmatch(word) and int(word) <= COUNTS[attribute] for word in words)
-        return "" if words and is_within else f"a whole number up to {COUNTS[attribute]:,} is expected"
-    return "takes a simulation of its own to compile" if attribute in _KINDS and "muscle" in words else ""
-
-
-def _file_fault(element: str, attribute: str, value: str) -> str:
-    """Return why an attribute must not name a file, nothing if it may."""
-    if element == "compiler" and attribute in _FOLDERS:
-        return ""
-    if attribute == "file" and element in _ASSETS:
-        kinds = _ASSETS[element]
-        return "" if value.lower().endswith(kinds) else f"is not read; a {element} is a file {' or '.join(kinds)}"
-    return "is not read: a robot's model names meshes and PNG textures alone"
 
 
 def _short(value: str) -> str:

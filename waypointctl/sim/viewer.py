@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.sim.camera import FOLLOW_ELEVATION_DEG, FOLLOW_M, POST_COLOUR, POST_M, POST_RADIUS_M, Marker
+from waypointctl.sim.camera import FOLLOW_ELEVATION_DEG, FOLLOW_M, POST_COLOUR, POST_M, POST_RADIUS_M, Marker, scenery
 from waypointctl.sim.model import RobotModel
-from waypointctl.sim.scenery import scenery
 
 FloatArray = NDArray[np.float64]
 

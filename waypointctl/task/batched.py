@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from waypointctl.robots.load import given_robot
 from waypointctl.seeding import stream
 from waypointctl.sim.actions import clip_actions, refuse_bad_action
-from waypointctl.sim.batch import RobotBatch
+from waypointctl.sim.stepping import RobotBatch
 from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.failure_replay import FailedCourses

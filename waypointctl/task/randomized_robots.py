@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.seeding import restore_stream, stream, stream_words
-from waypointctl.sim.batch import RobotBatch
+from waypointctl.sim.stepping import RobotBatch
 from waypointctl.task.body import Body
 from waypointctl.task.domain_randomization import DRAWN, DomainRandomization, SensorNoise
 

@@ -12,7 +12,7 @@ from waypointctl.task.body import Body
 
 if TYPE_CHECKING:
     from waypointctl.robots.robot import Robot
-    from waypointctl.sim.feet import Feet
+    from waypointctl.sim.kinematics import Feet
 
 FloatArray: TypeAlias = NDArray[np.float64]
 BoolArray: TypeAlias = NDArray[np.bool_]
@@ -113,7 +113,7 @@ class SimulationView:
 
     @property
     def _feet(self) -> Feet:
-        from waypointctl.sim.feet import feet_of  # the simulator, which a layout is known without
+        from waypointctl.sim.kinematics import feet_of  # the simulator, which a layout is known without
 
         return feet_of(self.robot, self.robot.feet)
 

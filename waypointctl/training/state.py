@@ -13,7 +13,7 @@ import torch
 from pydantic import BaseModel, ConfigDict
 
 from waypointctl.policy.manifest import StartRecord
-from waypointctl.sim.batch import default_threads
+from waypointctl.sim.stepping import default_threads
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.plugins import Plugin
 from waypointctl.training.events import Threads
