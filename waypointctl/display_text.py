@@ -12,6 +12,7 @@ import os
 import re
 import shlex
 import unicodedata
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
@@ -74,3 +75,35 @@ def _shortened(text: str, most: int) -> str:
         return text
     tail = most // 3  # a place ends in its line and column
     return f"{text[: most - tail]}...({len(text) - most:,} characters)...{text[len(text) - tail :]}"
+
+
+_MAX_SHOWN: Final = 60
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it: as the file would have it, and short."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    text = repr(value)
+    return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}..."
+
+
+def path_text(path: Iterable[str | int]) -> str:
+    """Return a path as "waypoints[2].name"; a key that is not a plain word is quoted."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            key = part if re.fullmatch(r"[\w-]+", part) else shown(part)
+            text += f".{key}" if text else key
+    return text
+
+
+def counted(count: int, things: str) -> str:
+    """Return how many there are: "1 number", "3 numbers"; the plural is given."""
+    return f"{count} {things[:-1] if count == 1 else things}"

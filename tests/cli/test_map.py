@@ -16,7 +16,7 @@ from waypointctl.cli.tui.canvas import Canvas
 from waypointctl.cli.tui.chart import KEEP_IN, KEEP_OUT, UNHEARD, WAY, WAY_HOME, draw_map
 from waypointctl.cli.tui.map_scene import Scene
 from waypointctl.log.setting import ContactWindows, MissionSetting
-from waypointctl.mission.geofence import Zone
+from waypointctl.mission.onboard import Zone
 from waypointctl.replay.return_home import ReturnHome
 from waypointctl.replay.summary import WaypointStatus, WaypointSummary
 from waypointctl.replay.track import Track

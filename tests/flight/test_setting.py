@@ -17,7 +17,7 @@ from waypointctl.flight.link.contacts import Contacts, Window
 from waypointctl.log.reader import open_log
 from waypointctl.log.setting import ContactWindows
 from waypointctl.mission.files import MissionFile, parse_mission
-from waypointctl.mission.geofence import CIRCLE_CORNERS
+from waypointctl.mission.onboard import CIRCLE_CORNERS
 from waypointctl.policy.bundle import LoadedPolicy
 
 HEAD = "name: n\npolicy: ./p\nwaypoints: [[6 m, 0 m]]\n"

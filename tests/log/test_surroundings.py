@@ -26,7 +26,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.log.setting import ContactWindows, MissionSetting
-from waypointctl.mission.geofence import Zone
+from waypointctl.mission.onboard import Zone
 from waypointctl.units import NS_PER_S
 
 HOME = PlannedWaypoint(-1, "home", 1.0, -2.0, "radius", 0.5, NS_PER_S, 0)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from waypointctl.mission.geofence import Area, Corner, Geofence
+from waypointctl.mission.fields import Start
 from waypointctl.mission.link import Link, LinkDirection
-from waypointctl.mission.mission import Defaults, Expect, Mission, Start, TelemetryRate, Waypoint
-from waypointctl.mission.onboard import LinkLoss, Onboard, OnFailure, Stuck
-from waypointctl.mission.operator import ScheduledCommand
+from waypointctl.mission.mission import Defaults, Expect, Mission, Waypoint
+from waypointctl.mission.onboard import Area, Corner, Geofence, LinkLoss, Onboard, OnFailure, Stuck
+from waypointctl.mission.operator import ScheduledCommand, TelemetryRate
 
 
 def number(low: float, high: float) -> st.SearchStrategy[float]:

@@ -8,7 +8,7 @@ import pytest
 
 from waypointctl.errors import MissionError
 from waypointctl.mission.files import parse_mission
-from waypointctl.mission.geofence import Point, crossing_sides
+from waypointctl.mission.onboard import Point, crossing_sides
 
 
 def test_a_bow_tie_crosses_itself_and_says_where() -> None:

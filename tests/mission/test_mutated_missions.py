@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.mission.mutations import MUTATIONS, mutated
-from waypointctl.mission.references import beside, examine_mission
+from waypointctl.mission.files import beside, examine_mission
 
 MISSIONS = sorted((Path(__file__).parents[2] / "missions").glob("*.yaml"))
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
-from waypointctl.mission.yaml_tree import MAX_BYTES, MAX_DEPTH, Mark, YamlFault, plain, read_tree
+from waypointctl.mission.yaml_tree import MAX_BYTES, MAX_DEPTH, NOWHERE, Mark, YamlFault, plain, read_tree
 
 
 def test_every_value_and_key_has_its_place() -> None:
@@ -217,10 +217,10 @@ PIECES = st.sampled_from(
 
 @given(st.lists(PIECES, max_size=30).map("".join))
 def test_any_text_is_data_or_one_fault_with_its_place(text: str) -> None:
-    places: list[Mark | None] = []
+    places: list[Mark] = []
     try:
         places += read_tree(text.encode()).values.values()
     except YamlFault as fault:
         places.append(fault.mark)
     assert places
-    assert None not in places
+    assert NOWHERE not in places

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from waypointctl.mission.geofence import Zone
+from waypointctl.mission.onboard import Zone
 from waypointctl.replay.track import Extent, extent
 
 

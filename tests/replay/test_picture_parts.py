@@ -31,7 +31,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.log.setting import ContactWindows, MissionSetting
-from waypointctl.mission.geofence import Zone
+from waypointctl.mission.onboard import Zone
 from waypointctl.replay.picture.page import HEIGHT, WIDTH, _draw_parts, _wrapped
 from waypointctl.replay.picture.speed import _drawn
 from waypointctl.replay.picture.time_axis import _along, _knots, _ticks, time_text, waits_in

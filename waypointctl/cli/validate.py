@@ -142,9 +142,8 @@ def _check(path: Path, policy: Path | None, plugins: tuple[Path, ...]) -> _Check
     from waypointctl.errors import MissionError
     from waypointctl.evaluation.walking_speed import walking_speed
     from waypointctl.flight.checks.check import cannot_succeed, check_mission, robot_and_policy_problems
-    from waypointctl.mission.files import MissionFile
+    from waypointctl.mission.files import MissionFile, beside, examine_mission
     from waypointctl.mission.problems import Problem
-    from waypointctl.mission.references import beside, examine_mission
     from waypointctl.mission.yaml_source import read_source
 
     try:

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from pydantic import Field, Strict, model_validator
 
 from waypointctl.errors import SuiteError
-from waypointctl.mission.fields import DAY_S, Acceptance, RobotName, Start, Tolerance
+from waypointctl.mission.fields import DAY_S, Acceptance, Name, Position, RobotName, Start, Tolerance
 from waypointctl.mission.file_model import FileModel
-from waypointctl.mission.mission import Name, Position
 from waypointctl.mission.policy_name import from_folder
 from waypointctl.mission.quantity import Quantity
 from waypointctl.mission.yaml_source import read_model, read_source
@@ -175,6 +174,6 @@ def load_suite(name_or_file: Path | str) -> Suite:
 
 def suite_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 7) of a suite, with every spelling that is read."""
-    from waypointctl.mission.file_schema import model_schema
+    from waypointctl.mission.file_model import model_schema
 
     return model_schema(Suite, "waypointctl suite")

@@ -23,8 +23,8 @@ from waypointctl.flight.policy_fit import class_name, plugin_facts, policy_facts
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.files import MissionFile
-from waypointctl.mission.geofence import zones_of
 from waypointctl.mission.mission import Mission
+from waypointctl.mission.onboard import zones_of
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.robot import Robot

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
+from waypointctl.display_text import counted, shown
 from waypointctl.errors import MissionError
 from waypointctl.importers.importer import MOST_STOPS, ImportedMission, Importer, ImportOptions, Stop, mission_name
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.report import Report, number_of, text_of
 from waypointctl.mission.file_kind import kind_of
-from waypointctl.mission.wording import counted, shown
 
 # What a column is called, in small letters and without a unit at its end.
 _COLUMNS: Final = {

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from typing import Any, Final
 
+from waypointctl.display_text import counted, shown
 from waypointctl.importers.importer import MOST_POSITIONS, ImportedMission, Importer, ImportOptions, of_kind
 from waypointctl.importers.json_source import Part, read_json
 from waypointctl.importers.report import Report, number_of
 from waypointctl.importers.shapes import Line, Shapes, Spot
 from waypointctl.mission.file_kind import FileKind
-from waypointctl.mission.wording import counted, shown
 
 # Latitude and longitude by the names that GeoServer, GDAL and others give them; of other bodies those of
 # the IAU (00 and 02: planetocentric, east positive; 01 may count longitudes to the west, from 10 on they are metres).

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
+from waypointctl.display_text import counted, path_text, shown
 from waypointctl.errors import MissionError
 from waypointctl.importers.report import Report, number_of
-from waypointctl.mission.wording import counted, path_text, shown
 
 MOST_ENTRIES: Final = 20_000  # of a list that is gone through
 

@@ -10,13 +10,13 @@ from collections.abc import Iterator
 from itertools import chain
 from typing import Final
 
+from waypointctl.display_text import shown
 from waypointctl.importers.importer import ImportedMission, Importer, ImportOptions, of_kind
 from waypointctl.importers.local_frame import BODIES
 from waypointctl.importers.report import Report
 from waypointctl.importers.shapes import Line, Shapes, Spot, note_gaps
 from waypointctl.importers.xml_source import Element, read_xml
 from waypointctl.mission.file_kind import FileKind
-from waypointctl.mission.wording import shown
 
 _ORDER: Final = "KML is longitude,latitude"
 _TARGET: Final = re.compile(r"\btarget=(\w+)")  # of the hint that names the body

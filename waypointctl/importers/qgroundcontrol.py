@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from waypointctl.display_text import counted, shown
 from waypointctl.importers.importer import ImportedMission, Importer, ImportOptions, Zone, mission_name, of_kind
 from waypointctl.importers.json_source import Part, is_number, is_unset, place_in, read_json
 from waypointctl.importers.local_frame import Place
@@ -16,7 +17,6 @@ from waypointctl.importers.mavlink import LAND, LOITER_TO_ALTITUDE, VTOL_LAND
 from waypointctl.importers.mavlink_way import PARAMETERS, Item, follow
 from waypointctl.importers.report import Report, number_of
 from waypointctl.mission.file_kind import FileKind
-from waypointctl.mission.wording import counted, shown
 
 _RELATIVE: Final = 3  # MAV_FRAME of altitudes above the home
 _PATTERNS: Final = {"fwLandingPattern": LAND, "vtolLandingPattern": VTOL_LAND}

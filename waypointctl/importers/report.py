@@ -7,9 +7,9 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Final
 
+from waypointctl.display_text import shown
 from waypointctl.errors import MissionError
 from waypointctl.importers.local_frame import Place
-from waypointctl.mission.wording import shown
 
 _MOST_SHOWN: Final = 20  # of the problems of a file
 _MAX_LATITUDE: Final = 90.0

@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
+from waypointctl.display_text import counted, shown
 from waypointctl.importers.importer import MOST_POSITIONS, MOST_STOPS, ImportedMission, Stop, mission_name
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.report import Report
-from waypointctl.mission.wording import counted, shown
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
+from waypointctl.display_text import counted, shown
 from waypointctl.errors import MissionError
 from waypointctl.importers.importer import ImportedMission, Importer, ImportOptions, mission_name, of_kind
 from waypointctl.importers.json_source import MOST_ENTRIES
@@ -22,7 +23,6 @@ from waypointctl.importers.mavlink import WAYPOINT
 from waypointctl.importers.mavlink_way import LATITUDE, LONGITUDE, PARAMETERS, Item, follow
 from waypointctl.importers.report import Report, number_of, text_of
 from waypointctl.mission.file_kind import FileKind
-from waypointctl.mission.wording import counted, shown
 
 _HEADER: Final = ["QGC", "WPL", "110"]
 _VALUES: Final = 12

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.log.messages import PlannedWaypoint
-from waypointctl.mission.geofence import Zone
+from waypointctl.mission.onboard import Zone
 from waypointctl.units import seconds
 
 IntArray: TypeAlias = NDArray[np.int64]

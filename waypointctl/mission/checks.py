@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from pydantic import ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from waypointctl.mission.wording import shown
+from waypointctl.display_text import shown
 
 if TYPE_CHECKING:
     from waypointctl.mission.link import DelayAt, Window

@@ -15,26 +15,22 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
+from datetime import datetime
 from itertools import pairwise
 from typing import Final
 
 from waypointctl.mission.file_kind import FileKind, kind_of
 from waypointctl.mission.problems import Problem
-from waypointctl.mission.text_file import TextReport, Word
+from waypointctl.mission.text_file import ABSOLUTE, TextReport, Word, moment_of
 
 MOST: Final = 1e9  # [s] or [bytes/s]; thirty years, or a rate that no radio has
 BITS_PER_BYTE: Final = 8
-TIME_FORMAT: Final = "%Y/%m/%d-%H:%M:%S"
 
-_ABSOLUTE: Final = re.compile(r"[0-9]{4}/[0-9]{1,2}/[0-9]{1,2}-[0-9]{1,2}:[0-9]{1,2}:[0-9]{1,2}")
 _OTHER_PROGRAM: Final = re.compile(rb"^##\s*begin\s+(?!ionadmin\b)\S+.*?^##\s*end\b", re.MULTILINE | re.DOTALL)
 _CONTACT: Final = ("start time", "stop time", "source node", "destination node", "rate in bytes/s")
 _RANGE: Final = ("start time", "stop time", "one node", "other node", "light time in s")
-ANY_MOMENT: Final = "0001/01/01-00:00:00"  # reference for checking each line, where the right one is not known
 _MOST_SHOWN: Final = 8  # of the ways that a plan has contacts of
-_REGISTRATION: Final = "-1"
-_MAX_DIGITS: Final = 18
+_MAX_DIGITS: Final = 18  # of a node number
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,33 +76,16 @@ def read_contact_plan(
         wanted = ", not" if is_json else "; expected is"
         text = f"{kind.value}{wanted} a contact plan in ION's terms ('a contact ...')"
         return Passage((), ()), (Problem(where, 0, 0, "", text),)
-    plan = _Plan(TextReport(where), way, _moment(reference) if reference else None)
-    for words in plan.report.lines(_without_other_programs(source)):
+    plan = _Plan(TextReport(where), way, moment_of(reference) if reference else None)
+    own = _OTHER_PROGRAM.sub(lambda found: b"\n" * found.group().count(b"\n"), source)
+    for words in plan.report.lines(own):
         plan.take(words)
     contacts = plan.ordered(plan.contacts, "contact")
-    ranges = plan.ordered(plan.ranges.get(way, plan.reverse_ranges()), "range")
+    other_way = plan.ranges.get(way[::-1], []) if way[0] > way[1] else []  # of a lower node first: it holds both ways
+    ranges = plan.ordered(plan.ranges.get(way, other_way), "range")
     if not plan.report.problems:
         plan.check(contacts, ranges if needs_ranges else None)
     return Passage(contacts, ranges), tuple(plan.report.problems)
-
-
-def is_moment(text: str) -> bool:
-    """Say whether a text is an absolute time in ION's terms."""
-    return _moment(text) is not None
-
-
-def _moment(text: str) -> datetime | None:
-    if not _ABSOLUTE.fullmatch(text):
-        return None
-    try:
-        return datetime.strptime(text, TIME_FORMAT).replace(tzinfo=UTC)
-    except ValueError:
-        return None
-
-
-def _without_other_programs(source: bytes) -> bytes:
-    """Return the source with the lines of other programs than ionadmin left empty."""
-    return _OTHER_PROGRAM.sub(lambda found: b"\n" * found.group().count(b"\n"), source)
 
 
 class _Plan:
@@ -128,7 +107,7 @@ class _Plan:
     def take(self, words: list[Word]) -> None:
         """Read a line."""
         command, *rest = words
-        self._absolute = self._absolute or next((word for word in rest if _ABSOLUTE.fullmatch(word.text)), None)
+        self._absolute = self._absolute or next((word for word in rest if ABSOLUTE.fullmatch(word.text)), None)
         if command.text == "@":
             if len(rest) == 1:
                 self._offset_s = self._time(rest[0])
@@ -166,35 +145,25 @@ class _Plan:
                 self.report.add(after.at, f"this {kind} overlaps that of line {before.at.line}")
         return tuple(spans)
 
-    def reverse_ranges(self) -> list[Span]:
-        """Return the ranges that hold in this direction because the opposite one, of a lower node first, has them."""
-        source, destination = self._way
-        return self.ranges.get((destination, source), []) if source > destination else []
-
     def check(self, contacts: tuple[Span, ...], ranges: tuple[Span, ...] | None) -> None:
         """Report that there is no contact, or one without a range."""
-        source, destination = self._way
-        if not contacts:
-            if self._over is not None:
-                problem = f"this contact is over by mission start, as are all from node {source} to node {destination}"
-                self.report.add(self._over, problem)
-                return
+        nodes = f"from node {self._way[0]} to node {self._way[1]}"
+        if not contacts and self._over is not None:
+            self.report.add(self._over, f"this contact is over by mission start, as are all {nodes}")
+        elif not contacts and self._hypothetical is not None:
+            problem = "this contact is hypothetical (a time is 0): it has no time; mission start is +0"
+            self.report.add(self._hypothetical, problem)
+        elif not contacts:
             known = ", ".join(f"from {a} to {b}" for a, b in sorted(self._others)[:_MOST_SHOWN]) or "none at all"
             known += f" and {len(self._others) - _MOST_SHOWN} more" if len(self._others) > _MOST_SHOWN else ""
-            self.report.add(
-                self._hypothetical,
-                f"has no contact from node {source} to node {destination}; its contacts are {known}"
-                if self._hypothetical is None
-                else "this contact is hypothetical (a time is 0): it has no time; mission start is +0",
-            )
+            self.report.add(None, f"has no contact {nodes}; its contacts are {known}")
         for contact in contacts if ranges is not None else ():
-            gap_s = _gap(contact, ranges or ())
-            if gap_s is not None:
-                problem = f"there is no range from node {source} to node {destination} at +{gap_s:g} s of this contact"
+            if (gap_s := _gap(contact, ranges or ())) is not None:
+                problem = f"there is no range {nodes} at +{gap_s:g} s of this contact"
                 self.report.add(contact.at, f"{problem}; add one, or give the link a delay in the mission")
 
     def _add_contact(self, command: Word, words: list[Word]) -> None:
-        if words and words[0].text == _REGISTRATION:
+        if words and words[0].text == "-1":
             return  # registers a node, without a contact
         if "0" in (word.text for word in words[:2]):
             self._hypothetical = command
@@ -203,18 +172,15 @@ class _Plan:
         span = self._span(command, words[: len(_CONTACT)] + words[len(_CONTACT) + 1 :], _CONTACT, least=1)
         if confidence and self._number(confidence[0], "confidence", least=0) != 1:
             self.report.add(confidence[0], "only a contact that is certain can be flown: leave the confidence out")
+        elif span is not None and span[1].end_s <= 0:
+            self._over = self._over or command
         elif span is not None:
-            _, bytes_per_s = span
-            if bytes_per_s.end_s <= 0:
-                self._over = self._over or command
-                return
-            self.contacts.append(replace(bytes_per_s, value=BITS_PER_BYTE * bytes_per_s.value))
+            self.contacts.append(replace(span[1], value=BITS_PER_BYTE * span[1].value))
 
     def _add_range(self, command: Word, words: list[Word]) -> None:
         span = self._span(command, words, _RANGE, least=0)
         if span is not None and not span[1].end_s <= 0:
-            way, light_s = span
-            self.ranges.setdefault(way, []).append(light_s)
+            self.ranges.setdefault(span[0], []).append(span[1])
 
     def _span(
         self, command: Word, words: list[Word], wanted: tuple[str, ...], least: float
@@ -225,21 +191,17 @@ class _Plan:
             self.report.add(command, f"has {len(words)} values; expected are {', '.join(wanted)}")
             return None
         begin_s, end_s = self._time(words[0]), self._time(words[1])
-        one, other = self._node(words[2]), self._node(words[3])
+        way = self._node(words[2]), self._node(words[3])
         value = self._number(words[4], wanted[4], least)
-        if len(self.report.problems) > before:
-            return None
-        if end_s <= begin_s:
+        if len(self.report.problems) == before and end_s <= begin_s:
             self.report.add(words[1], f"{words[1].text} is not after {words[0].text}")
-        else:
-            return (one, other), Span(max(begin_s, 0.0), end_s, value, command)
-        return None
+        return (way, Span(max(begin_s, 0.0), end_s, value, command)) if len(self.report.problems) == before else None
 
     def _time(self, word: Word) -> float:
         """Return a time in [s] after mission start."""
         if word.text.startswith("+"):
             return self._offset_s + self._number(word, "time", least=0)
-        moment = _moment(word.text)
+        moment = moment_of(word.text)
         if moment is None:
             problem = f"'{word.text}' is not a time: write +seconds"
         elif self._reference is None:
@@ -268,10 +230,10 @@ class _Plan:
         except ValueError:
             self.report.add(word, f"'{word.text}' is not a number: {what}")
             return least
-        if not least <= value <= MOST:
-            self.report.add(word, f"{word.text} is not from {least:g} to {MOST:g}: {what}")
-            return least
-        return value
+        if least <= value <= MOST:
+            return value
+        self.report.add(word, f"{word.text} is not from {least:g} to {MOST:g}: {what}")
+        return least
 
 
 def _node_number(word: Word) -> int | None:

@@ -11,7 +11,7 @@ import io
 import re
 from codecs import BOM_UTF8
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, get_args
+from typing import Any, Final
 
 from pydantic.fields import FieldInfo
 from ruamel.yaml import YAML
@@ -20,9 +20,9 @@ from ruamel.yaml.error import YAMLError
 from ruamel.yaml.resolver import VersionedResolver
 
 from waypointctl.errors import MissionError
-from waypointctl.mission.file_model import FileModel
+from waypointctl.mission.file_model import FileModel, model_in
 from waypointctl.mission.mission import Mission
-from waypointctl.mission.yaml_source import as_error, examine
+from waypointctl.mission.yaml_source import examine
 from waypointctl.mission.yaml_tree import YamlFault, read_tree
 
 MAX_BYTES: Final = 256 << 10  # the round trip takes about 0.1 s for 1 KiB of numbers
@@ -42,9 +42,7 @@ def formatted(source: bytes, where: str) -> bytes:
         MissionError: it is not a mission, with everything that is wrong with it; or formatting would change what it
             says or lose a comment.
     """
-    reading = examine(source, where, Mission)
-    if reading.model is None:
-        raise as_error(reading.problems, MissionError)
+    examine(source, where, Mission).value(MissionError)
     text = _LINE_BREAK.sub("\n", source.removeprefix(BOM_UTF8).decode())
     written = _settled(text)
     if written is None or not _says_the_same(text, written):
@@ -185,7 +183,7 @@ def _ranks(model: type[FileModel]) -> Mapping[str, int]:
     fields = list(model.model_fields)
     ranks = {name: rank for rank, name in enumerate(fields)}
     ranks |= {bare: ranks[name] for bare, name in model.bare_names().items()}
-    shared = _shared(model)
+    shared = model.shared_model()
     if shared is not None:
         ranks |= {key: rank + len(fields) for key, rank in _ranks(shared).items() if key not in ranks}
     return ranks
@@ -193,24 +191,12 @@ def _ranks(model: type[FileModel]) -> Mapping[str, int]:
 
 def _model_at(model: type[FileModel] | None, key: str | int) -> type[FileModel] | None:
     """Return the model of a key's value, or of an element of a list."""
-    return (
-        model if model is None or isinstance(key, int) else _model_in(getattr(_field(model, key), "annotation", None))
-    )
+    return model if model is None or isinstance(key, int) else model_in(getattr(_field(model, key), "annotation", None))
 
 
 def _field(model: type[FileModel], key: str) -> FieldInfo | None:
     name = model.bare_names().get(key, key)
     if name in model.model_fields:
         return model.model_fields[name]
-    shared = _shared(model)
+    shared = model.shared_model()
     return None if shared is None else _field(shared, key)
-
-
-def _shared(model: type[FileModel]) -> type[FileModel] | None:
-    return _model_in(model.model_fields[model.keys_for_each[0]].annotation) if model.keys_for_each else None
-
-
-def _model_in(annotation: Any) -> type[FileModel] | None:
-    if isinstance(annotation, type) and issubclass(annotation, FileModel):
-        return annotation
-    return next(filter(None, (_model_in(part) for part in get_args(annotation))), None)

@@ -8,11 +8,11 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 from pydantic import AfterValidator, Discriminator, Field, Strict, Tag, ValidationInfo, field_validator, model_validator
 
 from waypointctl.mission.checks import alone, file_beside, in_order, jitter_within, times_rise, windows_within
-from waypointctl.mission.contact_plan import is_moment
 from waypointctl.mission.fields import DAY_S
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.presets import PRESETS, PresetName, over_preset
 from waypointctl.mission.quantity import Probability, Quantity
+from waypointctl.mission.text_file import moment_of
 from waypointctl.units import SIZE_UNITS_BYTES, number_in
 
 Delay: TypeAlias = Annotated[float, Quantity("s", ge=0, le=10 * DAY_S)]
@@ -52,7 +52,7 @@ class Bursts(FileModel):
 
 
 def _moment(text: str) -> str:
-    if not is_moment(text):
+    if moment_of(text) is None:
         raise ValueError(f"{text!r} is not a moment of the form 2027/01/31-12:00:00")
     return text
 

@@ -31,18 +31,21 @@ from waypointctl.mission.checks import (
     names_differ,
     possible,
 )
-from waypointctl.mission.fields import DAY_S as DAY_S
-from waypointctl.mission.fields import AcceptanceShape, RobotName
-from waypointctl.mission.fields import Hold as Hold
-from waypointctl.mission.fields import Name as Name
-from waypointctl.mission.fields import Position as Position
-from waypointctl.mission.fields import Start as Start
-from waypointctl.mission.fields import Timeout as Timeout
-from waypointctl.mission.fields import Tolerance as Tolerance
+from waypointctl.mission.fields import (
+    DAY_S,
+    AcceptanceShape,
+    Hold,
+    Name,
+    Position,
+    RobotName,
+    Start,
+    Timeout,
+    Tolerance,
+)
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.link import Link
 from waypointctl.mission.onboard import Onboard, OnFailure
-from waypointctl.mission.operator import Commanding, OperatorScript, ScheduledCommand
+from waypointctl.mission.operator import Commanding, OperatorScript, ScheduledCommand, TelemetryRate
 from waypointctl.mission.quantity import Quantity
 
 MOST_LEGS: Final = 10_000
@@ -75,15 +78,6 @@ class Waypoint(FileModel):
     hold_s: Hold | None = Field(None, description="how long to stay at the waypoint")
     observe: Annotated[bool, Strict()] | None = Field(
         None, description="whether to take a picture there, after the hold"
-    )
-
-
-class TelemetryRate(FileModel):
-    """How often the robot sends telemetry."""
-
-    rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(5.0, description="frames a second")
-    beacon_s: Annotated[float, Quantity("s", ge=1, le=DAY_S)] = Field(
-        60.0, description="between frames while the robot is at rest"
     )
 
 
@@ -215,20 +209,11 @@ class Mission(FileModel):
         return sum(math.dist(a, b) for a, b in itertools.pairwise(places))
 
     def _leg(self, index: int, number: int, at: int) -> Leg:
-        waypoint, defaults = self.waypoints[at], self.defaults
-        name = name_of(at, waypoint)
-        return Leg(
-            index=index,
-            name=name if self.repeat == 1 else f"{name} ({number})",
-            x_m=waypoint.position_m[0],
-            y_m=waypoint.position_m[1],
-            acceptance=waypoint.acceptance if waypoint.acceptance is not None else defaults.acceptance,
-            tolerance_m=waypoint.tolerance_m if waypoint.tolerance_m is not None else defaults.tolerance_m,
-            timeout_s=waypoint.timeout_s if waypoint.timeout_s is not None else defaults.timeout_s,
-            hold_s=waypoint.hold_s if waypoint.hold_s is not None else defaults.hold_s,
-            observe=waypoint.observe if waypoint.observe is not None else defaults.observe,
-            at=at,
-        )
+        waypoint, name = self.waypoints[at], name_of(at, self.waypoints[at])
+        own = {field: getattr(waypoint, field) for field in Defaults.model_fields}
+        taken = {field: getattr(self.defaults, field) if value is None else value for field, value in own.items()}
+        x_m, y_m = waypoint.position_m
+        return Leg(index, name if self.repeat == 1 else f"{name} ({number})", x_m, y_m, at=at, **taken)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""The scripted operator of a mission: how it sends commands, and those that it sends at given times."""
+"""The traffic of a mission: how the scripted operator sends commands, and at what times; how often telemetry comes."""
 
 from __future__ import annotations
 
@@ -52,6 +52,15 @@ class Commanding(FileModel):
     )
     margin_s: Annotated[float, Quantity("s", ge=0, le=DAY_S)] = Field(
         1.0, description="how late an acknowledgement may be beyond round trip, jitter, rate and contacts"
+    )
+
+
+class TelemetryRate(FileModel):
+    """How often the robot sends telemetry."""
+
+    rate_hz: Annotated[float, Quantity("hz", ge=0.001, le=50)] = Field(5.0, description="frames a second")
+    beacon_s: Annotated[float, Quantity("s", ge=1, le=DAY_S)] = Field(
+        60.0, description="between frames while the robot is at rest"
     )
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, get_args
+from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from waypointctl.display_text import printable
-from waypointctl.mission.file_model import FileModel
-from waypointctl.mission.wording import how_to_write, path_text, shown, unit_of, units_of
+from waypointctl.display_text import path_text, printable, shown
+from waypointctl.mission.file_model import FileModel, models_in
+from waypointctl.mission.quantity import how_to_write, unit_of, units_of
 from waypointctl.mission.yaml_tree import DataPath, Mark, Tree
 from waypointctl.units import bare_name
 
@@ -169,16 +169,15 @@ def _value_text(details: ErrorDetails, path: DataPath, value: object) -> str:
         return str(context["error"])
     if kind not in _SAYS and kind not in _EXPECTED:
         return details["msg"]
-    context = {name: _round(bound) for name, bound in context.items()}
+    # A bound as people write it: 0, not 0.0.
+    context = {name: int(it) if isinstance(it, float) and it.is_integer() else it for name, it in context.items()}
     if kind in _SAYS:
         return _SAYS[kind].format(**context).replace("has 1 entries", "has 1 entry")
     expected = _EXPECTED[kind].format(**context) + _nearest(kind, value, context)
     field = next((part for part in reversed(details["loc"]) if isinstance(part, str)), "")
-    if bare_name(field) is None:
-        return f"{shown(value)} is not {expected}"
-    if kind == "float_type":
+    if kind == "float_type" and bare_name(field):
         return f"{shown(value)} is not {_number_hint(field, path)}"
-    if kind in _BOUNDS:
+    if kind in _BOUNDS and bare_name(field):
         # Text that has come as far as this is a number with its unit, and needs no quotes.
         return f"{value if isinstance(value, str) else shown(value)} is not {expected} {unit_of(field)}"
     return f"{shown(value)} is not {expected}"
@@ -202,17 +201,10 @@ def _number_hint(field: str, path: DataPath) -> str:
     return f"a number{' with its unit' if bare in path else ''}; {how_to_write(field, 1)}"
 
 
-def _round(bound: object) -> object:
-    """Return a bound as people write it: 0, not 0.0."""
-    return int(bound) if isinstance(bound, float) and bound.is_integer() else bound
-
-
 def _missing_text(loc: tuple[str | int, ...]) -> str:
-    name = str(loc[-1])
-    bare = bare_name(name)
-    if bare is None:
-        return "is missing"
-    return f"is missing; write '{bare}: ...' with a unit, or '{name}: ...' in {unit_of(name)}"
+    name, bare = str(loc[-1]), bare_name(str(loc[-1]))
+    hint = "" if bare is None else f"; write '{bare}: ...' with a unit, or '{name}: ...' in {unit_of(name)}"
+    return f"is missing{hint}"
 
 
 def _unknown_key_text(loc: tuple[str | int, ...], model: type[BaseModel]) -> str:
@@ -248,17 +240,11 @@ def _models_at(model: type[BaseModel], loc: Iterable[str | int]) -> list[type[Ba
     """Return the models that are possible at an error's location."""
     models = [model]
     for part in loc:
-        inner = [m for owner in models if part in owner.model_fields for m in _models_in(owner, str(part))]
+        inner = [
+            m
+            for owner in models
+            if part in owner.model_fields
+            for m in models_in(owner.model_fields[str(part)].annotation)
+        ]
         models = inner or models  # an index, or the name of a union's branch, leads no further down
     return models
-
-
-def _models_in(owner: type[BaseModel], field: str) -> list[type[BaseModel]]:
-    found: list[type[BaseModel]] = []
-    parts: list[Any] = [owner.model_fields[field].annotation]
-    while parts:
-        part = parts.pop(0)
-        if isinstance(part, type) and not get_args(part) and issubclass(part, BaseModel):
-            found.append(part)
-        parts.extend(get_args(part))
-    return found

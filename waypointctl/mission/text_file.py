@@ -1,4 +1,4 @@
-"""The plain text files that a mission refers to: words with their places, and measured jitter.
+"""The plain text files that a mission refers to: words with their places, moments, and measured jitter.
 
 A file of jitter has one number of seconds a line; what follows a '#' is a comment.
 """
@@ -8,11 +8,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Final
 
 from waypointctl.mission.file_kind import kind_of
 from waypointctl.mission.problems import Problem
 
+TIME_FORMAT: Final = "%Y/%m/%d-%H:%M:%S"  # an absolute time, as contact plans have it
+ABSOLUTE: Final = re.compile(r"[0-9]{4}/[0-9]{1,2}/[0-9]{1,2}-[0-9]{1,2}:[0-9]{1,2}:[0-9]{1,2}")
+ANY_MOMENT: Final = "0001/01/01-00:00:00"  # reference for checking each line, where the right one is not known
 _WORD: Final = re.compile(r"\S+")
 
 
@@ -50,6 +54,14 @@ class TextReport:
             words = [Word(match.group(), number, match.start() + 1) for match in _WORD.finditer(each.partition("#")[0])]
             if words:
                 yield words
+
+
+def moment_of(text: str) -> datetime | None:
+    """Return an absolute time, None for any other text."""
+    try:
+        return datetime.strptime(text, TIME_FORMAT).replace(tzinfo=UTC) if ABSOLUTE.fullmatch(text) else None
+    except ValueError:
+        return None
 
 
 MOST_S: Final = 86_400.0

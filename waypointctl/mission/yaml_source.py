@@ -13,10 +13,10 @@ from typing import Generic, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from waypointctl.display_text import path_text
 from waypointctl.errors import InputError
 from waypointctl.input_file import read_input, read_start
 from waypointctl.mission.problems import Problem, duplicate_problems, problems_of
-from waypointctl.mission.wording import path_text
 from waypointctl.mission.yaml_tree import MAX_BYTES, DataPath, Mark, Tree, YamlFault, read_tree
 from waypointctl.paths import MCAP, command_for_log
 from waypointctl.units import bare_name
@@ -30,6 +30,12 @@ class Reading(Generic[M]):
 
     model: M | None
     problems: tuple[Problem, ...]
+
+    def value(self, error: type[InputError]) -> M:
+        """Return the model; raises an InputError of the type `error` that lists the problems, if there are any."""
+        if self.model is None:
+            raise as_error(self.problems, error)
+        return self.model
 
 
 def read_source(path: Path, error: type[InputError], most: int = MAX_BYTES, *, within: Path | None = None) -> bytes:
@@ -61,20 +67,21 @@ def read_model(source: bytes, where: str, model: type[M], error: type[InputError
     Raises:
         InputError: of the type `error`, with all that is wrong, one "file:line:column: field: problem" a line.
     """
-    reading = examine(source, where, model)
-    if reading.model is None:
-        raise as_error(reading.problems, error)
-    return reading.model
+    return examine(source, where, model).value(error)
 
 
 def examine(source: bytes, where: str, model: type[M]) -> Reading[M]:
     """Return the model that a YAML text holds, or everything that is wrong with the text in the order of its lines."""
+    tree = tree_or_problem(source, where)
+    return Reading(None, (tree,)) if isinstance(tree, Problem) else examine_tree(tree, where, model)
+
+
+def tree_or_problem(source: bytes, where: str) -> Tree | Problem:
+    """Return the data of a YAML text with its places, or why it cannot be read."""
     try:
-        tree = read_tree(source)
+        return read_tree(source)
     except YamlFault as fault:
-        line, column = (fault.mark.line, fault.mark.column) if fault.mark else (0, 0)
-        return Reading(None, (Problem(where, line, column, "", fault.text),))
-    return examine_tree(tree, where, model)
+        return Problem(where, fault.mark.line, fault.mark.column, "", fault.text)
 
 
 def examine_tree(tree: Tree, where: str, model: type[M]) -> Reading[M]:

@@ -1,7 +1,7 @@
 """YAML 1.2 text as plain data, with the line and column of everything in it.
 
-Only the YAML that a file needs: one document of mappings, lists and scalars of the
-core schema. Aliases, tags and merge keys are refused, so a small file cannot expand to a large one.
+Only the YAML that a file needs: one document of mappings, lists and scalars of the core schema. Aliases, tags and merge
+keys are refused, so a small file cannot expand to a large one.
 """
 
 from __future__ import annotations
@@ -10,22 +10,12 @@ import math
 import re
 import sys
 from codecs import BOM_UTF8
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias
 
-from ruamel.yaml import YAML
+from ruamel.yaml import YAML, events
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
-from ruamel.yaml.events import (
-    AliasEvent,
-    CollectionEndEvent,
-    CollectionStartEvent,
-    DocumentStartEvent,
-    Event,
-    MappingStartEvent,
-    NodeEvent,
-    ScalarEvent,
-    SequenceStartEvent,
-)
 from ruamel.yaml.reader import ReaderError
 
 from waypointctl.mission.file_kind import FileKind, kind_of
@@ -35,14 +25,18 @@ MAX_BYTES: Final = 1 << 20
 
 # Longer numbers are beyond every float; Python also refuses to print very long integers.
 _MAX_DIGITS: Final = 400
-_NULLS: Final = frozenset({"", "~", "null", "Null", "NULL"})
-_BOOLEANS: Final = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_NAMED: Final[Mapping[str, float | bool | None]] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), math.nan),
+    **dict.fromkeys((f"{sign}.{word}" for sign in ("", "+") for word in ("inf", "Inf", "INF")), math.inf),
+    **dict.fromkeys(("-.inf", "-.Inf", "-.INF"), -math.inf),
+}
 _LONG_ESCAPE: Final = re.compile(r"\\U([0-9a-fA-F]{8})")
 _INT: Final = re.compile(r"[-+]?[0-9]+")
 _OCTAL_OR_HEX: Final = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT: Final = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_INFINITY: Final = re.compile(r"[-+]?\.(inf|Inf|INF)")
-_NOT_A_NUMBER: Final = frozenset({".nan", ".NaN", ".NAN"})
 
 DataPath: TypeAlias = tuple[str | int, ...]
 
@@ -55,10 +49,13 @@ class Mark:
     column: int
 
 
+NOWHERE: Final = Mark(0, 0)
+
+
 class YamlFault(Exception):
     """What makes a text unreadable, and where."""
 
-    def __init__(self, text: str, mark: Mark | None = None) -> None:
+    def __init__(self, text: str, mark: Mark = NOWHERE) -> None:
         """Keep what was found, and where if it is at one place."""
         super().__init__(text)
         self.text = text
@@ -92,9 +89,8 @@ def read_tree(source: bytes) -> Tree:
     except MarkedYAMLError as error:
         raise _syntax_fault(error) from error
     except ReaderError as error:
-        raise YamlFault(
-            f"has the control character #x{error.character:02x}", _place_of(text, error.position)
-        ) from error
+        problem = f"has the control character #x{error.character:02x}"
+        raise YamlFault(problem, _place_of(text, error.position)) from error
     except (YAMLError, ArithmeticError, ValueError, LookupError, AssertionError) as error:
         # The parser lets some malformed escapes and directives out as what they broke inside it.
         if fault := _escape_fault(text, builder.last_index):
@@ -107,14 +103,8 @@ def read_tree(source: bytes) -> Tree:
 
 def plain(text: str) -> str | int | float | bool | None:
     """Return what a scalar without quotes means in YAML 1.2's core schema (section 10.3.2)."""
-    if text in _NULLS:
-        return None
-    if text in _BOOLEANS:
-        return _BOOLEANS[text]
-    if text in _NOT_A_NUMBER:
-        return math.nan
-    if _INFINITY.fullmatch(text):
-        return -math.inf if text.startswith("-") else math.inf
+    if text in _NAMED:
+        return _NAMED[text]
     if _INT.fullmatch(text):
         return int(text) if len(text) <= _MAX_DIGITS else float(text)
     if _OCTAL_OR_HEX.fullmatch(text):
@@ -138,47 +128,45 @@ class _Builder:
 
     def __init__(self) -> None:
         self.tree = Tree()
-        self.last = Mark(1, 1)
-        self.last_index = 0
+        self.last, self.last_index = Mark(1, 1), 0
         self._stack: list[_Frame] = []
         self._documents = 0
 
-    def take(self, event: Event) -> None:
+    def take(self, event: events.Event) -> None:
         """Add one event's part to the tree."""
-        self.last = _mark(event.start_mark)
-        self.last_index = event.start_mark.index
-        if isinstance(event, DocumentStartEvent):
+        self.last, self.last_index = _mark(event.start_mark), event.start_mark.index
+        if isinstance(event, events.DocumentStartEvent):
             self._start_document(event)
-        elif isinstance(event, AliasEvent):
+        elif isinstance(event, events.AliasEvent):
             raise YamlFault(f"the alias *{event.anchor} is not allowed: write the value out", self.last)
-        elif isinstance(event, CollectionEndEvent):
+        elif isinstance(event, events.CollectionEndEvent):
             self._stack.pop()
-        elif isinstance(event, NodeEvent):
+        elif isinstance(event, events.NodeEvent):
             self._take_node(event)
 
-    def _start_document(self, event: DocumentStartEvent) -> None:
+    def _start_document(self, event: events.DocumentStartEvent) -> None:
         self._documents += 1
         if self._documents > 1:
             raise YamlFault("a second document starts here; a file holds one", self.last)
         if event.version is not None and tuple(event.version) != (1, 2):
             raise YamlFault("only YAML 1.2 is read: remove the %YAML line", self.last)
 
-    def _take_node(self, event: NodeEvent) -> None:
+    def _take_node(self, event: events.NodeEvent) -> None:
         if event.anchor is not None:
             raise YamlFault(f"the anchor &{event.anchor} is not allowed: write the value out", self.last)
-        if isinstance(event, ScalarEvent | CollectionStartEvent) and event.tag is not None:
+        if isinstance(event, events.ScalarEvent | events.CollectionStartEvent) and event.tag is not None:
             raise YamlFault(f"the tag {event.tag} is not allowed: leave it out", self.last)
-        if isinstance(event, ScalarEvent):
+        if isinstance(event, events.ScalarEvent):
             if any("\ud800" <= character <= "\udfff" for character in event.value):
                 raise YamlFault("half of a surrogate pair is not a character", self.last)
             if not self._is_key(event):
                 self._place(plain(event.value) if event.implicit[0] else event.value)
-        elif isinstance(event, MappingStartEvent):
+        elif isinstance(event, events.MappingStartEvent):
             self._open({})
-        elif isinstance(event, SequenceStartEvent):
+        elif isinstance(event, events.SequenceStartEvent):
             self._open([])
 
-    def _is_key(self, event: ScalarEvent) -> bool:
+    def _is_key(self, event: events.ScalarEvent) -> bool:
         frame = self._stack[-1] if self._stack else None
         if frame is None or not isinstance(frame.container, dict) or frame.key is not None:
             return False
@@ -226,8 +214,8 @@ def _decode(source: bytes) -> str:
         text = source.decode()
     except UnicodeDecodeError as error:
         before = source[: error.start].decode()
-        mark = _place_of(before, len(before))
-        raise YamlFault(f"is not UTF-8 text: byte 0x{source[error.start]:02x}", mark) from error
+        problem = f"is not UTF-8 text: byte 0x{source[error.start]:02x}"
+        raise YamlFault(problem, _place_of(before, len(before))) from error
     if not text.strip():
         raise YamlFault("is empty", Mark(1, 1))
     return text
@@ -243,15 +231,15 @@ def _escape_fault(text: str, begin: int) -> YamlFault | None:
 
 
 def _syntax_fault(error: MarkedYAMLError) -> YamlFault:
-    mark = error.problem_mark or error.context_mark
+    mark = _mark(error.problem_mark or error.context_mark)
     if error.problem and "'\\t'" in error.problem:
-        return YamlFault("is indented with a tab: YAML needs spaces", None if mark is None else _mark(mark))
+        return YamlFault("is indented with a tab: YAML needs spaces", mark)
     found = ", ".join(part for part in (error.context, error.problem) if part)
-    return YamlFault(f"is not YAML: {_first_line(found)}", None if mark is None else _mark(mark))
+    return YamlFault(f"is not YAML: {_first_line(found)}", mark)
 
 
 def _mark(mark: Any) -> Mark:
-    return Mark(mark.line + 1, mark.column + 1)
+    return NOWHERE if mark is None else Mark(mark.line + 1, mark.column + 1)
 
 
 def _place_of(text: str, index: int) -> Mark:

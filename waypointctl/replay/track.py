@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.mission.geofence import Zone
+from waypointctl.mission.onboard import Zone
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

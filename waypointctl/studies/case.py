@@ -10,7 +10,8 @@ from typing import Final, Literal
 
 from waypointctl.errors import InputError
 from waypointctl.flight.link.build import contacts_of
-from waypointctl.mission.mission import DAY_S, Mission
+from waypointctl.mission.fields import DAY_S
+from waypointctl.mission.mission import Mission
 from waypointctl.studies.route import with_round_trip
 from waypointctl.units import seconds
 

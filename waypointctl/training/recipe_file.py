@@ -145,7 +145,7 @@ def with_plugins(recipe_file: RecipeFile, *, allowed: bool) -> RecipeFile:
 
 def recipe_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 7) of a recipe, with every spelling that is read."""
-    from waypointctl.mission.file_schema import model_schema
+    from waypointctl.mission.file_model import model_schema
 
     schema = model_schema(Recipe, "waypointctl recipe")
     _drop_infinite_defaults(schema)

@@ -18,7 +18,7 @@ from waypointctl.replay.track import FloatArray, extent, is_on_map
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from waypointctl.mission.geofence import Zone
+    from waypointctl.mission.onboard import Zone
 
 WAY: Final = "cyan"
 UNHEARD: Final = "bright_black"  # the way where nothing could be sent from

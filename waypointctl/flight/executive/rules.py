@@ -9,8 +9,8 @@ from itertools import pairwise
 from typing import Final, TypeAlias
 
 from waypointctl.log.messages import PlannedWaypoint
-from waypointctl.mission.geofence import Area as AreaModel
 from waypointctl.mission.mission import Mission
+from waypointctl.mission.onboard import Area as AreaModel
 from waypointctl.mission.onboard import Home
 from waypointctl.units import ns, whole_ns
 

@@ -17,7 +17,7 @@ from waypointctl.log.foxglove.geometry import pose
 from waypointctl.log.foxglove.scene import LABEL_HEIGHT_M, Standing, region
 from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkRecord, State
 from waypointctl.log.setting import MissionSetting
-from waypointctl.mission.geofence import Zone
+from waypointctl.mission.onboard import Zone
 from waypointctl.sim.geometry import WORLD
 from waypointctl.units import NS_PER_S, seconds
 

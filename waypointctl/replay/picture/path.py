@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Patch, Polygon, Rectangle
 from matplotlib.ticker import MultipleLocator
 
 from waypointctl.log.messages import PlannedWaypoint
-from waypointctl.mission.geofence import Zone
+from waypointctl.mission.onboard import Zone
 from waypointctl.replay.picture import palette
 from waypointctl.replay.picture.labels import Labels, Place, around, short
 from waypointctl.replay.picture.time_axis import time_text
