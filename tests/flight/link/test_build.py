@@ -45,6 +45,7 @@ def delays(link: Direction[int], count: int) -> list[int]:
 def test_a_way_that_says_nothing_does_nothing() -> None:
     link = made(way())
     assert [send(link, at, 10**9) for at in (0, 5)] == [Delivery(0, 0, (0,), ""), Delivery(5, 5, (5,), "")]
+    assert link.state()["random"] == {}, "nothing is drawn"
 
 
 def test_a_uniform_jitter_is_drawn_as_it_always_was() -> None:
@@ -125,6 +126,22 @@ def test_a_delay_beside_a_contact_plan_takes_the_place_of_its_ranges() -> None:
     no_ranges = b"\n".join(line for line in PLAN.splitlines() if b"range" not in line)
     link = made(way(contact_plan=plan, delay="250 ms"), {"plan": no_ranges})
     assert send(link, 10 * S, 1000).arrivals_ns == (11_250_000_000,)
+
+
+def test_a_broken_contact_plan_is_refused() -> None:
+    plan = {"file": "plan", "from_node": 1, "to_node": 2}
+    with pytest.raises(MissionError):
+        made(way(contact_plan=plan, delay="1 s"), {"plan": b"a contact soon +20 1 2 1000\n"})
+
+
+def test_a_duplicate_draws_its_jitter_from_a_stream_of_its_own() -> None:
+    link, rng = (
+        made(way(delay="1 s", jitter="50 ms", duplicate=1, keep_order=False), seed=4),
+        stream(4, "link.up.second"),
+    )
+    for number in range(1, 20):
+        second_ns = int(rng.integers(-50_000_000, 50_000_000, endpoint=True))
+        assert (number + 1) * S + second_ns in send(link, number * S).arrivals_ns
 
 
 def test_a_file_that_was_not_read_with_the_mission_is_missed() -> None:

@@ -22,6 +22,7 @@ def test_no_rate_is_exceeded_and_no_nanosecond_is_wasted(size: int, rate_bps: fl
 def test_without_a_rate_sending_takes_no_time() -> None:
     assert airtime_ns(1 << 40, None) == 0
     assert always().place(7, 1 << 40) == (7, 7)
+    assert always().windows[0].end_ns == 2**62, "a time that a log can hold"
 
 
 def test_a_window_can_be_used_from_its_beginning_to_its_end() -> None:
@@ -45,6 +46,7 @@ def test_windows_come_again() -> None:
         (210, 215),
         (100_010, 100_015),
     ]
+    assert contacts.place(125, 5) == (130, 135)
     assert contacts.place(0, 11) is None
     assert contacts.place(0, 10) == (10, 20), "a search forward does not spoil one back"
 
@@ -54,6 +56,7 @@ def test_the_next_opening() -> None:
     assert [contacts.next_open_ns(at) for at in (0, 10, 15, 20, 39, 40, 60)] == [10, 10, 15, 30, 39, 60, 60]
     assert Contacts([Window(10, 20)]).next_open_ns(20) is None
     assert Contacts([]).next_open_ns(0) is None
+    assert Contacts([Window(30, 40, 8e8)], 100).next_open_ns(35) == 35, "open, although no byte fits any more"
 
 
 @given(st.integers(0, 10**18), st.integers(0, 1000))
@@ -92,3 +95,42 @@ def test_the_window_used_last_counts_its_rate_and_its_end() -> None:
 def test_the_window_used_last_rounds_up_a_byte_that_takes_a_fraction_of_nanoseconds() -> None:
     contacts = Contacts([Window(0, 100, 3e9)])
     assert [contacts.place(0, 3), contacts.place(8, 1), contacts.place(11, 3)] == [(0, 8), (8, 11), (11, 19)]
+
+
+def test_windows_may_adjoin_and_end_with_their_period_and_be_as_slow_as_they_like() -> None:
+    contacts = Contacts([Window(0, 10), Window(10, 20 * S, 0.5)], 20 * S)
+    assert contacts.place(10, 1) == (10, 16 * S + 10)
+    assert contacts.place(20 * S, 1) == (20 * S, 20 * S)
+
+
+@pytest.mark.parametrize(
+    ("windows", "period_ns", "gap_ns"),
+    [
+        ([], 0, 0),
+        ([], 100, 0),
+        ([Window(10, 20)], 0, 0),
+        ([Window(10, 20)], 100, 90),
+        ([Window(10, 20), Window(30, 35), Window(36, 40)], 0, 10),
+        ([Window(10, 20), Window(30, 35)], 100, 75),
+        ([Window(10, 40), Window(90, 100)], 100, 50),
+    ],
+)
+def test_the_longest_gap_is_between_two_contacts(windows: list[Window], period_ns: int, gap_ns: int) -> None:
+    assert Contacts(windows, period_ns).longest_gap_ns == gap_ns
+
+
+@pytest.mark.parametrize(
+    ("windows", "period_ns", "rate_bps"),
+    [
+        ([], 0, None),
+        ([Window(0, 10)], 0, None),
+        ([Window(0, 10, 5.0), Window(20, 30)], 100, None),
+        ([Window(0, 10, 5.0), Window(20, 30, 7.0), Window(40, 50, 6.0)], 0, 7.0),
+        ([Window(0, 10, 5.0)], 100, 0.5),
+        ([Window(10, 20, 8.0), Window(30, 35, 4.0)], 100, 1.0),
+    ],
+)
+def test_the_mean_rate_counts_each_contact_with_its_share_of_the_time(
+    windows: list[Window], period_ns: int, rate_bps: float | None
+) -> None:
+    assert Contacts(windows, period_ns).mean_rate_bps == rate_bps

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from waypointctl.flight.link.impairments import (
+    BLOCK,
     drawn_jitter,
     fixed_delay,
     normal_jitter,
@@ -84,3 +85,14 @@ def test_measured_jitter_is_drawn_from_its_file_each_as_likely() -> None:
     for value, share in ((-5, 0.25), (0, 0.5), (100, 0.25)):
         assert drawn.count(value) / COUNT == pytest.approx(share, abs=5 * math.sqrt(share * (1 - share) / COUNT))
     assert set(drawn) == set(samples)
+
+
+@pytest.mark.parametrize("count", [0, 1, BLOCK - 1, BLOCK, BLOCK + 1])
+def test_what_is_drawn_goes_on_where_its_state_was_taken(count: int) -> None:
+    first, again = (uniform_jitter(1000, stream(0, "j")).draws for _ in range(2))
+    for _ in range(count):
+        first()
+    state = first.state()
+    assert state["used"] == count % BLOCK
+    again.restore(state)
+    assert [again() for _ in range(BLOCK)] == [first() for _ in range(BLOCK)]

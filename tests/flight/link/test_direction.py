@@ -11,7 +11,14 @@ from hypothesis import strategies as st
 from tests.flight.link.made import Told, chancy, told_jitter
 from waypointctl.flight.link.contacts import Contacts, Window
 from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Direction, Duplication
-from waypointctl.flight.link.impairments import BLOCK, RandomLoss, fixed_delay, table_delay, uniform_jitter
+from waypointctl.flight.link.impairments import (
+    BLOCK,
+    RandomLoss,
+    drawn_jitter,
+    fixed_delay,
+    table_delay,
+    uniform_jitter,
+)
 from waypointctl.seeding import stream
 
 
@@ -97,6 +104,12 @@ def test_the_latest_arrival_counts_queue_contact_delay_and_jitter() -> None:
     assert link.latest_arrival_ns(0, 60) == 5100 + 60 + 10_000 + 5_000
     assert link.latest_arrival_ns(0, 901) is None
     assert [link.send(0, 10, lambda when: when).departs_ns for _ in range(2)] == [950, 960], "asking changed nothing"
+
+
+def test_the_latest_arrival_counts_no_jitter_that_only_shortens_the_way() -> None:
+    for most_ns in (0, -5):
+        link = Direction[int](delay=fixed_delay(100), jitter=drawn_jitter([-9, most_ns], stream(0, "j")))
+        assert link.latest_arrival_ns(7, 1) == 107
 
 
 def test_five_days_of_delay_cost_no_more_work_than_none() -> None:

@@ -42,3 +42,8 @@ def test_commands_and_acknowledgements_under_way_are_told_whole_and_of_frames_th
 def test_an_empty_link_has_nothing_under_way() -> None:
     state: Any = link_state(sent(), sent(FRAME))
     assert (state["up"]["commands"], state["down"]["acks"], state["down"]["frames"]) == ([], [], [0])
+
+
+def test_of_two_frames_under_way_both_are_named() -> None:
+    state: Any = link_state(sent(), sent(FRAME, replace(FRAME, frame=1)))
+    assert state["down"]["frames"] == [0, 1]

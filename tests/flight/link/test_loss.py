@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from waypointctl.flight.link.impairments import GilbertElliott, RandomLoss
+from waypointctl.flight.link.impairments import BLOCK, GilbertElliott, RandomLoss
 from waypointctl.seeding import stream
 
 COUNT = 200_000
@@ -94,3 +94,14 @@ def test_a_bursty_link_loses_all_where_it_never_gets_good_or_is_lossy_in_both(
 
 def test_a_random_loss_loses_all_only_where_it_is_certain() -> None:
     assert [RandomLoss(share, stream(0, "loss")).loses_all for share in (0.0, 0.99, 1.0)] == [False, False, True]
+
+
+@pytest.mark.parametrize("count", [0, 1, BLOCK - 1, BLOCK, BLOCK + 7])
+def test_a_bursty_link_goes_on_where_its_state_was_taken(count: int) -> None:
+    first, again = (GilbertElliott(0.3, 0.4, 0.8, 0.2, stream(5, "loss")) for _ in range(2))
+    for _ in range(count):
+        first()
+    state = first.state()
+    assert state["used"] == count % BLOCK
+    again.restore(state)
+    assert [again() for _ in range(2 * BLOCK)] == [first() for _ in range(2 * BLOCK)]

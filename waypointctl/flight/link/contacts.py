@@ -91,7 +91,7 @@ class Contacts:
     def longest_gap_ns(self) -> int:
         """The longest time between two contacts [ns]; what follows the last of them is none."""
         gaps = [after.begin_ns - before.end_ns for before, after in pairwise(self.windows)]
-        if self.windows and self.period_ns and self.windows[-1].end_ns < FOREVER_NS:
+        if self.windows and self.period_ns:
             gaps.append(self.period_ns - self.windows[-1].end_ns + self.windows[0].begin_ns)
         return max(gaps, default=0)
 
