@@ -6,11 +6,10 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from waypointctl.importers.conversion import mission_text, read_imported
 from waypointctl.importers.importer import ImportedMission
 from waypointctl.importers.local_frame import Body, Place
-from waypointctl.importers.mission_text import mission_text
 from waypointctl.importers.placed import Placed
-from waypointctl.importers.registry import read_imported
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Leg, Mission
 

@@ -192,7 +192,7 @@ def test_a_kml_files_hint_names_its_body(tmp_path: Path, hint: str, metres: floa
 
 
 def test_elements_have_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("waypointctl.importers.xml_source._MOST_ELEMENTS", 20)
+    monkeypatch.setattr("waypointctl.importers.gpx_and_kml._MOST_ELEMENTS", 20)
     assert imported(tmp_path, gpx(ROUTE), "m.gpx").legs == ON_THE_WAY
     with pytest.raises(MissionError, match="has more than 20 elements"):
         imported(tmp_path, gpx(ROUTE, "<a/>" * 20), "m.gpx")

@@ -19,7 +19,7 @@ from tests.importers.test_gpx_and_kml import LINE as KML_LINE
 from tests.importers.test_gpx_and_kml import ROUTE, gpx, kml
 from tests.importers.test_wpl import EAST, HOME, NORTH, wpl
 from waypointctl.errors import MissionError
-from waypointctl.importers.registry import MAX_BYTES, read_imported
+from waypointctl.importers.conversion import MAX_BYTES, read_imported
 
 COLLECTION = collection(feature(LINE, name="n"), feature(POINT), feature(POLYGON), feature(None))
 FORMATS = {

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.importers.reading import imported
-from waypointctl.importers.thinning import thinned
+from waypointctl.importers.local_frame import thinned
 
 coordinate = st.floats(-50, 50).map(lambda value: round(value, 2))
 lines = st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=40)

@@ -19,9 +19,8 @@ from stable_baselines3.common.torch_layers import FlattenExtractor
 
 from tests.training.sb3_models import normalised_env, rewritten, with_parts
 from waypointctl.errors import PolicyError
-from waypointctl.importers.stable_baselines3.archive import read_archive
+from waypointctl.importers.stable_baselines3.archive import read_archive, read_normaliser
 from waypointctl.importers.stable_baselines3.network import read_network
-from waypointctl.importers.stable_baselines3.normaliser import read_normaliser
 from waypointctl.task.env import WaypointEnv
 from waypointctl.training.sb3_import import build_policy, import_sb3
 

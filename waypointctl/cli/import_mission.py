@@ -43,9 +43,8 @@ def import_mission(
     force: Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")] = False,
 ) -> None:
     """Make a mission of a plan: latitudes and longitudes become x (east) and y (north) in metres around an origin."""
+    from waypointctl.importers.conversion import mission_text, read_imported
     from waypointctl.importers.local_frame import body_of
-    from waypointctl.importers.mission_text import mission_text
-    from waypointctl.importers.registry import read_imported
     from waypointctl.paths import write_whole
 
     _refuse_taken(out, force)

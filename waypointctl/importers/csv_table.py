@@ -15,9 +15,8 @@ from typing import Final
 
 from waypointctl.display_text import counted, shown
 from waypointctl.errors import MissionError
-from waypointctl.importers.importer import MOST_STOPS, ImportedMission, Importer, ImportOptions, Stop, mission_name
+from waypointctl.importers.importer import MOST_STOPS, ImportedMission, Importer, Report, Stop, number_of, text_of
 from waypointctl.importers.local_frame import Place
-from waypointctl.importers.report import Report, number_of, text_of
 from waypointctl.mission.file_kind import kind_of
 
 # What a column is called, in small letters and without a unit at its end.
@@ -51,8 +50,7 @@ def is_table(source: bytes) -> bool:
     return any(set(keys) <= columns.keys() for keys in _COORDINATES)
 
 
-def _read(source: bytes, options: ImportOptions) -> ImportedMission:
-    report = Report(options.where)
+def _read(source: bytes, report: Report) -> ImportedMission:
     header, rows, delimiter = _rows(text_of(source, report), report)
     if len(header) > _MOST_COLUMNS:
         raise MissionError(f"has {len(header):,} columns; at most {_MOST_COLUMNS:,} are read", where=report.where)
@@ -73,7 +71,6 @@ def _read(source: bytes, options: ImportOptions) -> ImportedMission:
     is_metric = table.keys == ("x", "y")
     is_bare = is_metric and {header[table.columns[key]].strip().lower() for key in ("x", "y")} == {"x", "y"}
     return ImportedMission(
-        mission_name(options.name),
         start.place,
         tuple(stop for stop in stops if stop is not None),
         start_at=start.at,

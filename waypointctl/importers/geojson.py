@@ -8,9 +8,8 @@ from itertools import islice
 from typing import Any, Final
 
 from waypointctl.display_text import counted, shown
-from waypointctl.importers.importer import MOST_POSITIONS, ImportedMission, Importer, ImportOptions, of_kind
+from waypointctl.importers.importer import MOST_POSITIONS, ImportedMission, Importer, Report, number_of, of_kind
 from waypointctl.importers.json_source import Part, read_json
-from waypointctl.importers.report import Report, number_of
 from waypointctl.importers.shapes import Line, Shapes, Spot
 from waypointctl.mission.file_kind import FileKind
 
@@ -31,14 +30,13 @@ _GEOMETRIES: Final = ("Point", "MultiPoint", "LineString", "MultiLineString", "P
 _COLLECTION: Final = "GeometryCollection"
 
 
-def _read(source: bytes, options: ImportOptions) -> ImportedMission:
-    report = Report(options.where)
+def _read(source: bytes, report: Report) -> ImportedMission:
     root = read_json(source, report)
     reader = _Reader(Shapes(report, "LineString", "Point", _ORDER))
     reader.take_frame(root)
     reader.take_root(root)
     own = root.value.get("name") if isinstance(root.value, dict) else None
-    return reader.shapes.imported(own if isinstance(own, str) and own else options.name)
+    return reader.shapes.imported(own if isinstance(own, str) else "")
 
 
 class _Reader:

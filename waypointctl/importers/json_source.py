@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from waypointctl.display_text import counted, path_text, shown
 from waypointctl.errors import MissionError
-from waypointctl.importers.report import Report, number_of
+from waypointctl.importers.importer import Report, number_of
 
 MOST_ENTRIES: Final = 20_000  # of a list that is gone through
 

@@ -1,4 +1,4 @@
-"""MAVLink's mission commands that are followed; mavlink_commands.csv has the others, with what happens to them.
+"""MAVLink's mission commands that are followed; mavlink_commands.yaml has the others, with what happens to them.
 
 What they and their seven parameters mean: https://mavlink.io/en/messages/common.html#mav_commands, and ArduPilot's own:
 https://mavlink.io/en/messages/ardupilotmega.html.
@@ -6,12 +6,13 @@ https://mavlink.io/en/messages/ardupilotmega.html.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Final
+
+from waypointctl.mission.yaml_tree import read_tree
 
 GLOBAL_FRAMES: Final = (0, 3, 5, 6, 10, 11)  # MAV_FRAMEs with latitude and longitude
 
@@ -93,9 +94,10 @@ class OtherCommand:
 
 @cache
 def other_commands() -> Mapping[int, OtherCommand]:
-    """Return the commands of mavlink_commands.csv by their numbers."""
-    text = (files("waypointctl.importers") / "mavlink_commands.csv").read_text(encoding="utf-8")
+    """Return the commands of mavlink_commands.yaml by their numbers."""
+    groups = read_tree((files("waypointctl.importers") / "mavlink_commands.yaml").read_bytes()).data
     return {
-        int(row["number"]): OtherCommand(row["name"], row["handling"] == "left_out", row["reason"])
-        for row in csv.DictReader(text.splitlines())
+        int(number): OtherCommand(name, "left_out" in group, group.get("left_out") or group["refused"])
+        for group in groups
+        for number, name in group["commands"].items()
     }

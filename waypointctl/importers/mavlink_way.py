@@ -11,7 +11,7 @@ from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from waypointctl.importers.importer import MOST_STOPS, Stop
+from waypointctl.importers.importer import MOST_STOPS, Report, Stop
 from waypointctl.importers.mavlink import (
     DELAY,
     ENDS,
@@ -32,7 +32,6 @@ from waypointctl.importers.mavlink import (
     WAYPOINT,
     other_commands,
 )
-from waypointctl.importers.report import Report
 
 PARAMETERS: Final = 7
 _HOLD: Final = 0

@@ -11,10 +11,8 @@ from typing import Final
 from pydantic import ValidationError
 
 from waypointctl.errors import MissionError
-from waypointctl.importers.importer import MOST_STOPS, ImportedMission, Stop, Zone
-from waypointctl.importers.local_frame import Body, LocalFrame, Place, Point, span_m
-from waypointctl.importers.report import Report
-from waypointctl.importers.thinning import thinned
+from waypointctl.importers.importer import MOST_STOPS, ImportedMission, Report, Stop, Zone
+from waypointctl.importers.local_frame import Body, LocalFrame, Place, Point, span_m, thinned
 from waypointctl.mission.onboard import Area
 
 _HERE_M: Final = 0.5  # as near as a waypoint is reached: a take-off this near is at the robot's place

@@ -10,12 +10,11 @@ from collections.abc import Iterator
 from typing import Final
 
 from waypointctl.display_text import counted, shown
-from waypointctl.importers.importer import ImportedMission, Importer, ImportOptions, Zone, mission_name, of_kind
+from waypointctl.importers.importer import ImportedMission, Importer, Report, Zone, number_of, of_kind
 from waypointctl.importers.json_source import Part, is_number, is_unset, place_in, read_json
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.mavlink import LAND, LOITER_TO_ALTITUDE, VTOL_LAND
 from waypointctl.importers.mavlink_way import PARAMETERS, Item, follow
-from waypointctl.importers.report import Report, number_of
 from waypointctl.mission.file_kind import FileKind
 
 _RELATIVE: Final = 3  # MAV_FRAME of altitudes above the home
@@ -30,8 +29,7 @@ _MOST_CORNERS: Final = 1000
 _MOST_CORNERS_IN_ALL: Final = 3_000
 
 
-def _read(source: bytes, options: ImportOptions) -> ImportedMission:
-    report = Report(options.where)
+def _read(source: bytes, report: Report) -> ImportedMission:
     root = read_json(source, report)
     mission = _mission_of(root)
     home = _home(mission)
@@ -39,18 +37,15 @@ def _read(source: bytes, options: ImportOptions) -> ImportedMission:
     zones, return_to = _fence(root, report)
     if not stops and report.is_clean:
         mission.add_problem("has no waypoint to go to: at least one item of command 16 is needed")
-    report.refuse()
     if rally := _rally_count(root):
         report.left_out[f"rally point{'s' if rally > 1 else ''}: the robot has one home, onboard.home"] += rally
     return ImportedMission(
-        mission_name(options.name),
         home,
         stops,
         start_at="mission.plannedHomePosition",
         is_home=True,
         zones=zones,
         return_to=return_to,
-        left_out=report.left_out_lines,
     )
 
 

@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from waypointctl.display_text import counted, shown
-from waypointctl.importers.importer import MOST_POSITIONS, MOST_STOPS, ImportedMission, Stop, mission_name
+from waypointctl.importers.importer import MOST_POSITIONS, MOST_STOPS, ImportedMission, Report, Stop
 from waypointctl.importers.local_frame import Place
-from waypointctl.importers.report import Report
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,8 +78,8 @@ class Shapes:
         else:
             self.lines.append(line if self.lines else replace(line, spots=tuple(spots())))
 
-    def imported(self, name: str) -> ImportedMission:
-        """Return the mission: the robot starts at the first place and goes to the others.
+    def imported(self, name: str = "") -> ImportedMission:
+        """Return the mission, by its line's name if it has one: the robot goes from the first place to the others.
 
         Raises:
             MissionError: there is not one line, and no points instead; or something else was found wrong.
@@ -91,12 +90,11 @@ class Shapes:
         left_out = [f"{count} {what}{'s' if count > 1 else ''}" for what, count in self.others.items()]
         if self.lines and self.points:
             left_out.insert(0, counted(len(self.points), f"{self.point_word}s"))
-        left_out += self.report.left_out_lines
         own = self.lines[0].name if self.lines else ""
         return ImportedMission(
-            mission_name(own or name),
             spots[0].place if spots else None,
             tuple(Stop(spot.place, spot.name, spot.at) for spot in spots[1:]),
+            name=own or name,
             start_at=spots[0].at if spots else "",
             left_out=tuple(left_out),
             order=self.order,

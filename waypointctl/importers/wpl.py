@@ -16,12 +16,11 @@ from typing import Final
 
 from waypointctl.display_text import counted, shown
 from waypointctl.errors import MissionError
-from waypointctl.importers.importer import ImportedMission, Importer, ImportOptions, mission_name, of_kind
+from waypointctl.importers.importer import ImportedMission, Importer, Report, number_of, of_kind, text_of
 from waypointctl.importers.json_source import MOST_ENTRIES
 from waypointctl.importers.local_frame import Place
 from waypointctl.importers.mavlink import WAYPOINT
 from waypointctl.importers.mavlink_way import LATITUDE, LONGITUDE, PARAMETERS, Item, follow
-from waypointctl.importers.report import Report, number_of, text_of
 from waypointctl.mission.file_kind import FileKind
 
 _HEADER: Final = ["QGC", "WPL", "110"]
@@ -29,8 +28,7 @@ _VALUES: Final = 12
 _NUMBER, _CURRENT, _FRAME, _COMMAND, _PARAMS, _GOES_ON = 0, 1, 2, 3, 4, 11
 
 
-def _read(source: bytes, options: ImportOptions) -> ImportedMission:
-    report = Report(options.where)
+def _read(source: bytes, report: Report) -> ImportedMission:
     lines = text_of(source, report).splitlines()
     begin, header = next((number, line) for number, line in enumerate(lines, 1) if line.strip())
     if header.split() != _HEADER:
@@ -48,10 +46,7 @@ def _read(source: bytes, options: ImportOptions) -> ImportedMission:
     stops = follow(items, report)
     if not stops and report.is_clean:
         report.add_problem("", "has no waypoint to go to: at least one item of command 16 beside the home is needed")
-    report.refuse()
-    return ImportedMission(
-        mission_name(options.name), home, stops, start_at=start_at, is_home=True, left_out=report.left_out_lines
-    )
+    return ImportedMission(home, stops, start_at=start_at, is_home=True)
 
 
 def _items(lines: list[str], begin: int, report: Report) -> Iterator[Item]:

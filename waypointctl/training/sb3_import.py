@@ -18,7 +18,7 @@ from stable_baselines3.td3.policies import TD3Policy
 
 from waypointctl.errors import OutputError, PolicyError
 from waypointctl.evaluation.saved import remove_outdated
-from waypointctl.importers.stable_baselines3.archive import Archive, read_archive
+from waypointctl.importers.stable_baselines3.archive import Archive, Normaliser, read_archive, read_normaliser
 from waypointctl.importers.stable_baselines3.network import (
     ACTOR_CRITIC,
     SAC,
@@ -26,7 +26,6 @@ from waypointctl.importers.stable_baselines3.network import (
     not_a_perceptron,
     read_network,
 )
-from waypointctl.importers.stable_baselines3.normaliser import Normaliser, read_normaliser
 from waypointctl.paths import refuse_unwritable_folder
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import (

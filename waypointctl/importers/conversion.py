@@ -1,4 +1,4 @@
-"""The mission file that is made from another tool's file."""
+"""Another tool's file as a mission: the importer that reads it, found by its content; the mission file made of it."""
 
 from __future__ import annotations
 
@@ -6,15 +6,83 @@ import itertools
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 from typing import Final
 
 from waypointctl.display_text import printable
 from waypointctl.errors import MissionError
-from waypointctl.importers.importer import ImportedMission, Stop, Zone
+from waypointctl.importers.csv_table import CSV
+from waypointctl.importers.geojson import GEOJSON
+from waypointctl.importers.gpx_and_kml import GPX, KML
+from waypointctl.importers.importer import ImportedMission, Importer, Report, Stop, Zone, text_of
 from waypointctl.importers.local_frame import BODIES, EARTH, Body, Place, Point
 from waypointctl.importers.placed import Placed, placed
+from waypointctl.importers.qgroundcontrol import QGC_PLAN
+from waypointctl.importers.wpl import WPL
+from waypointctl.mission.file_kind import FileKind, kind_of
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.format import quoted
+from waypointctl.mission.yaml_source import read_source
+from waypointctl.paths import command_for_mission
+
+IMPORTERS: Final[tuple[Importer, ...]] = (QGC_PLAN, WPL, GEOJSON, GPX, KML, CSV)
+
+MAX_BYTES: Final = 10 << 20
+_OF_MANY: Final = (".json", ".txt")  # suffixes of several formats
+_READ: Final = (
+    "QGroundControl plans, waypoint files (QGC WPL 110), GeoJSON, GPX, KML, and CSV with named columns are read"
+)
+
+
+def read_imported(path: Path) -> ImportedMission:
+    """Return the mission in another tool's file.
+
+    Raises:
+        MissionError: the file does not exist, is in no format that is read, or has an error.
+    """
+    source = read_source(path, MissionError, MAX_BYTES)
+    suffix = path.suffix.lower()
+    importer = next((each for each in IMPORTERS if each.recognises(source)), None)
+    importer = importer or _by_suffix(source, suffix)
+    if importer is None:
+        raise _unknown(source, path)
+    report = Report(str(path))
+    imported = importer.read(source, report)
+    report.refuse()
+    is_misnamed = suffix not in importer.suffixes and any(suffix in each.suffixes for each in IMPORTERS)
+    remark = [f"is {importer.name} by its content, and read as that"] if is_misnamed else []
+    left_out = (f"{count} x {what}" for what, count in report.left_out.items())
+    return replace(
+        imported,
+        name=mission_name(imported.name or path.stem),
+        left_out=(*imported.left_out, *left_out),
+        remarks=(*imported.remarks, *remark),
+    )
+
+
+def mission_name(text: str) -> str:
+    """Return a text as a mission's name, which names files."""
+    name = re.sub(r"[^A-Za-z0-9._-]+", "-", text)[:80].strip("-._")
+    return name or "imported"
+
+
+def _by_suffix(source: bytes, suffix: str) -> Importer | None:
+    """Return the importer of a suffix for a file whose content does not show its format."""
+    if kind_of(source) not in (None, FileKind.JSON) or suffix in _OF_MANY:
+        return None
+    return next((each for each in IMPORTERS if suffix in each.suffixes), None)
+
+
+def _unknown(source: bytes, path: Path) -> MissionError:
+    kind = kind_of(source)
+    if kind is not None:
+        has_hint = kind not in (FileKind.JSON, FileKind.HDTN_PLAN, FileKind.XML, FileKind.BINARY)
+        return MissionError(kind.value, where=str(path), hint=None if has_hint else f"{_READ}.")
+    text_of(source, Report(str(path)))
+    hint = command_for_mission(str(path)) or "See docs/import.md for what each looks like."
+    return MissionError(f"is not a file that can be imported: {_READ}", where=str(path), hint=hint)
+
 
 _TIMEOUT_S: Final = 30.0
 _HOME_TIMEOUT_S: Final = 300.0
