@@ -8,8 +8,6 @@ changes while its module is loaded is in no function: such a mutant is run by a 
 from __future__ import annotations
 
 import gc
-import importlib.abc
-import importlib.util
 import json
 import math
 import os
@@ -20,15 +18,14 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from importlib.machinery import ModuleSpec
 from pathlib import Path
-from types import CodeType, FrameType, FunctionType, ModuleType
+from types import CodeType, FrameType, FunctionType
 from typing import Any, Final
 
 import pytest
 
 from bench.forks import RESULT, Ended, Task, run_all
-from bench.mutants import ROOT, Mutant, functions_in, mutated
+from bench.mutants import ROOT, Mutant, MutantFinder, functions_in, mutated
 
 _PYTEST: Final = ("-q", "-s", "-m", "not slow", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:xdist")
 _LONGEST_S: Final = 600.0  # of all the tests without a mutant
@@ -205,30 +202,6 @@ def _swap(functions: Sequence[FunctionType], module: CodeType) -> bool:
     return changed
 
 
-class _Finder(importlib.abc.MetaPathFinder, importlib.abc.InspectLoader):
-    """Loads one module from the code that is given; all else is found as ever."""
-
-    def __init__(self, path: str, code: CodeType) -> None:
-        self._name = path.removesuffix(".py").replace("/", ".")
-        self._path, self._code = str(ROOT / path), code
-
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        if fullname != self._name:
-            return None
-        spec = importlib.util.spec_from_loader(fullname, self, origin=self._path)
-        assert spec is not None
-        spec.has_location = True
-        return spec
-
-    def get_code(self, fullname: str) -> CodeType:
-        return self._code
-
-    def get_source(self, fullname: str) -> str:
-        return Path(self._path).read_text()
-
-
 def run_anew(
     mutants: Iterable[Mutant], files: Sequence[str], measured: dict[str, Measured], jobs: int
 ) -> Iterator[Outcome]:
@@ -236,7 +209,7 @@ def run_anew(
     tests = in_order(measured)
 
     def task(mutant: Mutant) -> Task[Mutant]:
-        finder = _Finder(mutant.path, mutated(mutant))
+        finder = MutantFinder(mutant.path, mutated(mutant))
 
         def body(folder: Path) -> int:
             sys.meta_path.insert(0, finder)

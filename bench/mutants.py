@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import importlib.abc
+import importlib.util
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib.machinery import ModuleSpec
 from pathlib import Path
-from types import CodeType
+from types import CodeType, ModuleType
 from typing import Final
 
 ROOT: Final = Path(__file__).resolve().parents[1]
@@ -153,3 +156,31 @@ def functions_in(code: CodeType) -> Iterator[CodeType]:
         if isinstance(constant, CodeType):
             yield constant
             yield from functions_in(constant)
+
+
+class MutantFinder(importlib.abc.MetaPathFinder, importlib.abc.InspectLoader):
+    """Loads one module from the code that is given; all else is found as ever."""
+
+    def __init__(self, path: str, code: CodeType) -> None:
+        """Take the module's path in the repository, and its code."""
+        self._name = path.removesuffix(".py").replace("/", ".")
+        self._path, self._code = str(ROOT / path), code
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return how the module is loaded; None for others."""
+        if fullname != self._name:
+            return None
+        spec = importlib.util.spec_from_loader(fullname, self, origin=self._path)
+        assert spec is not None
+        spec.has_location = True
+        return spec
+
+    def get_code(self, fullname: str) -> CodeType:
+        """Return the code that was given."""
+        return self._code
+
+    def get_source(self, fullname: str) -> str:
+        """Return the text without the change."""
+        return Path(self._path).read_text()
