@@ -28,7 +28,7 @@ from bench.forks import RESULT, Ended, Task, run_all
 from bench.mutants import ROOT, Mutant, MutantFinder, functions_in, mutated
 
 _PYTEST: Final = ("-q", "-s", "-m", "not slow", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:xdist")
-_LONGEST_S: Final = 600.0  # of all the tests without a mutant
+_LONGEST_S: Final = 900.0  # of wall time, for all of the tests, also on a busy machine
 _NOT_LOADED: Final = 3  # exit code: no function that is loaded has the change
 
 Items = dict[str, pytest.Item]
@@ -37,7 +37,12 @@ Outcome = tuple[Mutant, str, str]  # the mutant; "survived", "killed" or "timeou
 
 @dataclass(frozen=True)
 class Measured:
-    """A test that was run alone: how long it took, and the lines that it ran of each module of the part."""
+    """A test that was run alone.
+
+    Attributes:
+        seconds: processor time that it took, whatever else the machine does.
+        lines: that it ran, of each module of the part.
+    """
 
     seconds: float
     lines: dict[str, list[int]]
@@ -71,9 +76,9 @@ def _run(items: Sequence[pytest.Item], folder: Path, measured: Mapping[str, Meas
     items[0].config.pluginmanager.register(Plugin())
     for item, following in zip(items, [*items[1:], None], strict=True):
         if item.nodeid in measured:
-            signal.alarm(_limit_s(measured, [item.nodeid]))
+            signal.setitimer(signal.ITIMER_PROF, _limit_s(measured, [item.nodeid]))
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
-    signal.alarm(0)
+    signal.setitimer(signal.ITIMER_PROF, 0)
     return 0
 
 
@@ -89,9 +94,9 @@ def in_order(measured: dict[str, Measured], mutant: Mutant | None = None) -> lis
     return sorted((test for test, its in measured.items() if noticing(its)), key=rank)
 
 
-def _limit_s(measured: Mapping[str, Measured], tests: Iterable[str]) -> int:
-    """Return how long tests may take before what they wait for never ends, also on a busy machine."""
-    return math.ceil(10 + 5 * sum(measured[test].seconds for test in tests))
+def _limit_s(measured: Mapping[str, Measured], tests: Iterable[str]) -> float:
+    """Return how much processor time tests may take before what they do never ends."""
+    return 3 + 5 * sum(measured[test].seconds for test in tests)
 
 
 class Trace:
@@ -131,10 +136,10 @@ def _measurement(item: pytest.Item, modules: Sequence[str]) -> Callable[[Path], 
     """Return a task that runs one test and results in what is measured of it."""
 
     def body(folder: Path) -> int:
-        trace, begun_s = Trace(modules), time.monotonic()
+        trace, begun_s = Trace(modules), time.process_time()
         trace.start()
         code = _run([item], folder)
-        its = Measured(time.monotonic() - begun_s, trace.stop())
+        its = Measured(time.process_time() - begun_s, trace.stop())
         (folder / RESULT).write_text(json.dumps(asdict(its)))
         return code
 
@@ -180,7 +185,7 @@ def run_in_place(
                 return 0
             return _run([items[test] for test in tests], folder, measured)
 
-        return Task(mutant, body, _limit_s(measured, tests))
+        return Task(mutant, body, _LONGEST_S)
 
     for ended in run_all(map(task, mutants), jobs):
         if ended.code != _NOT_LOADED:
@@ -215,7 +220,7 @@ def run_anew(
             sys.meta_path.insert(0, finder)
             return collected(files, lambda items: _run_those(items, tests, folder, measured))
 
-        return Task(mutant, body, 60 + _limit_s(measured, tests))
+        return Task(mutant, body, _LONGEST_S)
 
     return map(_outcome, run_all(map(task, mutants), jobs))
 
@@ -225,6 +230,6 @@ def _run_those(items: Items, tests: Sequence[str], folder: Path, measured: Mappi
 
 
 def _outcome(ended: Ended[Mutant]) -> Outcome:
-    too_long = ended.code in (None, -signal.SIGALRM)
+    too_long = ended.code in (None, -signal.SIGPROF)
     what = "timeout" if too_long else "survived" if ended.code == 0 else "killed"
     return ended.key, what, ended.text
