@@ -59,8 +59,7 @@ def train_once(setting: Setting, steps: int) -> tuple[float, float]:
     from waypointctl.training.state import TrainingState
 
     torch.set_num_threads(setting.torch)
-    recipe = load_recipe(RECIPE).recipe
-    learner = TrainingState(recipe, setting.physics).learner
+    learner = TrainingState(load_recipe(RECIPE), setting.physics).learner
     torch.set_num_threads(setting.torch)
     learner.collect()  # the first one makes what the others use
     learner.update()

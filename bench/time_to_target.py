@@ -28,8 +28,8 @@ from waypointctl.errors import RecipeError, WaypointctlError
 from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.training.events import CheckpointEvaluated, CheckpointSaved, TrainingEvent
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.recipe_evaluation import SelectionRecipe
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
+from waypointctl.training.recipe_parts import SelectionRecipe
 from waypointctl.training.train import train
 
 RECIPE: Final = Path("policies/ant-waypoint/train.yaml")

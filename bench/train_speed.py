@@ -26,7 +26,7 @@ from waypointctl.task.config import TaskConfig
 from waypointctl.task.env import WaypointEnv
 from waypointctl.training.algorithms.ppo_learner import ACTIVATIONS, PpoLearner
 from waypointctl.training.recipe import Recipe
-from waypointctl.training.recipe_file import load_recipe
+from waypointctl.training.recipe_file import RecipeFile, load_recipe
 from waypointctl.training.state import TrainingState
 
 PROCESSES = 8
@@ -106,8 +106,8 @@ def peer(recipe: Recipe, task: TaskConfig) -> tuple[PPO, int]:
     return model, ppo.minibatch
 
 
-def measure(recipe: Recipe, rounds: int, threads: int) -> dict[str, Any]:
-    state = TrainingState(recipe, threads)
+def measure(recipe_file: RecipeFile, rounds: int, threads: int) -> dict[str, Any]:
+    state, recipe = TrainingState(recipe_file, threads), recipe_file.recipe
     learner, samples = state.learner, recipe.algorithm.iteration_steps
     assert isinstance(learner, PpoLearner)
     model, peer_samples = peer(recipe, recipe.task(0))
@@ -148,7 +148,7 @@ def main() -> None:
     parser.add_argument("--threads", type=int, default=0, help="of physics and network; 0 is one a core")
     parser.add_argument("--recipe", type=Path, default=RECIPE)
     options = parser.parse_args()
-    print(json.dumps(measure(load_recipe(options.recipe).recipe, options.rounds, options.threads), indent=2))
+    print(json.dumps(measure(load_recipe(options.recipe), options.rounds, options.threads), indent=2))
 
 
 if __name__ == "__main__":

@@ -22,11 +22,10 @@ from waypointctl.policy.manifest import (
     PolicyDescription,
     TrainingRecord,
 )
-from waypointctl.policy.write import write_bundle
+from waypointctl.policy.write import mlp_to_onnx, write_bundle
 from waypointctl.robots.load import load_robot
 from waypointctl.robots.robot import Robot
 from waypointctl.task.observation import layout
-from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
 
 # The torch that has CUDA brings Triton, whose LLVM crashes the process where that of Mesa's software renderer has been
 # loaded before it. Here one process draws and trains; the other way round they get along.
@@ -68,10 +67,7 @@ def random_network(sizes: tuple[int, ...], seed: int = 0, gain: float = 1.0) -> 
 def observation_of(robot: Robot) -> ObservationSpec:
     """Return the egocentric layout of a robot, as a manifest has it."""
     seen = layout("egocentric", robot)
-    names, units, scales = (tuple(column) for column in zip(*seen.components, strict=True))
-    return ObservationSpec(
-        layout="egocentric", groups=seen.groups, size=seen.size, names=names, units=units, scales=scales
-    )
+    return ObservationSpec.of(seen.name, seen.groups, seen.components)
 
 
 def describe(**changes: object) -> PolicyDescription:

@@ -7,6 +7,7 @@ shifts another.
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -37,6 +38,17 @@ def stream_words(rng: np.random.Generator) -> NDArray[np.uint64]:
     state, increment = whole["state"]["state"], whole["state"]["inc"]
     halves = (state % _WORD, state // _WORD, increment % _WORD, increment // _WORD)
     return np.array([*halves, whole["has_uint32"], whole["uinteger"]], np.uint64)
+
+
+def streams_words(streams: Sequence[np.random.Generator]) -> NDArray[np.uint64]:
+    """Return the states of PCG64 streams, (n, 6)."""
+    return np.stack([stream_words(rng) for rng in streams])
+
+
+def restore_streams(streams: Sequence[np.random.Generator], words: NDArray[np.uint64]) -> None:
+    """Put PCG64 streams into the states that `streams_words` returned."""
+    for rng, state in zip(streams, words, strict=True):
+        restore_stream(rng, state)
 
 
 def restore_stream(rng: np.random.Generator, words: NDArray[np.uint64]) -> None:

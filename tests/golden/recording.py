@@ -12,7 +12,7 @@ import json
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -192,9 +192,10 @@ def training() -> dict[str, str]:
     from waypointctl.training.algorithms.ppo_learner import PpoLearner  # torch is loaded by what needs it
     from waypointctl.training.state import TrainingState
 
-    recipe = load_recipe(ROOT / "policies" / "ant-waypoint" / "train.yaml").recipe
-    ppo = recipe.algorithm.model_copy(update={"robots": 32, "rollout_steps": 16, "minibatch": 128})
-    state = TrainingState(recipe.model_copy(update={"algorithm": ppo}).scaled_to(1024), threads=1)
+    recipe_file = load_recipe(ROOT / "policies" / "ant-waypoint" / "train.yaml")
+    ppo = recipe_file.recipe.algorithm.model_copy(update={"robots": 32, "rollout_steps": 16, "minibatch": 128})
+    recipe = recipe_file.recipe.model_copy(update={"algorithm": ppo}).scaled_to(1024)
+    state = TrainingState(replace(recipe_file, recipe=recipe), threads=1)
     learner = state.learner
     assert isinstance(learner, PpoLearner)
     state.enter_phase()

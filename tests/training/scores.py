@@ -11,7 +11,7 @@ from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.result import Evaluation
 from waypointctl.evaluation.suite import Suite
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.training import checkpoint_evaluation
+from waypointctl.training import evaluator
 
 SELECTING = "selection: {suite: near.yaml, trials: 2, seed: 50, every: 300}\n"
 NEAR = "name: near\ndeadline: {first_s: 0.1, further_s: 0}\ncases: [{name: ahead, waypoints: [[3, 0]]}]\n"
@@ -32,5 +32,5 @@ def scripted(patch: pytest.MonkeyPatch, scores: Mapping[int, float]) -> list[int
         case = found.cases[0].model_copy(update={"successes": successes, "falls": trials - successes})
         return found.model_copy(update={"cases": (case,)})
 
-    patch.setattr(checkpoint_evaluation, "evaluate", scored)
+    patch.setattr(evaluator, "evaluate", scored)
     return tested

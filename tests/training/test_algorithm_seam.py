@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.training.tiny import tiny_recipe, trained, weights_of
+from waypointctl.policy.write import mlp_to_onnx
 from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
-from waypointctl.training.learner import AlgorithmRecipe, ExportedPolicy, LearnerState, Rollout
-from waypointctl.training.progress_file import read_progress
-from waypointctl.training.recipe import Recipe
+from waypointctl.training.learner import AlgorithmRecipe, ExportedPolicy, LearnerTask, Rollout, SavedState
+from waypointctl.training.progress import read_progress
 
 STEPS = 4  # control steps between two updates
 
@@ -25,8 +24,8 @@ class RandomSearchRecipe(AlgorithmRecipe):
     def iteration_steps(self) -> int:
         return self.robots * STEPS
 
-    def make_learner(self, recipe: Recipe, env: BatchedWaypointEnv) -> RandomSearch:
-        return RandomSearch(recipe.seed, env)
+    def make_learner(self, task: LearnerTask, env: BatchedWaypointEnv) -> RandomSearch:
+        return RandomSearch(task.seed, env)
 
 
 class RandomSearch:
@@ -57,12 +56,12 @@ class RandomSearch:
     def is_finite(self) -> bool:
         return bool(np.isfinite(self.weight).all())
 
-    def save(self) -> LearnerState:
+    def save(self) -> SavedState:
         self._seen = self._observation()
         facts = {"steps": self.steps, "random": dict(self._rng.bit_generator.state)}
-        return LearnerState({"weight": self.weight, "seen": self._seen}, facts)
+        return SavedState({"weight": self.weight, "seen": self._seen}, facts)
 
-    def load(self, state: LearnerState) -> None:
+    def load(self, state: SavedState) -> None:
         self.weight, self._seen = state.arrays["weight"], state.arrays["seen"]
         self.steps, self._rng.bit_generator.state = state.facts["steps"], state.facts["random"]
 

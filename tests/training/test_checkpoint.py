@@ -74,14 +74,14 @@ def test_damage_is_found(checkpoint: Path, recipe_file: RecipeFile, name: str, p
         content[place] ^= 1
     (checkpoint / name).write_bytes(content)
     with pytest.raises(RecipeError, match=r"step-0000000256: the checkpoint is damaged: .*\n  Remove the folder"):
-        load_checkpoint(new_state(recipe_file), recipe_file, checkpoint)
+        load_checkpoint(new_state(recipe_file), checkpoint)
 
 
 @pytest.mark.parametrize("name", [FACTS, ARRAYS])
 def test_a_missing_file_is_named(checkpoint: Path, recipe_file: RecipeFile, name: str) -> None:
     (checkpoint / name).unlink()
     with pytest.raises(RecipeError, match=f"{name}: there is no such file"):
-        load_checkpoint(new_state(recipe_file), recipe_file, checkpoint)
+        load_checkpoint(new_state(recipe_file), checkpoint)
 
 
 @pytest.mark.parametrize("text", ["[]", "{}", '{"sha256": "0", "facts": {}}', "null", "\ud83d", ""])
@@ -120,11 +120,11 @@ def test_the_copy_of_the_recipe_in_the_run_resumes_it(original: Path) -> None:
 def test_a_run_keeps_its_number_of_threads_of_the_network(recipe_file: RecipeFile, tmp_path: Path) -> None:
     began = train(recipe_file, tmp_path, run=tmp_path, threads=2, interrupted=after(1))
     assert (began.threads.torch, began.threads.requested) == (2, True)
-    same = TrainingState(recipe_file.recipe, threads=0)
+    same = TrainingState(recipe_file, threads=0)
     assert same.threads.torch == torch.get_num_threads() == TORCH_THREADS
-    load_checkpoint(same, recipe_file, began.folder)
+    load_checkpoint(same, began.folder)
     assert (same.threads.torch, same.threads.began, torch.get_num_threads()) == (2, 2, 2)
     assert same.threads.physics == default_threads()
-    other = TrainingState(recipe_file.recipe, threads=1)
-    load_checkpoint(other, recipe_file, began.folder)
+    other = TrainingState(recipe_file, threads=1)
+    load_checkpoint(other, began.folder)
     assert (other.threads.torch, other.threads.began, torch.get_num_threads()) == (1, 2, 1)

@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from waypointctl.training.curves import curves, curves_csv, write_curves
-from waypointctl.training.curves_picture import HEIGHT, WIDTH, draw_curves
+from waypointctl.training.curves import HEIGHT, WIDTH, curves, curves_csv, draw_curves, write_curves
 from waypointctl.training.events import ENOUGH, WINDOW
-from waypointctl.training.progress_file import ProgressRow
+from waypointctl.training.progress import ProgressRow
 
 
 def run_of(seed: int, rollouts: int) -> list[ProgressRow]:

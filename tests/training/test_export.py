@@ -8,7 +8,8 @@ import torch
 from safetensors.numpy import load_file
 
 from tests.training.tiny import RECIPE, new_state, ppo_of, tiny_recipe
-from waypointctl.training.export import export_policy
+from waypointctl.policy.bundle import load_policy
+from waypointctl.training.checkpoint import save_checkpoint
 
 
 @pytest.mark.parametrize("activation", ["elu", "tanh", "relu"])
@@ -29,12 +30,13 @@ def test_the_bundle_has_every_weight_and_acts_as_ppos_policy_does_behind_its_nor
     with torch.no_grad():
         expected = learner.ppo.policy._predict(torch.as_tensor(normalised), deterministic=True).numpy()
 
-    policy = export_policy(state, recipe_file, tmp_path / "bundle", 1.0)
+    bundle = save_checkpoint(state, tmp_path, 1.0)
+    policy = load_policy(bundle)
     np.testing.assert_allclose(policy.act(observations), expected, atol=1e-5)
     raw, _ = learner.ppo.predict(observations.astype(np.float32), deterministic=True)
     assert np.abs(policy.act(observations) - raw).max() > 0.01  # the normaliser matters
 
-    weights = load_file(tmp_path / "bundle" / "weights.safetensors")
+    weights = load_file(bundle / "weights.safetensors")
     for name, tensor in learner.ppo.policy.state_dict().items():
         np.testing.assert_array_equal(weights.pop(name), tensor.numpy())
     assert weights.keys() == {"normaliser.mean", "normaliser.var", "normaliser.count"}

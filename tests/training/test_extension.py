@@ -9,8 +9,8 @@ import pytest
 from tests.training.scores import NEAR
 from tests.training.tiny import RECIPE, tiny_recipe, trained, weights_of
 from waypointctl.errors import RecipeError
-from waypointctl.training.extension import extend
-from waypointctl.training.progress_file import read_progress
+from waypointctl.training.checkpoint import extend
+from waypointctl.training.progress import read_progress
 from waypointctl.training.recipe_file import RecipeFile
 from waypointctl.training.run_folder import checkpoints
 from waypointctl.training.selection import SELECTION, SelectionFile

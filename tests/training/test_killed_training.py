@@ -18,7 +18,7 @@ import pytest
 from tests.training.scores import NEAR
 from tests.training.tiny import RECIPE, tiny_recipe, trained, weights_of
 from waypointctl.training.checkpoint import load_checkpoint
-from waypointctl.training.progress_file import read_progress
+from waypointctl.training.progress import read_progress
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
 from waypointctl.training.run_folder import newest_checkpoint
 from waypointctl.training.selection import SELECTION, SelectionFile
@@ -107,7 +107,7 @@ def test_killed_at_random_moments_and_within_checkpoints_it_ends_the_same(
     cpu_s = random.uniform(0.01, undisturbed.cpu_s / 2)
     assert killed(context, recipe_file, run, cpu_s=cpu_s) in (-signal.SIGPROF, 0)
     for checkpoint in (run / "checkpoints").glob("step-*"):  # whole, or not there
-        load_checkpoint(TrainingState(recipe_file.recipe, 1), recipe_file, checkpoint)
+        load_checkpoint(TrainingState(recipe_file, 1), checkpoint)
     trained(recipe_file, run, resume=newest_checkpoint(run) is not None)
     whole = undisturbed.run
     assert weights_of(run) == weights_of(whole)

@@ -18,7 +18,7 @@ from safetensors.numpy import load
 
 from waypointctl.policy.bundle import load_policy
 from waypointctl.policy.network import Network
-from waypointctl.training.algorithms.onnx_export import Activation, Layer, mlp_to_onnx
+from waypointctl.policy.write import Activation, Layer, mlp_to_onnx
 
 SIZES = (31, 16, 12, 8)
 BUNDLES = sorted(path.parent for path in (Path(__file__).parents[2] / "policies").glob("*/manifest.json"))
@@ -141,7 +141,7 @@ def test_actions_are_not_clipped() -> None:
 def test_the_same_weights_give_the_same_bytes_in_another_process() -> None:
     code = (
         "import hashlib, numpy as np\n"
-        "from waypointctl.training.algorithms.onnx_export import mlp_to_onnx\n"
+        "from waypointctl.policy.write import mlp_to_onnx\n"
         "w = [(np.full((4, 3), 0.5), np.zeros(4)), (np.full((2, 4), -0.25), np.ones(2))]\n"
         "b = mlp_to_onnx(w, 'elu', np.zeros(3), np.ones(3), clip=10.0, epsilon=1e-8)\n"
         "print(hashlib.sha256(b).hexdigest())\n"

@@ -57,7 +57,7 @@ def test_a_learner_loaded_from_a_checkpoint_has_robots_that_go_and_see_alike(tmp
     checkpoint = trained(recipe_file, tmp_path / "run", rollouts=2).folder
     learners = [new_state(recipe_file) for _ in range(2)]
     for learner in learners:
-        load_checkpoint(learner, recipe_file, checkpoint)
+        load_checkpoint(learner, checkpoint)
     rng = np.random.default_rng(0)
     for _ in range(40):
         action = rng.uniform(-1, 1, (16, 8))

@@ -49,7 +49,7 @@ def test_a_restored_learner_remembers_every_course_and_every_stream(tmp_path: Pa
     recipe_file = tiny_recipe(tmp_path, recipe_with(COURSES["drawn"]))
     folder = trained(recipe_file, tmp_path / "run", rollouts=4).folder
     learner = new_state(recipe_file)
-    load_checkpoint(learner, recipe_file, folder)
+    load_checkpoint(learner, folder)
     saved = {name: array for name, array in load((folder / ARRAYS).read_bytes()).items() if name.startswith("failed.")}
     assert learner.env.failed is not None
     restored = {f"failed.{name}": array for name, array in learner.env.failed.state().items()}

@@ -13,7 +13,7 @@ from tests.training.tiny import RECIPE, tiny_recipe, trained
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_source import read_model
 from waypointctl.training.events import CheckpointSaved, TrainingEvent, TrainingStatus
-from waypointctl.training.progress_file import read_progress
+from waypointctl.training.progress import read_progress
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.train import train
 

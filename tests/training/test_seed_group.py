@@ -12,10 +12,19 @@ from waypointctl.errors import OutputError, RecipeError
 from waypointctl.evaluation.result import read_evaluation
 from waypointctl.policy.bundle import load_policy
 from waypointctl.training.curves import CURVES, PICTURE
-from waypointctl.training.progress_file import PROGRESS
+from waypointctl.training.progress import PROGRESS
 from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.seed_group import GROUP, begin_group, group_begun_as, group_place, is_complete, run_of
-from waypointctl.training.seeds import RESULTS, Spread, compare, train_seeds
+from waypointctl.training.run_folder import GROUP, group_place
+from waypointctl.training.seeds import (
+    RESULTS,
+    Spread,
+    begin_group,
+    compare,
+    group_begun_as,
+    is_complete,
+    run_of,
+    train_seeds,
+)
 from waypointctl.training.train import train
 
 SHORT = RECIPE.replace("steps: 640", "steps: 128").replace("steps: 384", "steps: 128")

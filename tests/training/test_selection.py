@@ -13,10 +13,10 @@ from waypointctl.errors import RecipeError, SuiteError
 from waypointctl.evaluation.result import read_evaluation
 from waypointctl.policy.bundle import load_policy
 from waypointctl.training.checkpoint import begun_as
-from waypointctl.training.checkpoint_evaluation import SUITE
+from waypointctl.training.evaluator import SUITE
 from waypointctl.training.events import CheckpointEvaluated, EvaluationProgress, TrainingEvent
-from waypointctl.training.recipe_evaluation import SelectionRecipe
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
+from waypointctl.training.recipe_parts import SelectionRecipe
 from waypointctl.training.run_folder import checkpoint_at
 from waypointctl.training.selection import SELECTION, Candidate, Selection
 from waypointctl.training.train import train

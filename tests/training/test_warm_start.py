@@ -18,9 +18,9 @@ from waypointctl.policy.manifest import SelectionRecord
 from waypointctl.policy.write import copy_bundle
 from waypointctl.training.events import TrainingEvent, WarmStarted
 from waypointctl.training.recipe_file import RecipeFile
+from waypointctl.training.recipe_references import load_warm_start
 from waypointctl.training.selection import with_record
 from waypointctl.training.train import train
-from waypointctl.training.warm_start import load_warm_start
 
 NOISE = RECIPE.replace("name: tiny", "name: source\nobservation: state_noise")
 GOAL = RECIPE.replace("name: tiny", "name: next\nobservation: state_goal\nwarm_start: ../source")

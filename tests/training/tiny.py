@@ -71,4 +71,4 @@ def ppo_of(state: TrainingState) -> PpoLearner:
 
 def new_state(recipe_file: RecipeFile) -> TrainingState:
     """Return a training that has not begun."""
-    return TrainingState(recipe_file.recipe, threads=1)
+    return TrainingState(recipe_file, threads=1)

@@ -35,7 +35,7 @@ def train_one(options: TrainOptions) -> int:
 def _draw_curves(recipe_file: RecipeFile, run: Path) -> bool:
     """Write a run's learning curves into its folder, if it has a rollout; return whether it has."""
     from waypointctl.training.curves import write_curves
-    from waypointctl.training.progress_file import read_progress
+    from waypointctl.training.progress import read_progress
 
     rows = read_progress(run)
     if rows:
@@ -74,7 +74,7 @@ def _begin(options: TrainOptions) -> tuple[RecipeFile, Places]:
 
     recipe_file = options.load()
     if options.extend is not None:
-        from waypointctl.training.extension import shared_checkpoints
+        from waypointctl.training.checkpoint import shared_checkpoints
 
         shared_checkpoints(options.applied_to(recipe_file), options.extend)  # refuses before a run is made
     place = places(recipe_file.recipe.name, options.runs, options.out, resume=options.resume)
@@ -85,7 +85,7 @@ def _begin(options: TrainOptions) -> tuple[RecipeFile, Places]:
         began = begun_as(recipe_file, place.run)
     recipe_file = options.applied_to(recipe_file, began)
     if options.extend is not None:
-        from waypointctl.training.extension import extend
+        from waypointctl.training.checkpoint import extend
 
         extend(recipe_file, options.extend, place.run, options.threads)
     return recipe_file, place

@@ -25,7 +25,7 @@ def train_with_seeds(options: TrainOptions, seeds_text: str) -> int:
     from waypointctl.cli.interruption import interruption
     from waypointctl.cli.tui.training_seeds import print_seeds, seeds_json
     from waypointctl.training.run_folder import held
-    from waypointctl.training.seed_group import begin_group
+    from waypointctl.training.seeds import begin_group
 
     if options.seed is not None:
         raise InputError("--seed and --seeds cannot both be given", hint="--seeds 5,6 trains with these two.")
@@ -65,7 +65,8 @@ def _place(options: TrainOptions, own: RecipeFile) -> tuple[Path, RecipeFile, in
     Raises:
         InputError: there is no such group, it cannot be written, or it began with other steps.
     """
-    from waypointctl.training.seed_group import group_begun_as, group_place
+    from waypointctl.training.run_folder import group_place
+    from waypointctl.training.seeds import group_begun_as
 
     group = group_place(own.recipe.name, options.runs, options.out, resume=options.resume)
     began, threads = group_begun_as(own, group) if options.resume else (own, 0)
@@ -86,8 +87,7 @@ def _train(
     from waypointctl.cli.train_one import train_with_view
     from waypointctl.cli.tui.training_seeds import SeedsTrained
     from waypointctl.training.run_folder import Places
-    from waypointctl.training.seed_group import is_complete, run_of
-    from waypointctl.training.seeds import compare, train_seeds
+    from waypointctl.training.seeds import compare, is_complete, run_of, train_seeds
 
     def train_seed(one: RecipeFile, run: Path, resume: bool) -> bool:
         seed = one.recipe.seed

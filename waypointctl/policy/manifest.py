@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Final, Literal, TypeAlias
+from collections.abc import Sequence
+from typing import Annotated, Final, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -34,6 +35,12 @@ class ObservationSpec(_Record):
     names: tuple[Name, ...]
     units: tuple[str, ...]
     scales: tuple[Number, ...]
+
+    @classmethod
+    def of(cls, layout: str, groups: tuple[str, ...], components: Sequence[tuple[str, str, float]]) -> Self:
+        """Return the record of a layout, by (name, unit, scale) of each number."""
+        names, units, scales = zip(*components, strict=True)
+        return cls(layout=layout, groups=groups, size=len(names), names=names, units=units, scales=scales)
 
     @model_validator(mode="after")
     def _all_of_one_size(self) -> ObservationSpec:

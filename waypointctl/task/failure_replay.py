@@ -10,7 +10,7 @@ from pydantic import Field, Strict, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from waypointctl.mission.file_model import FileModel
-from waypointctl.seeding import restore_stream, stream, stream_words
+from waypointctl.seeding import restore_streams, stream, streams_words
 from waypointctl.task.progress import CourseProgress
 
 FloatArray = NDArray[np.float64]
@@ -97,7 +97,7 @@ class FailedCourses:
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all arrays needed to continue bit for bit, by name."""
-        return {**self._arrays(), "streams": np.stack([stream_words(rng) for rng in self.streams])}
+        return {**self._arrays(), "streams": streams_words(self.streams)}
 
     def restore(self, arrays: dict[str, NDArray[Any]]) -> None:
         """Continue from what `state` returned.
@@ -107,8 +107,7 @@ class FailedCourses:
         """
         for name, array in self._arrays().items():
             array[:] = arrays[name]
-        for rng, words in zip(self.streams, arrays["streams"], strict=True):
-            restore_stream(rng, words)
+        restore_streams(self.streams, arrays["streams"])
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}

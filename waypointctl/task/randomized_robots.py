@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.seeding import restore_stream, stream, stream_words
+from waypointctl.seeding import restore_stream, restore_streams, stream, stream_words, streams_words
 from waypointctl.sim.stepping import RobotBatch
 from waypointctl.task.body import Body
 from waypointctl.task.domain_randomization import DRAWN, DomainRandomization, SensorNoise
@@ -83,7 +83,7 @@ class RandomizedRobots:
         """Return all arrays needed to continue bit for bit, by name; none without randomization."""
         arrays: Arrays = {}
         if self._randomization.any_drawn:
-            arrays |= {"drawn": self.drawn, "streams": np.stack([stream_words(rng) for rng in self._streams])}
+            arrays |= {"drawn": self.drawn, "streams": streams_words(self._streams)}
         if self.latency is not None:
             arrays["commanded"] = self.latency.commanded
         if self._sensors is not None:
@@ -98,8 +98,7 @@ class RandomizedRobots:
         """
         if self._randomization.any_drawn:
             self.drawn[:] = arrays["drawn"]
-            for rng, words in zip(self._streams, arrays["streams"], strict=True):
-                restore_stream(rng, words)
+            restore_streams(self._streams, arrays["streams"])
             self._apply(np.arange(len(self.drawn)))
         if self.latency is not None:
             self.latency.commanded[:] = arrays["commanded"]

@@ -1,4 +1,9 @@
-"""Checkpoints: a policy bundle, and all that training needs to continue bit for bit. No pickle."""
+"""Checkpoints: a policy bundle, and all that training needs to continue bit for bit. No pickle.
+
+A run's folder keeps its recipe, so the common part of two recipes is known: they may differ only in phases at the end.
+A run extended by a longer recipe reuses all checkpoints within the common part. The last one of a complete run is not
+among them, because its last update used the learning rate of the shorter recipe.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +13,7 @@ import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from pydantic import BaseModel, ConfigDict
 from safetensors import SafetensorError
@@ -16,19 +21,28 @@ from safetensors.numpy import load, save
 
 from waypointctl.errors import OutputError, RecipeError
 from waypointctl.input_file import RECORD_FILE, read_input
+from waypointctl.paths import write_whole
 from waypointctl.policy.manifest import StartRecord
+from waypointctl.policy.write import write_bundle
 from waypointctl.task.plugins import named_plugins, plugin_hashes
-from waypointctl.training.export import export_policy
-from waypointctl.training.recipe_evaluation import SelectionRecipe
-from waypointctl.training.recipe_file import RECIPE, RecipeFile
-from waypointctl.training.run_folder import checkpoint_at, require_checkpoint
-from waypointctl.training.state import SavedState, StateFacts, TrainingState
+from waypointctl.training.evaluator import SUITE
+from waypointctl.training.learner import SavedState
+from waypointctl.training.progress import PROGRESS
+from waypointctl.training.recipe import Recipe
+from waypointctl.training.recipe_file import RECIPE, RecipeFile, load_recipe, place_recipe
+from waypointctl.training.recipe_parts import SelectionRecipe
+from waypointctl.training.run_folder import checkpoint_at, checkpoints, require_checkpoint
+from waypointctl.training.selection import SELECTION
+from waypointctl.training.state import TrainingState
 
 ARRAYS: Final = "training.safetensors"
 FACTS: Final = "training.json"
 
 _LARGEST: Final = 2**30  # [bytes] of the networks and the state of the optimiser and the robots
+_LARGEST_FOUND: Final = 2**26  # [bytes] of what a run has found
 _REMOVE: Final = "Remove the folder to continue from the checkpoint before it."
+# Keys in which two recipes may differ and train in the same way.
+_FREE: Final = ("name", "description", "phases", "checkpoint_steps", "evaluation")
 
 
 class Facts(BaseModel):
@@ -44,7 +58,7 @@ class Facts(BaseModel):
         robot_sha256: of the files of its folder.
         plugins: the SHA-256 of each file of the recipe's plugins, by its name.
         torch_threads: of the run, on which the weights depend.
-        state: of the robots and the learner.
+        learner: the algorithm's own.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -58,10 +72,10 @@ class Facts(BaseModel):
     robot_sha256: str
     plugins: dict[str, str]
     torch_threads: int
-    state: StateFacts
+    learner: dict[str, Any]
 
 
-def save_checkpoint(state: TrainingState, recipe_file: RecipeFile, run: Path, wall_time_s: float) -> Path:
+def save_checkpoint(state: TrainingState, run: Path, wall_time_s: float) -> Path:
     """Write a checkpoint into the run's folder and return its own folder, which appears whole.
 
     A checkpoint of this step that is there already was taken of the very same state, and stays.
@@ -75,10 +89,10 @@ def save_checkpoint(state: TrainingState, recipe_file: RecipeFile, run: Path, wa
     staging = final.with_name(f".{final.name}.{os.getpid()}.tmp")
     try:
         staging.parent.mkdir(parents=True, exist_ok=True)
-        export_policy(state, recipe_file, staging, wall_time_s)
+        exported = state.learner.export()
+        write_bundle(staging, state.description(wall_time_s), exported.onnx, save(exported.weights))
         saved = state.save()
-        arrays = save(saved.arrays)
-        facts = _facts(state, recipe_file, wall_time_s, saved.facts)
+        arrays, facts = save(saved.arrays), _facts(state, wall_time_s, saved.facts)
         (staging / ARRAYS).write_bytes(arrays)
         text = json.dumps({"sha256": _sha256(facts, arrays), "facts": facts.model_dump(mode="json")})
         (staging / FACTS).write_text(text, encoding="utf-8")
@@ -96,36 +110,37 @@ def begun_as(recipe_file: RecipeFile, run: Path) -> RecipeFile:
     Raises:
         RecipeError: the run has no checkpoint, or its newest is damaged or of another recipe.
     """
-    checkpoint = require_checkpoint(run)
-    facts, _ = _read(checkpoint)
-    _refuse_other_file(facts, recipe_file, checkpoint)
+    facts, _ = _read(require_checkpoint(run), recipe_file)
     recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps)
     began = {"seed": facts.seed, "selection": facts.selection}
     return replace(recipe_file, recipe=recipe.model_copy(update=began))
 
 
-def load_checkpoint(state: TrainingState, recipe_file: RecipeFile, folder: Path) -> float:
+def load_checkpoint(state: TrainingState, folder: Path, began: RecipeFile | None = None) -> float:
     """Continue a new training from a checkpoint; return the wall time spent until then [s].
+
+    Args:
+        state: that has not begun.
+        folder: of the checkpoint.
+        began: the recipe that made it; None: that of the state.
 
     Raises:
         RecipeError: the checkpoint is damaged, or of another recipe, seed, number of steps, robot or plugins.
     """
-    facts, arrays = _read(folder)
-    _refuse_other_file(facts, recipe_file, folder)
-    recipe = recipe_file.recipe
-    for what, began, now in (
+    recipe_file = began or state.recipe_file
+    facts, arrays = _read(folder, recipe_file)
+    own, recipe = _facts(state, 0.0, {}), recipe_file.recipe
+    for what, before, now in (
         ("seed", facts.seed, recipe.seed),
         ("steps", facts.phase_steps, [phase.steps for phase in recipe.phases]),
-        ("a robot of SHA-256", facts.robot_sha256, _robot_sha256(state)),
-        ("the plugins", named_plugins(facts.plugins), named_plugins(_plugins(state))),
+        ("a robot of SHA-256", facts.robot_sha256, own.robot_sha256),
+        ("the plugins", named_plugins(facts.plugins), named_plugins(own.plugins)),
     ):
-        if began != now:
-            problem = f"the run began with {what} {began}, not {now}"
-            raise RecipeError(
-                problem, where=str(folder), hint="Resume with the run's options, robot and plugins, or start a new run."
-            )
+        if before != now:
+            hint = "Resume with the run's options, robot and plugins, or start a new run."
+            raise RecipeError(f"the run began with {what} {before}, not {now}", where=str(folder), hint=hint)
     try:
-        state.load(SavedState(load(arrays), facts.state))
+        state.load(SavedState(load(arrays), facts.learner))
     except (KeyError, RuntimeError, ValueError, SafetensorError) as error:
         problem = f"the checkpoint does not fit this version of waypointctl: {error}"
         raise RecipeError(problem, where=str(folder), hint="Resume with the version that wrote it.") from error
@@ -134,38 +149,29 @@ def load_checkpoint(state: TrainingState, recipe_file: RecipeFile, folder: Path)
     return facts.wall_time_s
 
 
-def _facts(state: TrainingState, recipe_file: RecipeFile, wall_time_s: float, facts: StateFacts) -> Facts:
-    recipe = recipe_file.recipe
+def _facts(state: TrainingState, wall_time_s: float, learner: dict[str, Any]) -> Facts:
+    recipe, robot = state.recipe, hashlib.sha256()
+    for name, content in sorted(state.env.robot.files.items()):
+        robot.update(f"{name}\0{len(content)}\0".encode() + content)
     return Facts(
-        recipe_sha256=recipe_file.sha256,
+        recipe_sha256=state.recipe_file.sha256,
         seed=recipe.seed,
         phase_steps=[phase.steps for phase in recipe.phases],
         wall_time_s=wall_time_s,
         selection=recipe.selection,
         start=state.start,
-        robot_sha256=_robot_sha256(state),
-        plugins=_plugins(state),
+        robot_sha256=robot.hexdigest(),
+        plugins=plugin_hashes(state.env.config.plugins),
         torch_threads=state.threads.torch,
-        state=facts,
+        learner=learner,
     )
-
-
-def _robot_sha256(state: TrainingState) -> str:
-    digest = hashlib.sha256()
-    for name, content in sorted(state.env.robot.files.items()):
-        digest.update(f"{name}\0{len(content)}\0".encode() + content)
-    return digest.hexdigest()
-
-
-def _plugins(state: TrainingState) -> dict[str, str]:
-    return plugin_hashes(state.env.config.plugins)
 
 
 def _sha256(facts: Facts, arrays: bytes) -> str:
     return hashlib.sha256(facts.model_dump_json().encode() + arrays).hexdigest()
 
 
-def _read(folder: Path) -> tuple[Facts, bytes]:
+def _read(folder: Path, recipe_file: RecipeFile) -> tuple[Facts, bytes]:
     try:
         content = json.loads(read_input(folder / FACTS, RECORD_FILE, RecipeError, within=folder))
         arrays = read_input(folder / ARRAYS, _LARGEST, RecipeError, within=folder)
@@ -180,12 +186,77 @@ def _read(folder: Path) -> tuple[Facts, bytes]:
     if _sha256(facts, arrays) != expected:
         problem = f"the checkpoint is damaged: {FACTS} and {ARRAYS} were changed"
         raise RecipeError(problem, where=str(folder), hint=_REMOVE)
+    if facts.recipe_sha256 != recipe_file.sha256:
+        problem = f"the checkpoint was made by another recipe than {recipe_file.path}"
+        hint = f"Resume with {folder.parents[1] / RECIPE}, the recipe as it was when the run began, or start a new run."
+        raise RecipeError(problem, where=str(folder), hint=hint)
     return facts, arrays
 
 
-def _refuse_other_file(facts: Facts, recipe_file: RecipeFile, folder: Path) -> None:
-    if facts.recipe_sha256 != recipe_file.sha256:
-        hint = f"Resume with {folder.parents[1] / RECIPE}, the recipe as it was when the run began, or start a new run."
-        raise RecipeError(
-            f"the checkpoint was made by another recipe than {recipe_file.path}", where=str(folder), hint=hint
-        )
+def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -> int:
+    """Give a new run the checkpoints that its recipe shares with another run; return the steps it continues from.
+
+    Resumed, with as many threads as `source` had, the run ends in the very weights that it would have ended in,
+    trained from nothing.
+
+    Args:
+        recipe_file: the longer recipe.
+        source: the run to continue; it is not changed.
+        run: the new run's folder, without checkpoints.
+        threads: of physics and of torch; 0 is the default, or those of the run that is continued.
+
+    Raises:
+        RecipeError: `source` is not a run, or its recipe is not the beginning of this one, or it has no checkpoint
+            in the part that they share.
+        OutputError: `run` cannot be written.
+    """
+    began, taken = shared_checkpoints(recipe_file, source)
+    place_recipe(recipe_file, run)
+    for name in (PROGRESS, SELECTION, SUITE):  # resuming leaves out what is later than the last checkpoint
+        if (source / name).exists():
+            found = read_input(source / name, _LARGEST_FOUND, RecipeError, within=source)
+            write_whole(run / name, found, "what the run has found")
+    for folder in taken:
+        state = TrainingState(recipe_file, threads)
+        save_checkpoint(state, run, load_checkpoint(state, folder, began))
+    return state.steps
+
+
+def shared_checkpoints(recipe_file: RecipeFile, source: Path) -> tuple[RecipeFile, list[Path]]:
+    """Return the recipe as the run `source` began, and its checkpoints that a longer recipe shares, oldest first.
+
+    Raises:
+        RecipeError: as `extend`.
+    """
+    if not checkpoints(source):
+        hint = "--extend takes the folder of a run, or its name; a recipe's warm_start begins with a policy's weights."
+        raise RecipeError("is not a run: it has no checkpoints", where=str(source), hint=hint)
+    began = begun_as(load_recipe(source / RECIPE), source)
+    shared = shared_steps(began.recipe, recipe_file.recipe, source)
+    taken = [folder for steps, folder in checkpoints(source) if steps < shared]
+    if not taken:
+        problem = f"has no checkpoint before step {shared}, up to which the two recipes are the same"
+        raise RecipeError(problem, where=str(source), hint="Train without --extend.")
+    return began, taken
+
+
+def shared_steps(old: Recipe, new: Recipe, source: Path) -> int:
+    """Return up to which control step two recipes train in the same way.
+
+    Raises:
+        RecipeError: from the first step on they do not.
+    """
+    before, after = ({name: value for name, value in recipe if name not in _FREE} for recipe in (old, new))
+    different = [name for name in before if before[name] != after[name]]
+    steps = 0
+    for one, other in zip(old.phases, new.phases, strict=False):
+        if one != other:
+            break
+        steps += one.steps
+    if not different and steps == 0:
+        different = ["phases[0]"]
+    if different:
+        problem = f"was trained by a recipe with another {', '.join(different)}"
+        hint = f"Only {', '.join(_FREE[:2])}, {', '.join(_FREE[3:])} and phases at the end may differ."
+        raise RecipeError(problem, where=str(source), hint=hint)
+    return steps

@@ -1,4 +1,4 @@
-"""Learning curves of one recipe, trained with one seed or several."""
+"""Learning curves of one recipe, trained with one seed or several: as a table, and as a picture."""
 
 from __future__ import annotations
 
@@ -7,20 +7,30 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.paths import write_whole
 from waypointctl.training.events import ENOUGH, WINDOW
-from waypointctl.training.progress_file import ProgressRow
+from waypointctl.training.progress import ProgressRow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 QUANTITIES: Final = ("success", "fall", "timeout")
 CURVES: Final = "curves.csv"
 PICTURE: Final = "curves.png"
+WIDTH: Final = 1600  # pixels of the picture
+HEIGHT: Final = 720
 
 _COUNTS: Final = {"success": "successes", "fall": "falls", "timeout": "timeouts"}
+_DPI: Final = 100
+_FEW: Final = 10  # seeds that are named
+_TITLES: Final = {"success": "Courses completed", "fall": "Episodes that ended in a fall"}
+_STYLE: Final[dict[Any, Any]] = {"font.size": 11}
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +72,6 @@ def write_curves(folder: Path, recipe: str, progress: Mapping[int, Sequence[Prog
     Raises:
         OutputError: a file cannot be written.
     """
-    from waypointctl.training.curves_picture import draw_curves
-
     found = curves(progress)
     title = f"{recipe}, seed {found.seeds[0]}" if len(found.seeds) == 1 else f"{recipe}, {len(found.seeds)} seeds"
     write_whole(folder / CURVES, curves_csv(found).encode(), "the curves")
@@ -95,3 +103,62 @@ def _windowed(counts: Sequence[int]) -> NDArray[np.int64]:
     total = np.concatenate([[0], np.cumsum(counts)])
     last = np.arange(1, len(total))
     return np.asarray(total[last] - total[np.maximum(last - WINDOW, 0)], dtype=np.int64)
+
+
+def draw_curves(found: Curves, title: str) -> bytes:
+    """Return the success and fall rates along the training as PNG, WIDTH by HEIGHT pixels.
+
+    Every seed is a thin line; the mean, thick, and the band from the lowest to the highest go as far as all seeds do.
+    """
+    from waypointctl.figure import picture
+
+    def fill(figure: Figure) -> None:
+        axes = figure.subplots(1, 2, sharex=True, gridspec_kw={"left": 0.055, "right": 0.985, "top": 0.83})
+        for one, quantity in zip(axes, _TITLES, strict=True):
+            _draw(one, found, quantity)
+        figure.text(0.055, 0.945, title, fontsize=17, fontweight="bold", va="center")
+        seeds = f"seeds {', '.join(map(str, found.seeds))}; " if 1 < len(found.seeds) <= _FEW else ""
+        note = f"{seeds}actions drawn at random, as training does; each point over the last {WINDOW} rollouts"
+        figure.text(0.055, 0.9, note, va="center")
+
+    return picture(fill, (WIDTH / _DPI, HEIGHT / _DPI), _DPI, _STYLE)
+
+
+def _draw(axes: Axes, found: Curves, quantity: str) -> None:
+    from matplotlib.ticker import EngFormatter, PercentFormatter
+
+    from waypointctl.figure import GREEN, VERMILION
+
+    rates, steps = found.rates[quantity], found.steps
+    color = GREEN if quantity == "success" else VERMILION
+    for seed, rate in zip(found.seeds, rates, strict=True):
+        has = ~np.isnan(rate)
+        axes.plot(steps[has], rate[has], color=color, linewidth=0.9, alpha=0.55, label=_once("each seed", seed, found))
+        alone = has.sum() == 1  # no line has one point
+        if has.any() and (alone or steps[has][-1] < steps[-1]):  # or this one had come far enough
+            axes.plot(steps[has][-1], rate[has][-1], "o", color=color, markersize=5, clip_on=False)
+    shared = found.shared(quantity)
+    if shared.any() and len(found.seeds) > 1:
+        low, high = rates[:, shared].min(axis=0), rates[:, shared].max(axis=0)
+        band = f"lowest to highest of {len(found.seeds)} seeds"
+        axes.fill_between(steps[shared], low, high, color=color, alpha=0.15, linewidth=0, label=band)
+        axes.plot(steps[shared], rates[:, shared].mean(axis=0), color=color, linewidth=2.6, label="mean")
+    axes.set_title(_TITLES[quantity])
+    axes.set_xlabel("control steps of all robots")
+    axes.set_xlim(0, steps[-1])
+    axes.set_ylim(0, 1.02)
+    axes.xaxis.set_major_formatter(EngFormatter(sep=" "))
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    axes.grid(alpha=0.2)
+    if np.isnan(rates).all():
+        note = f"no rate: fewer than {ENOUGH} episodes ended in any {WINDOW} rollouts"
+        axes.text(0.5, 0.5, note, transform=axes.transAxes, ha="center", va="center")
+    else:
+        axes.legend(loc="best", frameon=False)
+
+
+def _once(label: str, seed: int, found: Curves) -> str:
+    """Return the label for the first seed alone: one line of the legend is for all of them."""
+    if len(found.seeds) == 1:
+        return f"seed {seed}"
+    return label if seed == found.seeds[0] else "_"

@@ -1,46 +1,36 @@
 """The interface between the training loop and the algorithms.
 
-An algorithm is one file in `algorithms/`: a model of the block's keys, and a learner. It is added to the union in
-`algorithms/__init__.py`; no other file names it.
+An algorithm is a file in `algorithms/`: a model of the block's keys that makes a learner. It is added to the union in
+`algorithms/__init__.py`; no other file names it. What needs torch is imported when the learner is made.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from waypointctl.mission.file_model import FileModel
-from waypointctl.training.recipe_fields import Few, Fraction, Rate
+from waypointctl.training.recipe_parts import Few, NetworkRecipe, Schedules
 
 if TYPE_CHECKING:
     from waypointctl.task.batched import BatchedWaypointEnv, Step
-    from waypointctl.training.recipe import Recipe
 
 Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
-def _both_ends(value: object) -> object:
-    return [value, value] if isinstance(value, int | float) and not isinstance(value, bool) else value
+def prefixed(name: str, arrays: Arrays) -> Arrays:
+    """Return arrays under names that begin with `name.`."""
+    return {f"{name}.{key}": array for key, array in arrays.items()}
 
 
-# The value at the beginning and at the end of a phase; a number stands for a constant.
-RateSchedule: TypeAlias = Annotated[
-    tuple[Rate, Rate], BeforeValidator(_both_ends, json_schema_input_type=Rate | tuple[Rate, Rate])
-]
-WeightSchedule: TypeAlias = Annotated[
-    tuple[Fraction, Fraction], BeforeValidator(_both_ends, json_schema_input_type=Fraction | tuple[Fraction, Fraction])
-]
-
-
-class Schedules(FileModel):
-    """Quantities of an algorithm that change along a phase, from the first value to the second, in a straight line."""
-
-    learning_rate: RateSchedule | None = Field(None, description="of the optimiser")
-    entropy: WeightSchedule | None = Field(None, description="weight of the entropy bonus")
+def section(arrays: Arrays, name: str) -> Arrays:
+    """Return the arrays whose names begin with `name.`, without it."""
+    return {key.removeprefix(f"{name}."): array for key, array in arrays.items() if key.startswith(f"{name}.")}
 
 
 class AlgorithmRecipe(FileModel):
@@ -58,14 +48,29 @@ class AlgorithmRecipe(FileModel):
         """The schedules of a phase that has none of its own, by the names of `Schedules`."""
         return {name: getattr(self, name) for name in Schedules.model_fields if name in type(self).model_fields}
 
-    def make_learner(self, recipe: Recipe, env: BatchedWaypointEnv) -> Learner:
+    def make_learner(self, task: LearnerTask, env: BatchedWaypointEnv) -> Learner:
         """Return a learner that has not begun.
 
         Args:
-            recipe: with this block, the network, the phases and the seed.
+            task: what the recipe has beside this block.
             env: the robots, not reset yet.
         """
         raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True)
+class LearnerTask:
+    """What a learner needs of a recipe beside the block of its algorithm.
+
+    Attributes:
+        network: the shape of the policy's network.
+        seed: of the training.
+        schedules_at: returns the values of the algorithm's schedules at a control step, by name.
+    """
+
+    network: NetworkRecipe
+    seed: int
+    schedules_at: Callable[[int], dict[str, float]]
 
 
 @dataclass(slots=True)
@@ -103,8 +108,8 @@ class Rollout:
 
 
 @dataclass(frozen=True, slots=True)
-class LearnerState:
-    """All that a learner needs to continue bit for bit: arrays, and the rest as JSON."""
+class SavedState:
+    """All that a learner, or a whole training, needs to continue bit for bit: arrays, and the rest as JSON."""
 
     arrays: Arrays
     facts: dict[str, Any]
@@ -149,10 +154,10 @@ class Learner(Protocol):
     def is_finite(self) -> bool:
         """Return whether all parameters are finite numbers."""
 
-    def save(self) -> LearnerState:
+    def save(self) -> SavedState:
         """Return the state; one that has not begun begins its first episodes before."""
 
-    def load(self, state: LearnerState) -> None:
+    def load(self, state: SavedState) -> None:
         """Continue from a state that a learner of the same recipe saved.
 
         Raises:

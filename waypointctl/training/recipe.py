@@ -25,9 +25,8 @@ from waypointctl.task.plugins import Plugin
 from waypointctl.task.reward import RewardFunction
 from waypointctl.training.algorithms import Algorithm
 from waypointctl.training.algorithms.ppo import PpoRecipe
-from waypointctl.training.recipe_evaluation import EvaluationRecipe, SelectionRecipe
-from waypointctl.training.recipe_fields import Count
-from waypointctl.training.recipe_learning import NetworkRecipe, PhaseRecipe
+from waypointctl.training.learner import LearnerTask
+from waypointctl.training.recipe_parts import Count, EvaluationRecipe, NetworkRecipe, PhaseRecipe, SelectionRecipe
 from waypointctl.training.run_folder import PLUGIN_COPIES, keeps_copies
 
 LayoutName: TypeAlias = Literal["state", "state_noise", "state_goal", "egocentric"]
@@ -164,6 +163,10 @@ class Recipe(FileModel):
         own = self.phases[number]
         ends = {name: getattr(own, name) or default for name, default in self.algorithm.schedules.items()}
         return {name: first + (last - first) * progress for name, (first, last) in ends.items()}
+
+    def learner_task(self) -> LearnerTask:
+        """Return what a learner needs beside the block of its algorithm."""
+        return LearnerTask(self.network, self.seed, self.schedules_at)
 
     def task(self, phase: int, plugins: tuple[Plugin, ...] = ()) -> TaskConfig:
         """Return the task as it is in a phase; plugins are the loaded ones."""

@@ -69,7 +69,7 @@ def load_recipe(path: Path | str) -> RecipeFile:
 
 
 def place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
-    """Write a recipe into the folder of a run or a policy, with copies of a user's robot and plugins.
+    """Write a recipe into the folder of a run or a policy, which is made, with copies of a user's robot and plugins.
 
     Raises:
         OutputError: it cannot be written.
@@ -77,9 +77,8 @@ def place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
     path, recipe = folder / RECIPE, recipe_file.recipe
     if path.exists() and path.samefile(recipe_file.path):
         return
-    write_whole(path, recipe_file.source, "the recipe")
     files = {} if is_bare(recipe.robot) else load_robot(recipe.robot_path).files
-    copies = {f"{ROBOT_COPY}/{name}": content for name, content in files.items()}
+    copies = {RECIPE: recipe_file.source} | {f"{ROBOT_COPY}/{name}": content for name, content in files.items()}
     for plugin in recipe_file.plugins:
         if plugin.source is not None:
             copies[f"{PLUGIN_COPIES}/{plugin.source.name}"] = plugin.source.content
@@ -89,7 +88,18 @@ def place_recipe(recipe_file: RecipeFile, folder: Path) -> None:
             copy.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OutputError(f"the folder cannot be made: {error.strerror}", where=str(copy.parent)) from error
-        write_whole(copy, content, "the copy of what the recipe names")
+        write_whole(copy, content, "the copy")
+
+
+def own_suite(suite: str, recipe: Path) -> Path | None:
+    """Return the file of a suite of one's own, None for the name of one that comes with waypointctl: it is bare.
+
+    Args:
+        suite: as the recipe's selection has it.
+        recipe: the recipe's file; the suite's path is relative to it.
+    """
+    path = Path(suite)
+    return recipe.parent / path if path.suffix or len(path.parts) > 1 else None
 
 
 def trained_on(folder: Path, manifest: Manifest) -> Training | None:

@@ -1,4 +1,4 @@
-"""A run's folder: where it is, who may write it, and what a training puts where.
+"""The folder of a run, or of a group of runs: where it is, who may write it, and what a training puts where.
 
 runs/ant-waypoint/        the run, named for its recipe: -2, -3, ... where the name is taken
     train.yaml            the recipe as it was when the run began
@@ -8,6 +8,12 @@ runs/ant-waypoint/        the run, named for its recipe: -2, -3, ... where the n
     selection.json        results of the evaluated checkpoints, if the recipe has a selection
     tensorboard/          scalars
     manifest.json ...     the bundle and its evaluation, when it is complete and goes nowhere else
+
+runs/ant-waypoint-seeds/  a group: one recipe trained with several seeds, resumed as a whole
+    group.json            the options of its runs
+    seed-0/ seed-1/ ...   the runs; each its own bundle's folder too
+    curves.csv curves.png how they went, when all have ended
+    seeds.json            their results
 """
 
 from __future__ import annotations
@@ -28,6 +34,7 @@ from waypointctl.policy.manifest import MANIFEST
 
 FOLDER: Final = "checkpoints"
 PLUGIN_COPIES: Final = "plugins"
+GROUP: Final = "group.json"
 
 _LOCK: Final = ".lock"
 
@@ -72,6 +79,33 @@ def places(name: str, runs: Path, out: Path | None, *, resume: bool) -> Places:
 def keeps_copies(folder: Path) -> bool:
     """Return whether a folder is that of a run or a policy, where a recipe's robot and plugins are copies."""
     return any((folder / name).exists() for name in (_LOCK, FOLDER, MANIFEST))
+
+
+def group_place(name: str, runs: Path, out: Path | None, *, resume: bool) -> Path:
+    """Return the folder of a group of the recipe `name`; a new one is made.
+
+    Args:
+        name: of the recipe.
+        runs: the folder of all runs.
+        out: the group's folder, if it is not to be one in `runs`.
+        resume: continue a group: `out`, else the one of that name with the latest change.
+
+    Raises:
+        RecipeError: there is no group to continue.
+        OutputError: a folder cannot be written.
+    """
+    if out is not None:
+        refuse_unwritable_folder(out)
+        return out
+    refuse_unwritable_folder(runs)
+    own = f"{name}-seeds"
+    if not resume:
+        return new_run(own, runs)
+    found = [path for path in _named(own, runs) if (path / GROUP).is_file()]
+    if not found:
+        hint = "Train without --resume, or name a group's folder with --out."
+        raise RecipeError(f"no group of seeds of {name!r} to continue", where=str(runs), hint=hint)
+    return max(found, key=_last_worked_on)
 
 
 def checkpoints(run: Path) -> list[tuple[int, Path]]:
@@ -145,14 +179,17 @@ def _made(path: Path) -> bool:
     return True
 
 
+def _last_worked_on(group: Path) -> int:
+    newest = [newest_checkpoint(run) for run in group.glob("seed-*")]
+    return max(path.stat().st_mtime_ns for path in (group / GROUP, *newest) if path is not None)
+
+
 def _newest_run(name: str, runs: Path) -> Path:
     """Return the run of that name with the latest change.
 
     If the newest was killed before its first checkpoint, an older one is not used instead.
     """
-    own = re.compile(rf"{re.escape(name)}(-[0-9]+)?")
-    folders = [path for path in runs.iterdir() if own.fullmatch(path.name)] if runs.is_dir() else []
-    found = [(newest_checkpoint(path), path) for path in folders if path.is_dir()]
+    found = [(newest_checkpoint(path), path) for path in _named(name, runs)]
     if not any(checkpoint for checkpoint, _ in found):
         hint = "Train without --resume, or name a run's folder with --out."
         raise RecipeError(f"no run of {name!r} with a checkpoint to resume from", where=str(runs), hint=hint)
@@ -161,3 +198,9 @@ def _newest_run(name: str, runs: Path) -> Path:
         hint = "Name the run to continue with --out, or train without --resume."
         raise RecipeError(f"the newest run {newest} has no checkpoint", where=str(runs), hint=hint)
     return newest
+
+
+def _named(name: str, runs: Path) -> list[Path]:
+    """Return the folders in `runs` of a name, with a number or without."""
+    own = re.compile(rf"{re.escape(name)}(-[0-9]+)?")
+    return [path for path in runs.iterdir() if own.fullmatch(path.name) and path.is_dir()] if runs.is_dir() else []

@@ -36,12 +36,11 @@ from waypointctl.policy.manifest import (
     PolicyDescription,
     TrainingRecord,
 )
-from waypointctl.policy.write import bundle_files, copy_bundle
+from waypointctl.policy.write import bundle_files, copy_bundle, mlp_to_onnx
 from waypointctl.robots.load import load_robot
 from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
 from waypointctl.task.observation import Layout, layout
-from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
 from waypointctl.training.algorithms.ppo_learner import ACTIVATIONS
 
 CHECKED: Final = 256  # random observations that the bundle and stable-baselines3 act on
@@ -192,15 +191,12 @@ def _weights(archive: Archive, normaliser: Normaliser) -> dict[str, NDArray[np.g
 def _description(
     archive: Archive, network: SavedNetwork, normaliser: Normaliser, seen: Layout, body: Robot, out: Path
 ) -> PolicyDescription:
-    names, units, scales = zip(*seen.components, strict=True)
     normalised = f", with a VecNormalize file of SHA-256 {normaliser.sha256}" if normaliser.sha256 else ""
     return PolicyDescription(
         name=_text(out.resolve().name),
         robot=body.name,
         control_period_ns=body.control_period_ns,
-        observation=ObservationSpec(
-            layout=seen.name, groups=seen.groups, size=seen.size, names=names, units=units, scales=scales
-        ),
+        observation=ObservationSpec.of(seen.name, seen.groups, seen.components),
         action=ActionSpec(size=body.num_actions, meaning=body.action_meaning, limits=(-1.0, 1.0)),
         network=NetworkSpec(hidden_sizes=network.hidden_sizes, activation=network.activation),
         reward={},  # a .zip does not contain reward weights; a flight uses the defaults

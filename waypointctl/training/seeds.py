@@ -1,27 +1,100 @@
-"""Training one recipe with several seeds, one after the other, and comparing the results."""
+"""One recipe trained with several seeds, one after the other: a group of runs, resumed as a whole and compared."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import fmean, stdev
 from typing import Any, Final, Self, TypeAlias
 
-from waypointctl.errors import RecipeError
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from waypointctl.errors import OutputError, RecipeError
 from waypointctl.evaluation.result import EVALUATION, read_evaluation
+from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import load_policy
+from waypointctl.policy.manifest import MANIFEST
 from waypointctl.training.curves import write_curves
-from waypointctl.training.progress_file import PROGRESS, ProgressRow, read_progress
-from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.run_folder import newest_checkpoint
-from waypointctl.training.seed_group import is_complete, run_of
+from waypointctl.training.progress import PROGRESS, ProgressRow, read_progress
+from waypointctl.training.recipe_file import RECIPE, RecipeFile, place_recipe
+from waypointctl.training.recipe_parts import SelectionRecipe
+from waypointctl.training.run_folder import GROUP, newest_checkpoint
 
 RESULTS: Final = "seeds.json"
 
 TrainOne: TypeAlias = Callable[[RecipeFile, Path, bool], bool]  # (recipe, run, resume) -> whether it is finished
+
+
+class GroupFile(BaseModel):
+    """group.json: what every run of the group does, but for its seed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    recipe_sha256: str
+    phase_steps: list[int]
+    selection: SelectionRecipe | None
+    threads: int = 0  # requested; 0 is the default
+
+
+def run_of(group: Path, seed: int) -> Path:
+    """Return the folder of a seed's run."""
+    return group / f"seed-{seed}"
+
+
+def is_complete(run: Path) -> bool:
+    """Return whether a run has its bundle and its evaluation, which is written last."""
+    return (run / EVALUATION).is_file()
+
+
+def begin_group(recipe_file: RecipeFile, group: Path, seeds: Iterable[int], threads: int = 0) -> None:
+    """Write down what a group's runs are to do; none may have begun, nor may the folder be another training's.
+
+    Args:
+        recipe_file: the recipe of all runs.
+        group: the folder of the runs.
+        seeds: a run each.
+        threads: requested; 0 is the default.
+
+    Raises:
+        OutputError: one has, the folder is of another training or a policy, or it cannot be written.
+    """
+    if any((group / name).exists() for name in (GROUP, MANIFEST)) or newest_checkpoint(group):
+        problem = "has an earlier training or policy, whose recipe would be replaced"
+        raise OutputError(problem, where=str(group), hint="Use --resume to continue it, or choose another folder.")
+    for run in (run_of(group, seed) for seed in seeds):
+        if newest_checkpoint(run) or is_complete(run):
+            problem = "has the checkpoints of an earlier training"
+            raise OutputError(problem, where=str(run), hint="Use --resume to continue it, or choose another folder.")
+    recipe = recipe_file.recipe
+    plan = GroupFile(
+        recipe_sha256=recipe_file.sha256,
+        phase_steps=[phase.steps for phase in recipe.phases],
+        selection=recipe.selection,
+        threads=threads,
+    )
+    place_recipe(recipe_file, group)
+    write_whole(group / GROUP, f"{plan.model_dump_json(indent=2)}\n".encode(), "the plan")
+
+
+def group_begun_as(recipe_file: RecipeFile, group: Path) -> tuple[RecipeFile, int]:
+    """Return the recipe with the steps and the selection that a group began with, and its number of threads.
+
+    Raises:
+        RecipeError: the folder is not a group, or is of another recipe.
+    """
+    try:
+        plan = GroupFile.model_validate_json(read_input(group / GROUP, RECORD_FILE, RecipeError, within=group))
+    except (RecipeError, ValidationError) as error:
+        problem = f"no group of trainings to continue: no readable {GROUP}"
+        raise RecipeError(problem, where=str(group), hint="Train without --resume.") from error
+    if plan.recipe_sha256 != recipe_file.sha256:
+        hint = f"Resume with {group / RECIPE}, the recipe as it was when the group began, or start a new group."
+        raise RecipeError(f"the group was made by another recipe than {recipe_file.path}", where=str(group), hint=hint)
+    recipe = recipe_file.recipe.with_phase_steps(plan.phase_steps).model_copy(update={"selection": plan.selection})
+    return replace(recipe_file, recipe=recipe), plan.threads
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import NETWORK, WEIGHTS, SelectionRecord
 from waypointctl.policy.write import bundle_files
-from waypointctl.training.recipe_evaluation import SelectionRecipe
+from waypointctl.training.recipe_parts import SelectionRecipe
 
 SELECTION: Final = "selection.json"
 

@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from waypointctl.errors import InputError, OutputError, RecipeError
-from waypointctl.evaluation.result import EVALUATION, Evaluation, read_evaluation
+from waypointctl.errors import OutputError, RecipeError
+from waypointctl.evaluation.result import EVALUATION, Evaluation
 from waypointctl.evaluation.saved import remove_outdated
 from waypointctl.evaluation.suite import load_suite
 from waypointctl.paths import refuse_unwritable_folder, write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.write import copy_bundle
 from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
-from waypointctl.training.checkpoint_evaluation import CheckpointSelector, Evaluator, selection_suite
+from waypointctl.training.evaluator import CheckpointSelector, Evaluator, final_evaluation, selection_suite
 from waypointctl.training.events import CheckpointSaved, OnEvent, Resumed, Threads, TrainingEvent
+from waypointctl.training.progress import TrainingLog
 from waypointctl.training.recipe_file import RecipeFile, place_recipe, with_plugins
-from waypointctl.training.recipe_references import load_recipe_to_train
+from waypointctl.training.recipe_references import load_recipe_to_train, load_warm_start
 from waypointctl.training.run_folder import checkpoint_at, held, newest_checkpoint, require_checkpoint
 from waypointctl.training.selection import Selection, with_record
 from waypointctl.training.state import TrainingState
-from waypointctl.training.training_log import TrainingLog
-from waypointctl.training.warm_start import load_warm_start
 
 FINAL_SUITE: Final = "paper"
 
@@ -99,21 +97,23 @@ def train(
     run = out if run is None else Path(run)
     refuse_unwritable_folder(out)
     with held(run):
-        state = TrainingState(recipe_file.recipe, threads, recipe_file.plugins)
-        begun_s = time.monotonic() - _begin(state, recipe_file, run, resume, on_event)
+        state = TrainingState(recipe_file, threads)
+        begun_s = time.monotonic() - _begin(state, run, resume, on_event)
         on_event(state.threads)
-        evaluator = Evaluator(recipe_file.recipe.robot_path, threads, on_event, interrupted, recipe_file.plugins)
-        selector = _selector(state, recipe_file, run, resume, evaluator, begun_s)
+        evaluator = Evaluator(recipe_file, threads, on_event, interrupted)
+        selector = _selector(state, run, resume, evaluator, begun_s)
         complete = resume and (
             state.steps >= state.recipe.last_step or (selector is not None and selector.selection.met)
         )
         if resume:
             on_event(Resumed(state.steps, state.recipe.last_step, complete))
-        loop = _Loop(state, recipe_file, run, begun_s, selector, on_event, interrupted)
+        loop = _Loop(state, run, begun_s, selector, on_event, interrupted)
         finished = loop.run_to_end()
         wall_time_s = time.monotonic() - begun_s
         folder, policy, steps = _selected(loop, selector, run, finished)
-        evaluation = _evaluation(policy, recipe_file, evaluator, out, complete) if finished else None
+        evaluation = (
+            final_evaluation(policy, load_suite(FINAL_SUITE), evaluator, out, complete=complete) if finished else None
+        )
         if evaluation is None:
             policy = load_policy(folder)
         else:
@@ -128,7 +128,6 @@ class _Loop:
     """The training loop, and the last checkpoint that it saved."""
 
     state: TrainingState
-    recipe_file: RecipeFile
     run: Path
     begun_s: float
     selector: CheckpointSelector | None
@@ -171,7 +170,7 @@ class _Loop:
         return True if ended or self._target_met else None
 
     def _checkpoint(self) -> None:
-        folder = save_checkpoint(self.state, self.recipe_file, self.run, time.monotonic() - self.begun_s)
+        folder = save_checkpoint(self.state, self.run, time.monotonic() - self.begun_s)
         self.saved = CheckpointSaved(self.state.steps, folder)
         self._plan_checkpoint()
         self.on_event(self.saved)
@@ -205,27 +204,27 @@ class _Loop:
         kept = f"the last checkpoint is {last}" if last else "there is no checkpoint yet"
         problem = f"the training diverged: at step {self.state.steps} the network has numbers that are not finite"
         hint = "Start a new run with a lower learning_rate, reward_scale or max_gradient."
-        raise RecipeError(f"{problem}; {kept}", where=str(self.recipe_file.path), hint=hint)
+        raise RecipeError(f"{problem}; {kept}", where=str(self.state.recipe_file.path), hint=hint)
 
 
-def _begin(state: TrainingState, recipe_file: RecipeFile, run: Path, resume: bool, on_event: OnEvent) -> float:
+def _begin(state: TrainingState, run: Path, resume: bool, on_event: OnEvent) -> float:
     """Return the wall time spent until now [s]."""
     if resume:
-        return load_checkpoint(state, recipe_file, require_checkpoint(run))
+        return load_checkpoint(state, require_checkpoint(run))
     if newest_checkpoint(run):
         problem = "has the checkpoints of an earlier training"
         raise OutputError(problem, where=str(run), hint="Resume that training, or choose another folder.")
-    if warm_start := load_warm_start(recipe_file):
-        on_event(warm_start.apply(state.learner, recipe_file))
+    if warm_start := load_warm_start(state.recipe_file):
+        on_event(warm_start.apply(state.learner, state.recipe_file))
         state.start = warm_start.record()
-    place_recipe(recipe_file, run)
+    place_recipe(state.recipe_file, run)
     return 0.0
 
 
 def _selector(
-    state: TrainingState, recipe_file: RecipeFile, run: Path, resume: bool, evaluator: Evaluator, begun_s: float
+    state: TrainingState, run: Path, resume: bool, evaluator: Evaluator, begun_s: float
 ) -> CheckpointSelector | None:
-    suite, plan = selection_suite(recipe_file, run, resume=resume), recipe_file.recipe.selection
+    suite, plan = selection_suite(state.recipe_file, run, resume=resume), state.recipe.selection
     if suite is None or plan is None:
         return None
     return CheckpointSelector(Selection(plan, run, state.steps, suite.name), suite, evaluator, begun_s)
@@ -244,28 +243,6 @@ def _selected(
     selection = selector.selection
     folder = checkpoint_at(run, selection.best.steps)
     return folder, with_record(load_policy(folder), selection.record()), selection.last_steps
-
-
-def _evaluation(
-    policy: LoadedPolicy, recipe_file: RecipeFile, evaluator: Evaluator, out: Path, complete: bool
-) -> Evaluation | None:
-    """Return the policy's evaluation on the paper's cases, None if that was interrupted.
-
-    The evaluation in `out` of an already complete training is kept, if it is of this policy and these trials.
-    """
-    plan = recipe_file.recipe.evaluation
-    if complete:
-        with suppress(InputError):
-            found = read_evaluation(out / EVALUATION)
-            trials = {case.trials for case in found.cases}
-            if (found.suite, found.seed, found.policy_sha256, trials) == (
-                FINAL_SUITE,
-                plan.seed,
-                policy.sha256,
-                {plan.trials},
-            ):
-                return found
-    return evaluator.evaluate(policy, load_suite(FINAL_SUITE), plan)
 
 
 def _finish(policy: LoadedPolicy, recipe_file: RecipeFile, evaluation: Evaluation, out: Path) -> None:

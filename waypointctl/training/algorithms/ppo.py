@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
-from waypointctl.training.learner import AlgorithmRecipe, Learner, RateSchedule, WeightSchedule
-from waypointctl.training.recipe_fields import Factor, Few, Fraction, Rate
+from waypointctl.training.learner import AlgorithmRecipe, Learner, LearnerTask
+from waypointctl.training.recipe_parts import Factor, Few, Fraction, Rate, RateSchedule, WeightSchedule
 
 if TYPE_CHECKING:
     from waypointctl.task.batched import BatchedWaypointEnv
-    from waypointctl.training.recipe import Recipe
 
 
 class PpoRecipe(AlgorithmRecipe):
@@ -49,8 +48,22 @@ class PpoRecipe(AlgorithmRecipe):
         """Control steps of all robots in one rollout."""
         return self.robots * self.rollout_steps
 
-    def make_learner(self, recipe: Recipe, env: BatchedWaypointEnv) -> Learner:
+    def make_learner(self, task: LearnerTask, env: BatchedWaypointEnv) -> Learner:
         """Return stable-baselines3's PPO on the robots."""
         from waypointctl.training.algorithms.ppo_learner import PpoLearner  # torch, which a recipe is read without
 
-        return PpoLearner(self, recipe, env)
+        return PpoLearner(
+            task,
+            env,
+            reward_scale=self.reward_scale,
+            clip_observation=self.clip_observation,
+            initial_log_std=self.initial_log_std,
+            n_steps=self.rollout_steps,
+            batch_size=self.minibatch,
+            n_epochs=self.epochs,
+            gamma=self.gamma,
+            gae_lambda=self.gae_lambda,
+            clip_range=self.clip,
+            vf_coef=self.value,
+            max_grad_norm=self.max_gradient,
+        )

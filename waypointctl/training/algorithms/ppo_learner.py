@@ -15,35 +15,32 @@ from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
+from waypointctl.policy.write import mlp_to_onnx
 from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.training.algorithms.onnx_export import mlp_to_onnx
-from waypointctl.training.algorithms.ppo import PpoRecipe
 from waypointctl.training.algorithms.vec_env import BatchedVecEnv
-from waypointctl.training.learner import Arrays, ExportedPolicy, LearnerState, Rollout
-from waypointctl.training.recipe import Recipe
+from waypointctl.training.learner import ExportedPolicy, LearnerTask, Rollout, SavedState, prefixed, section
 
 ACTIVATIONS: Final = {"elu": nn.ELU, "tanh": nn.Tanh, "relu": nn.ReLU}
 
 
-class GlobalRandom(BaseModel):
-    """Numpy's global generator, but for its key: stable-baselines3 shuffles minibatches with it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-    pos: int
-    has_gauss: int
-    gauss: float
-
-
 class PpoFacts(BaseModel):
-    """The part of the state that is not an array."""
+    """The part of the state that is not an array.
+
+    Attributes:
+        steps: control steps of all robots so far.
+        updates: stable-baselines3's count.
+        normaliser_count: of the observations that its statistics are of.
+        numpy_pos, numpy_has_gauss, numpy_gauss: of numpy's global generator: stable-baselines3 shuffles with it.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     steps: int
     updates: int
     normaliser_count: float
-    global_random: GlobalRandom
+    numpy_pos: int
+    numpy_has_gauss: int
+    numpy_gauss: float
 
 
 class PpoLearner:
@@ -56,32 +53,43 @@ class PpoLearner:
 
     algorithm = "PPO (stable-baselines3)"
 
-    def __init__(self, settings: PpoRecipe, recipe: Recipe, env: BatchedWaypointEnv) -> None:
-        """Make the network; nothing is simulated yet."""
-        self._recipe = recipe
-        self._robots = BatchedVecEnv(env, settings.reward_scale)
+    def __init__(
+        self,
+        task: LearnerTask,
+        env: BatchedWaypointEnv,
+        *,
+        reward_scale: float,
+        clip_observation: float,
+        initial_log_std: float,
+        **settings: Any,
+    ) -> None:
+        """Make the network; nothing is simulated yet.
+
+        Args:
+            task: what the recipe says beside PPO's own block.
+            env: the robots.
+            reward_scale: multiplies all rewards.
+            clip_observation: bound of the normalised observations.
+            initial_log_std: logarithm of the standard deviation of the first actions.
+            settings: stable-baselines3's, by its names.
+        """
+        self._task = task
+        self._robots = BatchedVecEnv(env, reward_scale)
         self._callback: BaseCallback | None = None
-        self.normaliser = VecNormalize(self._robots, norm_reward=False, clip_obs=settings.clip_observation)
+        self.normaliser = VecNormalize(self._robots, norm_reward=False, clip_obs=clip_observation)
         self.ppo = PPO(
             "MlpPolicy",
             self.normaliser,
-            n_steps=settings.rollout_steps,
-            batch_size=settings.minibatch,
-            n_epochs=settings.epochs,
-            gamma=settings.gamma,
-            gae_lambda=settings.gae_lambda,
-            clip_range=settings.clip,
-            vf_coef=settings.value,
-            max_grad_norm=settings.max_gradient,
-            learning_rate=lambda _: recipe.schedules_at(self.steps)["learning_rate"],
+            learning_rate=lambda _: task.schedules_at(self.steps)["learning_rate"],
             policy_kwargs={
-                "net_arch": list(recipe.network.hidden),
-                "activation_fn": ACTIVATIONS[recipe.network.activation],
-                "log_std_init": settings.initial_log_std,
+                "net_arch": list(task.network.hidden),
+                "activation_fn": ACTIVATIONS[task.network.activation],
+                "log_std_init": initial_log_std,
             },
-            seed=recipe.seed,
+            seed=task.seed,
             device="cpu",
             verbose=0,
+            **settings,
         )
         self.ppo.set_logger(Logger(None, []))
 
@@ -106,7 +114,7 @@ class PpoLearner:
 
     def update(self) -> dict[str, float]:
         """Go through the rollout buffer, `epochs` times."""
-        self.ppo.ent_coef = entropy = self._recipe.schedules_at(self.steps)["entropy"]
+        self.ppo.ent_coef = entropy = self._task.schedules_at(self.steps)["entropy"]
         self.ppo.train()
         recorded = self.ppo.logger.name_to_value
         metrics = {name.removeprefix("train/"): float(value) for name, value in recorded.items()}
@@ -117,13 +125,13 @@ class PpoLearner:
         """Return whether the network and the normaliser have finite numbers alone."""
         return all(np.isfinite(array).all() for array in self._weights().values())
 
-    def save(self) -> LearnerState:
+    def save(self) -> SavedState:
         """Return the state: network, optimiser, normaliser, last observations and the global generators."""
         self._begin()
         ppo, statistics = self.ppo, self.statistics
-        arrays: Arrays = {f"policy.{name}": value.numpy() for name, value in ppo.policy.state_dict().items()}
+        arrays = prefixed("policy", {name: value.numpy() for name, value in ppo.policy.state_dict().items()})
         for index, state in ppo.policy.optimizer.state_dict()["state"].items():
-            arrays |= {f"optimiser.{index}.{name}": value.numpy() for name, value in state.items()}
+            arrays |= prefixed(f"optimiser.{index}", {name: value.numpy() for name, value in state.items()})
         arrays |= {"normaliser.mean": statistics.mean, "normaliser.var": statistics.var}
         arrays |= {"observations": _present(ppo._last_obs), "episode_starts": _present(ppo._last_episode_starts)}
         random: Any = np.random.get_state(legacy=False)  # noqa: NPY002 - stable-baselines3 shuffles with it
@@ -132,20 +140,20 @@ class PpoLearner:
             steps=self.steps,
             updates=ppo._n_updates,
             normaliser_count=float(statistics.count),
-            global_random=GlobalRandom(
-                pos=random["state"]["pos"], has_gauss=random["has_gauss"], gauss=float(random["gauss"])
-            ),
+            numpy_pos=random["state"]["pos"],
+            numpy_has_gauss=random["has_gauss"],
+            numpy_gauss=float(random["gauss"]),
         )
-        return LearnerState(arrays, facts.model_dump())
+        return SavedState(arrays, facts.model_dump())
 
-    def load(self, state: LearnerState) -> None:
+    def load(self, state: SavedState) -> None:
         """Continue from a state."""
         arrays, facts = state.arrays, PpoFacts.model_validate(state.facts)
         ppo, statistics = self.ppo, self.statistics
-        parts = _section(arrays, "policy")
+        parts = section(arrays, "policy")
         ppo.policy.load_state_dict({name: torch.from_numpy(array) for name, array in parts.items()})
         moments: dict[int, dict[str, torch.Tensor]] = {}
-        for name, array in _section(arrays, "optimiser").items():
+        for name, array in section(arrays, "optimiser").items():
             index, _, kind = name.partition(".")
             moments.setdefault(int(index), {})[kind] = torch.from_numpy(array)
         ppo.policy.optimizer.load_state_dict(ppo.policy.optimizer.state_dict() | {"state": moments})
@@ -154,8 +162,7 @@ class PpoLearner:
         ppo._last_obs, ppo._last_episode_starts = arrays["observations"], arrays["episode_starts"]
         ppo.num_timesteps, ppo._n_updates = facts.steps, facts.updates
         torch.set_rng_state(torch.from_numpy(arrays["random.torch"]))
-        random = facts.global_random
-        legacy = ("MT19937", arrays["random.numpy"], random.pos, random.has_gauss, random.gauss)
+        legacy = ("MT19937", arrays["random.numpy"], facts.numpy_pos, facts.numpy_has_gauss, facts.numpy_gauss)
         np.random.set_state(legacy)  # noqa: NPY002 - as above
 
     def export(self) -> ExportedPolicy:
@@ -165,7 +172,7 @@ class PpoLearner:
         linear = [module for module in modules if isinstance(module, nn.Linear)]
         onnx = mlp_to_onnx(
             [(layer.weight.detach().numpy(), layer.bias.detach().numpy()) for layer in linear],
-            self._recipe.network.activation,
+            self._task.network.activation,
             statistics.mean,
             statistics.var,
             clip=self.normaliser.clip_obs,
@@ -187,7 +194,7 @@ class PpoLearner:
         statistics, count = self.statistics, float(weights["normaliser.count"])
         statistics.mean = np.array(weights["normaliser.mean"], np.float64)
         statistics.var = np.array(weights["normaliser.var"], np.float64)
-        statistics.count = min(count, float(self._recipe.algorithm.iteration_steps)) if other_inputs else count
+        statistics.count = min(count, float(self.ppo.n_steps * self.ppo.n_envs)) if other_inputs else count
 
     def _begin(self) -> BaseCallback:
         """Let stable-baselines3 begin its first episodes, unless a state has been loaded."""
@@ -203,10 +210,6 @@ class PpoLearner:
             "normaliser.var": statistics.var,
             "normaliser.count": np.array(statistics.count),
         }
-
-
-def _section(arrays: Arrays, name: str) -> Arrays:
-    return {key.removeprefix(f"{name}."): array for key, array in arrays.items() if key.startswith(f"{name}.")}
 
 
 def _present(value: object) -> NDArray[Any]:

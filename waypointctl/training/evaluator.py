@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from waypointctl.errors import SuiteError
+from waypointctl.errors import InputError, SuiteError
 from waypointctl.evaluation.evaluate import evaluate
-from waypointctl.evaluation.result import Evaluation
+from waypointctl.evaluation.result import EVALUATION, Evaluation, read_evaluation
 from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.mission.yaml_source import read_source
 from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
-from waypointctl.task.plugins import Plugin
 from waypointctl.training.events import CheckpointEvaluated, CheckpointSaved, EvaluationProgress, OnEvent
-from waypointctl.training.recipe_evaluation import EvaluationRecipe, SelectionRecipe
-from waypointctl.training.recipe_file import RecipeFile
-from waypointctl.training.recipe_references import own_suite
+from waypointctl.training.recipe_file import RecipeFile, own_suite
+from waypointctl.training.recipe_parts import EvaluationRecipe, SelectionRecipe
 from waypointctl.training.selection import Candidate, Selection
 
 SUITE: Final = "selection-suite.yaml"  # a run's copy of a user's suite
@@ -34,18 +33,16 @@ class Evaluator:
     """Evaluates policies of a training. It draws from streams of its own: training is the same without it.
 
     Attributes:
-        robot: of the recipe, which the policies of a suite without a robot are for.
+        recipe_file: of the training, with its plugins; its robot is that of a suite without one.
         threads: of the physics; 0 is one per core, 8 at most.
         on_event: called with the progress.
         interrupted: called during the evaluation; True ends it.
-        plugins: the recipe's, loaded.
     """
 
-    robot: str
+    recipe_file: RecipeFile
     threads: int
     on_event: OnEvent
     interrupted: Callable[[], bool]
-    plugins: tuple[Plugin, ...] = ()
 
     def evaluate(
         self, policy: LoadedPolicy, suite: Suite, plan: EvaluationRecipe | SelectionRecipe
@@ -58,17 +55,10 @@ class Evaluator:
                 raise _Interrupted
             self.on_event(EvaluationProgress(suite.name, final, case, ended, plan.trials))
 
+        robot = suite.robot or self.recipe_file.recipe.robot_path
+        plugins = self.recipe_file.plugins
         try:
-            return evaluate(
-                policy,
-                suite,
-                plan.trials,
-                plan.seed,
-                self.threads,
-                progress,
-                plugins=self.plugins,
-                robot=suite.robot or self.robot,
-            )
+            return evaluate(policy, suite, plan.trials, plan.seed, self.threads, progress, plugins=plugins, robot=robot)
         except _Interrupted:
             return None
 
@@ -136,3 +126,20 @@ def selection_suite(recipe_file: RecipeFile, run: Path, *, resume: bool) -> Suit
     if own is not None:
         write_whole(run / SUITE, read_source(own, SuiteError), "the suite")
     return suite
+
+
+def final_evaluation(
+    policy: LoadedPolicy, suite: Suite, evaluator: Evaluator, out: Path, *, complete: bool
+) -> Evaluation | None:
+    """Return the policy's final evaluation, None if that was interrupted.
+
+    The evaluation in `out` of an already complete training is kept, if it is of this policy and these trials.
+    """
+    plan = evaluator.recipe_file.recipe.evaluation
+    wanted = (suite.name, plan.seed, policy.sha256, {plan.trials})
+    if complete:
+        with suppress(InputError):
+            found = read_evaluation(out / EVALUATION)
+            if (found.suite, found.seed, found.policy_sha256, {case.trials for case in found.cases}) == wanted:
+                return found
+    return evaluator.evaluate(policy, suite, plan)
