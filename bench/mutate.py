@@ -49,8 +49,14 @@ PARTS: Final = {
     "link": Part((f"{_FLIGHT}/link/*.py",), ("tests/flight/link/test_*.py",)),
     "command_life": Part((f"{_FLIGHT}/command_life.py",), ("tests/flight/test_command_life.py",)),
     "verify": Part(
-        tuple(f"waypointctl/replay/{name}.py" for name in ("verify", "comparator", "compared", "difference")),
-        ("tests/replay/test_difference.py", "tests/replay/test_verify.py", "tests/replay/test_verify_[ack]*.py"),
+        ("waypointctl/replay/verify.py", "waypointctl/replay/comparator.py"),
+        (
+            "tests/replay/test_difference.py",
+            "tests/replay/test_verify.py",
+            "tests/replay/test_verify_[ack]*.py",
+            "tests/replay/test_comparator.py",
+            "tests/replay/test_verify_words.py",
+        ),
     ),
     "bundle": Part(("waypointctl/policy/bundle.py", "waypointctl/policy/manifest.py"), ("tests/policy/test_*.py",)),
 }
