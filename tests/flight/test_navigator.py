@@ -37,9 +37,6 @@ class Detour:
     def state(self) -> Mapping[str, object]:
         return {"calls": self.calls}
 
-    def restore(self, state: Mapping[str, object]) -> None:
-        self.calls = int(str(state["calls"]))
-
 
 def test_the_policy_observes_the_navigators_goals() -> None:
     messages: list[Message] = []

@@ -15,7 +15,7 @@ from waypointctl.flight.operator.console import QUIT, LineSource, NullConsole, r
 from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.station import station_for
 from waypointctl.flight.outcome import EndCondition, FlightResult, result_of
-from waypointctl.flight.reporter import Downlink, Reporter
+from waypointctl.flight.reporter import Reporter
 from waypointctl.flight.sink import Sink
 from waypointctl.flight.vehicle import Vehicle
 from waypointctl.log.messages import Ack, Clock, Command, ConsoleInput, Event, EventKind, Severity, Telemetry
@@ -56,12 +56,16 @@ class Flight:
         noise = stream(seed, "course", 0).uniform(-1.0, 1.0, NOISE_SIZE)  # as the env draws it, like the start
         joint = partial(JointOperator, mission, policy, robot, noise, plugins, sink)
         self._station = station_for(mission, joint, sink, self._uplink, down, self._period_ns)
-        reporter = _reporter(mission, self._downlink)
+        telemetry = mission.telemetry
+        period_ns, beacon_ns = ns(1 / telemetry.rate_hz), ns(telemetry.beacon_s)
+        reporter = Reporter(self._downlink, period_ns, beacon_ns, every_state=mission.autonomy == "joint")
         self._vehicle = Vehicle(robot, policy, sink, reporter, rules_of(mission), navigator, plugins)
         self._end_condition = EndCondition(
             self._station, self._vehicle.executive, reporter.changes, up, down, self._vehicle.is_still
         )
         self._vehicle.place(*draw_start(mission.start, robot, stream(seed, "start", 0)), noise)
+        limit_s = mission.expect.max_time_s
+        self._limit_ns = None if limit_s is None else ns(limit_s)
         self._now_ns = 0
         self._checkpoint_ns = 0
         self._ground_ns = 0  # when the operator was last active
@@ -75,8 +79,7 @@ class Flight:
 
     @property
     def _out_of_time(self) -> bool:
-        limit_s = self._mission.expect.max_time_s
-        return limit_s is not None and self._now_ns > ns(limit_s)
+        return self._limit_ns is not None and self._now_ns > self._limit_ns
 
     def begin(self) -> None:
         """Let the operator send what it sends at mission start."""
@@ -106,7 +109,7 @@ class Flight:
                 self._step_ground(at_ns)
                 self._note_end()
                 continue
-            arrived = next(self._uplink.due(self._now_ns), None)
+            arrived = next(self._uplink.direction.due(self._now_ns), None)
             if arrived is None:
                 return
             if isinstance(arrived, Command):
@@ -131,7 +134,7 @@ class Flight:
     def _step_ground(self, at_ns: int) -> None:
         """Deliver what arrives on the ground at this moment; if nothing does, run what is due there."""
         self._ground_ns = at_ns
-        on_contact = next(self._downlink.due(at_ns), None)
+        on_contact = next(self._downlink.direction.due(at_ns), None)
         if on_contact is None:
             self._station.wake(at_ns)
             return
@@ -164,12 +167,11 @@ class Flight:
 
     def _sleep(self) -> None:
         """Go on to the next control step at which something can happen."""
-        limit_s = self._mission.expect.max_time_s
         times = (
             self._next_on_ground_ns,
             self._uplink.direction.next_arrival_ns,
             self._vehicle.next_ns(self._now_ns),
-            None if limit_s is None else ns(limit_s) + 1,
+            None if self._limit_ns is None else self._limit_ns + 1,
         )
         next_ns = min(time_ns for time_ns in times if time_ns is not None)
         wake_ns = self._first_step(next_ns)
@@ -202,13 +204,5 @@ class Flight:
         self._announce(result.sim_time_ns, EventKind.MISSION_ENDED, text, severity)
         return result
 
-    def _announce(
-        self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO, command_id: int = -1
-    ) -> None:
-        self._sink(Event(now_ns, kind, Clock.OPERATOR, severity, text, command_id=command_id))
-
-
-def _reporter(mission: Mission, downlink: Downlink) -> Reporter:
-    telemetry = mission.telemetry
-    period_ns, beacon_ns = ns(1 / telemetry.rate_hz), ns(telemetry.beacon_s)
-    return Reporter(downlink, period_ns, beacon_ns, every_state=mission.autonomy == "joint")
+    def _announce(self, now_ns: int, kind: EventKind, text: str, severity: Severity = Severity.INFO) -> None:
+        self._sink(Event(now_ns, kind, Clock.OPERATOR, severity, text))

@@ -37,9 +37,6 @@ class Navigator(Protocol):
     def state(self) -> Mapping[str, object]:
         """Return all that later goals depend on besides the arguments, for JSON; empty for one that keeps nothing."""
 
-    def restore(self, state: Mapping[str, object]) -> None:
-        """Go on from what `state` returned."""
-
 
 def sound_goals(goals: FloatArray) -> FloatArray:
     """Return what a navigator gave.
@@ -64,6 +61,3 @@ class DirectNavigator:
     def state(self) -> Mapping[str, object]:
         """Return nothing: it keeps none."""
         return {}
-
-    def restore(self, state: Mapping[str, object]) -> None:
-        """Do nothing."""

@@ -39,7 +39,7 @@ class TelemetryChanges:
     def unreported(self, executive: Executive) -> bool:
         """Return whether no frame has reported the current state yet."""
         target = -1 if executive.target is None else executive.target.index
-        reached = executive.num_reached
+        reached = len(executive.reached)
         return self._standing != (executive.mode, target, reached, executive.statuses, executive.cause)
 
     def reported_in(self, frame: Telemetry | None) -> bool:

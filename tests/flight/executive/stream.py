@@ -150,7 +150,7 @@ class Stream:
         if executive.mode in NOTHING_UNDER_WAY:
             assert not started
         if executive.mode in AT_WAYPOINT | {Mode.WAITING}:
-            assert executive.command_id in started
+            assert executive.state()["command_id"] in started
         times = [it.time_ns for it in rig.stages_said]
         assert times == sorted(times)
         state = executive.state()

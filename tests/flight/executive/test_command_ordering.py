@@ -28,7 +28,7 @@ def test_the_goal_that_is_followed_never_goes_back(order: list[int], doubled: li
     for number in order + doubled:  # those that come again are answered, and no more
         rig.send(1.0, GO_TO, replace(A, index=-1, x_m=float(number)), id=number)
         assert rig.executive.target is not None
-        followed.append((rig.executive.command_id, rig.executive.target.x_m))
+        followed.append((rig.executive.state()["command_id"], rig.executive.target.x_m))
     assert followed == sorted(followed)
     assert followed[-1] == (29, 29.0)
     late = [number for place, number in enumerate(order) if number < max(order[: place + 1])]

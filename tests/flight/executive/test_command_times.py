@@ -158,7 +158,7 @@ def test_wrong_arguments_are_refused(
     rig.send(1.0, kind, *waypoints, id=2, **arguments)  # type: ignore[arg-type]
     assert rig.ended(2) == (Stage.REJECTED, reason)
     assert rig.stages_of(2) == [Stage.RECEIVED, Stage.REJECTED]
-    assert (rig.executive.command_id, rig.executive.target) == (1, B), "and nothing has changed"
+    assert (rig.executive.state()["command_id"], rig.executive.target) == (1, B), "and nothing has changed"
 
 
 def test_an_id_below_one_is_refused(rig: Rig) -> None:

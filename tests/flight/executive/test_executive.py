@@ -164,7 +164,7 @@ def test_an_id_is_obeyed_once_and_a_new_one_replaces_the_plan(rig: Rig, id: int)
         assert rig.executive.target == A
     else:
         assert rig.executive.target == B
-        assert rig.executive.command_id == 2
+        assert rig.executive.state()["command_id"] == 2
         assert rig.stages[3:] == [Stage.RECEIVED, Stage.ACCEPTED, Stage.SUPERSEDED, Stage.STARTED]
         assert rig.ended(1) == (Stage.SUPERSEDED, "by command 2")
 

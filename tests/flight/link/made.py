@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,9 +30,6 @@ class Told:
 
     def state(self) -> dict[str, Any]:
         return {}
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        raise NotImplementedError
 
 
 def arrival(number: int, when: int) -> tuple[int, int]:

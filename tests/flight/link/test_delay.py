@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.flight.link.restored import restore_draws
 from waypointctl.flight.link.impairments import (
     BLOCK,
     drawn_jitter,
@@ -94,5 +95,5 @@ def test_what_is_drawn_goes_on_where_its_state_was_taken(count: int) -> None:
         first()
     state = first.state()
     assert state["used"] == count % BLOCK
-    again.restore(state)
+    restore_draws(again, state)
     assert [again() for _ in range(BLOCK)] == [first() for _ in range(BLOCK)]

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.flight.link.made import Told, chancy, told_jitter
+from tests.flight.link.restored import restore
 from waypointctl.flight.link.contacts import Contacts, Window
 from waypointctl.flight.link.direction import NO_CONTACT, NOISE, QUEUE_FULL, Direction, Duplication
 from waypointctl.flight.link.impairments import (
@@ -188,7 +189,7 @@ def test_a_link_goes_on_where_its_state_was_taken() -> None:
     first, again = made(), made()
     for number in range(300):
         first.send(10 * number, 20, lambda when: when)
-    again.restore(first.state(), first.under_way)
+    restore(again, first.state(), first.under_way)
     assert again.under_way == first.under_way
     assert again.waiting_bytes(3000) == first.waiting_bytes(3000) > 0
     for number in range(300, 400):

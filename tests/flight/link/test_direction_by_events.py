@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from tests.budget import examples
 from tests.flight.link.made import Setting, arrival, parcels, settings_of_a_link, told_direction
+from tests.flight.link.restored import restore
 from tests.flight.link.slow_link import Parcel, SlowLink
 from waypointctl.flight.link.contacts import Contacts
 from waypointctl.flight.link.direction import NEVER, NOISE, Delivery, Direction, Duplication
@@ -86,7 +87,7 @@ def test_a_restored_link_goes_on_as_the_one_it_was_taken_from(setting: Setting, 
     for parcel in sent[:cut]:
         list(link.due(parcel.at))
         link.send(parcel.at, parcel.size, lambda when: when)
-    other.restore(json.loads(json.dumps(link.state())), link.under_way)
+    restore(other, json.loads(json.dumps(link.state())), link.under_way)
     for parcel in sent[cut:]:
         assert link.send(parcel.at, parcel.size, lambda when: when) == other.send(
             parcel.at, parcel.size, lambda when: when

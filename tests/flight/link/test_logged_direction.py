@@ -45,7 +45,7 @@ def test_what_is_only_delayed_leaves_no_record() -> None:
     link = logged(records, delay="1 s", jitter="1 s")
     acks(link, 0, 1, 2)
     assert records == []
-    assert [ack.command_id for ack in link.due(5 * S)] == [0, 1, 2]
+    assert [ack.command_id for ack in link.direction.due(5 * S)] == [0, 1, 2]
 
 
 def test_what_waits_is_doubled_or_gets_lost_does() -> None:

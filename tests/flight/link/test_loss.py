@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.flight.link.restored import restore_draws
 from waypointctl.flight.link.impairments import BLOCK, GilbertElliott, RandomLoss
 from waypointctl.seeding import stream
 
@@ -103,5 +104,5 @@ def test_a_bursty_link_goes_on_where_its_state_was_taken(count: int) -> None:
         first()
     state = first.state()
     assert state["used"] == count % BLOCK
-    again.restore(state)
+    restore_draws(again, state)
     assert [again() for _ in range(2 * BLOCK)] == [first() for _ in range(2 * BLOCK)]

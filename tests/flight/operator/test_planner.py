@@ -78,7 +78,7 @@ def test_the_command_that_ended_another_is_named_with_its_kind(
     ],
 )
 def test_an_end_without_a_reason_is_named_by_its_stage(stage: Stage, reason: str, failure: str) -> None:
-    assert ended_by_robot(ack(stage, reason=reason)) == failure
+    assert ended_by_robot(ack(stage, reason=reason), {}) == failure
 
 
 @pytest.mark.parametrize(("stage", "reason"), [(Stage.FAILED, "geofence"), (Stage.CANCELLED, "timeout")])

@@ -72,24 +72,9 @@ class Executive:
         return self.mode in POLICY_MODES
 
     @property
-    def leg(self) -> int:
-        """The place in the plan that it has come to."""
-        return self._execution.plan.at
-
-    @property
-    def command_id(self) -> int:
-        """The command that is, or was last, under way; -1 for none."""
-        return self._execution.command_id
-
-    @property
     def reached(self) -> tuple[int, ...]:
         """The waypoints reached so far: indices in the mission, each once, in order."""
         return self._execution.reached
-
-    @property
-    def num_reached(self) -> int:
-        """How many waypoints have been reached."""
-        return len(self._execution.reached)
 
     @property
     def goals(self) -> FloatArray:

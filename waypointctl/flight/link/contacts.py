@@ -9,7 +9,8 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Final
 
-NS_PER_S: Final = 1_000_000_000
+from waypointctl.units import NS_PER_S
+
 BITS_PER_BYTE: Final = 8
 FOREVER_NS: Final = 1 << 62  # beyond every time of a flight, and within what a log can hold
 
@@ -38,10 +39,8 @@ class Window:
 
 def airtime_ns(size_bytes: int, rate_bps: float | None) -> int:
     """Return how long sending takes [ns], rounded up: no rate is ever exceeded, not by the rounding of a float."""
-    if rate_bps is None:
-        return 0
-    rate = Fraction(rate_bps)
-    return -(-size_bytes * BITS_PER_BYTE * NS_PER_S * rate.denominator // rate.numerator)
+    ns_per_byte, per = _ns_per_byte(rate_bps)
+    return -(-size_bytes * ns_per_byte // per)
 
 
 class Contacts:

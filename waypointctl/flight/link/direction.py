@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import heapq
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final, Generic, NamedTuple, TypeVar
 
@@ -175,17 +175,6 @@ class Direction(Generic[T]):
             "waiting": [list(entry) for entry in self._waiting],
             "random": {name: each.state() for name, each in self._draws().items()},
         }
-
-    def restore(self, state: Mapping[str, Any], under_way: Iterable[tuple[int, T]] = ()) -> None:
-        """Go on where `state` was taken, with what was under way then, in order of arrival."""
-        self._free_ns = state["free_ns"]
-        self._last_arrival_ns = state["last_arrival_ns"]
-        self._waiting = deque((departs_ns, size_bytes) for departs_ns, size_bytes in state["waiting"])
-        self._waiting_bytes = sum(size_bytes for _, size_bytes in self._waiting)
-        self._under_way = [(arrives_ns, number, message) for number, (arrives_ns, message) in enumerate(under_way)]
-        self._number = len(self._under_way)
-        for name, each in self._draws().items():
-            each.restore(state["random"][name])
 
     def _draws(self) -> dict[str, Loss | Draws[int]]:
         """Return all that draws random numbers, by name."""

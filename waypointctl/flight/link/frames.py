@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final, Generic, TypeVar
 
@@ -124,10 +124,6 @@ class LoggedDirection(Generic[T]):
             kind, number = named(message)
             self.sink(LinkRecord(now_ns, self.way, kind, number, size, delivery.departs_ns, delivery.arrivals_ns, what))
         return delivery
-
-    def due(self, now_ns: int) -> Iterator[T]:
-        """Take out, one by one, what has arrived by now, in order of arrival."""
-        return self.direction.due(now_ns)
 
 
 def named(message: Any) -> tuple[str, int]:

@@ -41,14 +41,6 @@ class Draws(Generic[T]):
         used = BLOCK - len(self._ahead) if self._ahead else 0
         return {"stream": dict(self._begin if used else self._rng.bit_generator.state), "used": used}
 
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was taken."""
-        self._rng.bit_generator.state = state["stream"]
-        self._ahead = []
-        if state["used"]:
-            self._fill()
-            del self._ahead[BLOCK - state["used"] :]
-
     def _fill(self) -> None:
         self._begin = self._rng.bit_generator.state
         self._ahead = self._draw(self._rng, BLOCK)
@@ -109,33 +101,27 @@ def stepped_delay(table: Sequence[tuple[int, int]]) -> Delay:
 
 def uniform_jitter(spread_ns: int, rng: np.random.Generator) -> Jitter:
     """Return a jitter that lies evenly within +-spread [ns]."""
-
-    def draw(stream: np.random.Generator, count: int) -> list[int]:
-        drawn: list[int] = stream.integers(-spread_ns, spread_ns, size=count, endpoint=True).tolist()
-        return drawn
-
-    return Jitter(Draws(rng, draw), spread_ns)
+    draws = Draws[int](rng, lambda rng, count: rng.integers(-spread_ns, spread_ns, count, endpoint=True).tolist())
+    return Jitter(draws, spread_ns)
 
 
 def normal_jitter(deviation_ns: int, rng: np.random.Generator) -> Jitter:
     """Return a jitter with a normal distribution of mean 0 and this standard deviation [ns]."""
 
-    def draw(stream: np.random.Generator, count: int) -> list[int]:
-        drawn: list[int] = np.rint(stream.standard_normal(count) * deviation_ns).astype(np.int64).tolist()
-        return drawn
+    def draw(stream: np.random.Generator, count: int) -> Any:
+        return np.rint(stream.standard_normal(count) * deviation_ns).astype(np.int64).tolist()
 
-    return Jitter(Draws(rng, draw), _NEARLY_ALL * deviation_ns)
+    return Jitter(Draws[int](rng, draw), _NEARLY_ALL * deviation_ns)
 
 
 def drawn_jitter(samples_ns: Sequence[int], rng: np.random.Generator) -> Jitter:
     """Return a jitter that is drawn from measured ones [ns], each as likely."""
     samples = np.asarray(samples_ns, dtype=np.int64)
 
-    def draw(stream: np.random.Generator, count: int) -> list[int]:
-        drawn: list[int] = samples[(stream.random(count) * len(samples)).astype(np.int64)].tolist()
-        return drawn
+    def draw(stream: np.random.Generator, count: int) -> Any:
+        return samples[(stream.random(count) * len(samples)).astype(np.int64)].tolist()
 
-    return Jitter(Draws(rng, draw), int(samples.max()))
+    return Jitter(Draws[int](rng, draw), int(samples.max()))
 
 
 class Loss(Protocol):
@@ -150,9 +136,6 @@ class Loss(Protocol):
 
     def state(self) -> dict[str, Any]:
         """Return what becomes of the next message depends on, as plain data."""
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was taken."""
 
 
 class RandomLoss:
@@ -177,10 +160,6 @@ class RandomLoss:
     def state(self) -> dict[str, Any]:
         """Return what becomes of the next message depends on, as plain data."""
         return self._chances.state()
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was taken."""
-        self._chances.restore(state)
 
 
 class GilbertElliott:
@@ -227,11 +206,6 @@ class GilbertElliott:
     def state(self) -> dict[str, Any]:
         """Return what becomes of the next message depends on, as plain data."""
         return {"bad": self.bad, **self._pairs.state()}
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Go on where `state` was taken."""
-        self.bad = state["bad"]
-        self._pairs.restore(state)
 
 
 def _pairs(rng: np.random.Generator, count: int) -> list[tuple[float, float]]:

@@ -71,7 +71,6 @@ class ReportedState:
 # Ended by another command or by the clock: the reason alone names the command or the time, not the stage.
 _BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
 _COMMAND: Final = re.compile(r"\bby command ([0-9]{1,18})$")
-_NO_KINDS: Final[Mapping[int, CommandKind]] = {}
 
 
 class Operator(ABC):
@@ -134,9 +133,7 @@ class Operator(ABC):
     def yield_to_return(self, now_ns: int, arrival_ns: Callable[[int], int | None]) -> None:
         """Lead no further once what is sent would, by its latest arrival, call the robot back from its way home.
 
-        Args:
-            now_ns: the time.
-            arrival_ns: when what is sent at a time arrives at the latest [ns]; None for never.
+        `arrival_ns` is when what is sent at a time [ns] arrives at the latest [ns]; None for never.
         """
         if self._home_ns is None:
             return
@@ -232,7 +229,7 @@ def rule_of_leg(mission: Mission) -> str:
     return "" if mission.failure_rule.then in ("hold", "return_home") else "abort"
 
 
-def ended_by_robot(ack: Ack, kinds: Mapping[int, CommandKind] = _NO_KINDS) -> str:
+def ended_by_robot(ack: Ack, kinds: Mapping[int, CommandKind]) -> str:
     """Return why a command that did not complete ended, in a few words; `kinds` are of the commands that were sent."""
     if ack.stage in _BY_ANOTHER:
         return _ended_by_another(ack, kinds)
