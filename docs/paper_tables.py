@@ -14,12 +14,12 @@ import re
 import sys
 from pathlib import Path
 
-from waypointctl.cli.evaluation_files import EvaluationFiles
-from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders
+from waypointctl.cli.evaluation_run import EvaluationFiles, chosen_suite, evaluate_loaded
 from waypointctl.errors import WaypointctlError
 from waypointctl.evaluation.paper_tables import paper_tables
 from waypointctl.evaluation.result import EVALUATION, read_evaluation
 from waypointctl.evaluation.suite import load_suite
+from waypointctl.policy.bundle import load_policy
 from waypointctl.policy.manifest import MANIFEST
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -48,7 +48,8 @@ def evaluate(root: Path, trials: int | None) -> None:
     suite = chosen_suite("paper", None)
     files = EvaluationFiles(tuple(folders(root)), suite, plot=root / PICTURE, save=True)
     files.refuse_unwritable()
-    files.write(evaluate_loaded(load_folders(files.folders), suite, trials, SEED))
+    loaded = [(folder, load_policy(folder)) for folder in files.folders]
+    files.write(evaluate_loaded(loaded, suite, trials, SEED))
 
 
 def write_readme(root: Path) -> None:

@@ -12,8 +12,8 @@ import typer.main
 
 from waypointctl.cli.app import app
 from waypointctl.errors import RecipeError, SuiteError
+from waypointctl.evaluation.rollout import NEAR_M, STILL_M, WINDOW_S
 from waypointctl.evaluation.suite import Suite
-from waypointctl.evaluation.track import NEAR_M, STILL_M, WINDOW_S
 from waypointctl.mission.yaml_source import read_model
 from waypointctl.training.events import ENOUGH, WINDOW
 from waypointctl.training.recipe import Recipe

@@ -43,11 +43,11 @@ if TYPE_CHECKING:
     from waypointctl.policy.bundle import LoadedPolicy, load_policy
     from waypointctl.policy.protocol import Policy, PolicyState
     from waypointctl.replay.command_summary import CommandSummary
-    from waypointctl.replay.effort import Effort
     from waypointctl.replay.flight_log import FlightLog, open_log
+    from waypointctl.replay.legs import WaypointStatus, WaypointSummary
     from waypointctl.replay.link_summary import LinkSummary
-    from waypointctl.replay.summary import FlightSummary, WaypointStatus, WaypointSummary
-    from waypointctl.replay.track import Track
+    from waypointctl.replay.summary import FlightSummary
+    from waypointctl.replay.track import Effort, Track
     from waypointctl.replay.verdict import Verdict, Verification
     from waypointctl.replay.verify import verify
     from waypointctl.robots.load import load_robot
@@ -154,11 +154,11 @@ _MODULES: Final = {
     "policy.bundle": ("LoadedPolicy", "load_policy"),
     "policy.protocol": ("Policy", "PolicyState"),
     "replay.command_summary": ("CommandSummary",),
-    "replay.effort": ("Effort",),
     "replay.flight_log": ("FlightLog", "open_log"),
+    "replay.legs": ("WaypointStatus", "WaypointSummary"),
     "replay.link_summary": ("LinkSummary",),
-    "replay.summary": ("FlightSummary", "WaypointStatus", "WaypointSummary"),
-    "replay.track": ("Track",),
+    "replay.summary": ("FlightSummary",),
+    "replay.track": ("Effort", "Track"),
     "replay.verdict": ("Verdict", "Verification"),
     "replay.verify": ("verify",),
     "robots.load": ("load_robot",),

@@ -15,6 +15,7 @@ from waypointctl.errors import OutputError
 
 _FILE_MEND: Final = "give a file in a folder that you can write to"
 MCAP: Final = b"\x89MCAP0\r\n"  # what a log begins with
+PNG: Final = b"\x89PNG\r\n\x1a\n"
 
 _FOLDER_MEND: Final = "Give a folder in a place that you can write to."
 _PLANS: Final = {

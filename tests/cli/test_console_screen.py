@@ -8,8 +8,8 @@ from collections.abc import Callable
 import pytest
 
 from tests.replay.rewriting import Flown, fly_once
-from waypointctl.cli.tui.console_screen import ConsoleScreen, layout
-from waypointctl.cli.tui.printable_console import PrintableConsole
+from waypointctl.cli.tui.screens import ConsoleScreen, console_sizes
+from waypointctl.cli.tui.terminal import PrintableConsole
 from waypointctl.flight.header import setting_of
 from waypointctl.flight.operator.requests import planned_waypoints
 from waypointctl.log.messages import Telemetry
@@ -54,7 +54,7 @@ def test_on_a_small_terminal_what_is_typed_stays_in_sight(flown: Flown, width: i
     lines = picture_of(flown, width, height)
     assert len(lines) <= max(2, height - 4)
     assert all(len(line) <= width for line in lines)
-    plan = layout(width, height)
+    plan = console_sizes(width, height)
     assert plan.map_columns <= width
     if width > 13:
         assert lines[-1].startswith("> goto 3 m 4")

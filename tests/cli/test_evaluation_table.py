@@ -7,7 +7,7 @@ import io
 import pytest
 from rich.console import Console
 
-from waypointctl.cli.tui.grid_view import GridView
+from waypointctl.cli.tui.tables import GridView
 from waypointctl.evaluation.result import CaseResult, Evaluation
 from waypointctl.evaluation.tables import results_grid
 from waypointctl.mission.fields import Acceptance

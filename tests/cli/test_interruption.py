@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.flying import Program, start
-from waypointctl.cli.interruption import Ending, ending, interruption
+from waypointctl.cli.program import Ending, ending, interruption
 from waypointctl.log.reader import open_log
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
@@ -24,7 +24,7 @@ LIMIT_S = 60.0
 def clock(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
     """The time that signals are told apart by; its last entry is now [s]."""
     now_s = [0.0]
-    monkeypatch.setattr("waypointctl.cli.interruption.monotonic", lambda: now_s[-1])
+    monkeypatch.setattr("waypointctl.cli.program.monotonic", lambda: now_s[-1])
     yield now_s
     Ending.is_forced = False
 

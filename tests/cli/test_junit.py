@@ -1,17 +1,27 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
+from typing import Literal
 from xml.etree import ElementTree
 
 import pytest
 
-from waypointctl.cli.junit import Case, junit_xml
+from waypointctl.cli.run_many import Outcome, junit_xml
+from waypointctl.flight.outcome import FlightResult
+from waypointctl.units import ns
+
+
+def flown(name: str, verdict: Literal["success", "failure"], reason: str, time_s: float) -> Outcome:
+    result = FlightResult(verdict, reason, 1, 2, ns(time_s), ns(time_s), 7, 0)
+    return Outcome(Path(name), verdict, reason, "mission", result)
+
 
 CASES = [
-    Case("a.yaml", "success", "2 of 2", 7.55, "logs/a.mcap\n"),
-    Case("b & <b>.yaml", "failure", "timeout: 1 of 2\nsecond line", 30.0, "logs/b.mcap\n"),
-    Case("c.yaml", "error", 'c.yaml:1:1: "x" \x07 \ud83d', 0.0),
-    Case("d.yaml", "skipped", "not flown", 0.0),
+    flown("a.yaml", "success", "2 of 2", 7.55),
+    flown("b & <b>.yaml", "failure", "timeout: 1 of 2\nsecond line", 30.0),
+    Outcome(Path("c.yaml"), "error", 'c.yaml:1:1: "x" \x07 \ud83d'),
+    Outcome(Path("d.yaml"), "skipped", "not flown"),
 ]
 
 # The parts of Jenkins' junit-10.xsd that a report of tests uses: required and allowed attributes, and children in

@@ -6,20 +6,27 @@ import json
 from pathlib import Path
 
 from tests.cli.flying import EASY, Program
-from waypointctl.cli.tui.summary_lines import link_lines
+from waypointctl.cli.tui.summary import link_lines
 from waypointctl.log.messages import DeliveryOutcome, LinkRecord
 from waypointctl.log.reader import open_log
 from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary
 
 
 def test_a_line_for_each_way_on_which_there_is_something_to_tell() -> None:
-    up = LinkDirectionSummary(lost=3, not_arrived=(("command", 1), ("heartbeat", 2)), duplicated=1)
-    kinds = (("ack", 1), ("bodyframe", 2), ("telemetry", 63), ("tele\x1bgram", 1))
-    down = LinkDirectionSummary(61, 4, 2, kinds, waited=12, longest_wait_ns=3_200_000_000)
+    lost, twice = DeliveryOutcome.LOST, DeliveryOutcome.DUPLICATED
+    up = LinkDirectionSummary({("command", lost): 1, ("heartbeat", lost): 2, ("ack", twice): 1})
+    counts = {
+        ("ack", lost): 1,
+        ("bodyframe", DeliveryOutcome.NO_CONTACT): 2,
+        ("telemetry", lost): 59,
+        ("telemetry", DeliveryOutcome.QUEUE_FULL): 4,
+        ("tele\x1bgram", lost): 1,
+    }
+    down = LinkDirectionSummary(counts, waited=12, longest_wait_ns=3_200_000_000)
     assert link_lines(LinkSummary(up, down)) == [
         "link up    3 lost (1 command, 2 heartbeats), 1 duplicated",
         "link down  61 lost; 4 dropped because the queue was full; 2 dropped because no contact was left "
-        "(1 acknowledgement, 2 states, 63 telemetry frames, 1 tele\\u001bgram), 12 queued, "
+        "(1 acknowledgement, 2 states, 1 tele\\u001bgram, 63 telemetry frames), 12 queued, "
         "for at most 3.20 s",
     ]
     assert link_lines(

@@ -13,12 +13,10 @@ from rich.text import Text
 
 from tests.replay.hand_made import NEAR
 from waypointctl.cli.tui.canvas import Canvas
-from waypointctl.cli.tui.chart import KEEP_IN, KEEP_OUT, UNHEARD, WAY, WAY_HOME, draw_map
-from waypointctl.cli.tui.map_scene import Scene
-from waypointctl.log.setting import ContactWindows, MissionSetting
+from waypointctl.cli.tui.chart import KEEP_IN, KEEP_OUT, UNHEARD, WAY, WAY_HOME, Scene, draw_map
+from waypointctl.log.header import ContactWindows, MissionSetting
 from waypointctl.mission.onboard import Zone
-from waypointctl.replay.return_home import ReturnHome
-from waypointctl.replay.summary import WaypointStatus, WaypointSummary
+from waypointctl.replay.legs import ReturnHome, WaypointStatus, WaypointSummary
 from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S
 

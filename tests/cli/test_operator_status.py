@@ -2,9 +2,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from waypointctl.cli.tui.operator_status import status_lines
+from waypointctl.cli.tui.formatting import status_lines
 from waypointctl.log.messages import Ack, Clock, CommandStage, Event, EventKind, Mode, Severity, Stage, Telemetry
-from waypointctl.replay.operator_view import OperatorView
+from waypointctl.replay.summary_builder import OperatorView
 from waypointctl.units import NS_PER_S
 
 

@@ -190,7 +190,7 @@ def test_shown_again_it_takes_its_time(alone: Path, program: Program) -> None:
         (("--start-offset", "99"), "the flight is over at 2.04 s"),
         (("--start-paused",), "needs a terminal"),
         (("--loop", "--verify"), "cannot be used with --verify"),
-        (("--rate", "1", "--json"), "cannot be used with --verify, --strict, --json, --png or --pictures"),
+        (("--rate", "1", "--json"), "cannot be used with --verify"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(

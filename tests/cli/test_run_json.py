@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 from tests.cli.flying import Program, start
+from waypointctl.cli.flight_view import json_text
 from waypointctl.replay.flight_log import FlightLog
-from waypointctl.replay.summary_json import json_text, summary_json
+from waypointctl.replay.summary import summary_json
 
 ROOT = Path(__file__).parents[2]
 WALKING = "name: walking\npolicy: still\nwaypoints: [{name: away, position: [50 m, 50 m], timeout: 1 h}]\n"

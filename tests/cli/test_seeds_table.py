@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from waypointctl.cli.tui.training_seeds import seeds_table
+from waypointctl.cli.tui.training_result import seeds_table
 from waypointctl.training.seeds import SeedResult, SeedsResult, spreads
 
 RESULTS = tuple(

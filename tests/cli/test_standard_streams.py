@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.flying import Program, start
-from waypointctl.cli.standard_streams import DisplayStream
+from waypointctl.cli.console import DisplayStream
 
 PROGRAM = [sys.executable, "-c", "from waypointctl.cli.main import main; main()"]
 COMMANDS = [("run", "easy.yaml", "--json"), ("replay", "easy.mcap"), ("validate", "easy.yaml")]

@@ -10,12 +10,12 @@ import pytest
 from rich.console import Console
 
 from tests.replay.hand_made import FAR, NEAR, event, flight, frame
-from waypointctl.cli.tui.live import LiveView
-from waypointctl.cli.tui.summary_lines import whereabouts_lines
+from waypointctl.cli.tui.screens import LiveView
+from waypointctl.cli.tui.summary import whereabouts_lines
+from waypointctl.log.header import ContactWindows, MissionSetting
 from waypointctl.log.messages import DeliveryOutcome, EventKind, LinkRecord, Message, Mode
-from waypointctl.log.setting import ContactWindows, MissionSetting
+from waypointctl.replay.summary import summary_json
 from waypointctl.replay.summary_builder import summarize
-from waypointctl.replay.summary_json import summary_json
 from waypointctl.units import NS_PER_S
 
 SETTING = MissionSetting(home=replace(NEAR, x_m=0.0, y_m=0.0))

@@ -10,8 +10,8 @@ from rich.console import Console
 from tests.cli.flying import Program
 from tests.training.scores import NEAR
 from tests.training.tiny import RECIPE
-from waypointctl.cli.train_seeds import seeds_of
-from waypointctl.cli.tui.training_seeds import seeds_table
+from waypointctl.cli.train_run import seeds_of
+from waypointctl.cli.tui.training_result import seeds_table
 from waypointctl.errors import InputError
 from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.policy.bundle import load_policy
@@ -65,7 +65,7 @@ def test_two_seeds_are_trained_compared_and_drawn_and_a_third_is_added(command: 
     code, out, err = command("train", "recipe.yaml", "--seeds", "2", "--threads", "1")
     assert code == 0
     assert "tiny, seed 7, 1 of 2, in runs/tiny-seeds/seed-7" in err
-    assert "evaluated  success 0.0% of 2 at 256, the best" in err
+    assert "selection  0.0% of 2 at 256, the best" in err
     assert [line.split()[0] for line in out.splitlines()[3:5]] == ["7", "8"]
     assert out.splitlines()[-1] == "runs/tiny-seeds/curves.png: the learning curves; as numbers in curves.csv"
     before = load_policy(Path("runs/tiny-seeds/seed-7")).sha256

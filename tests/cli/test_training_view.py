@@ -75,7 +75,7 @@ def test_a_rate_that_rests_on_few_episodes_is_not_shown(episodes: int) -> None:
     panel(status(128, None, 0))
     panel(early)
     with people.capture() as capture:
-        people.print(panel.panel())
+        people.print(panel.picture())
     text = "25% success, 50% fall, 25% timeout of the last 20" if enough else f"{episodes} so far; rates are shown fr"
     assert text in capture.get()
     assert any(block in capture.get() for block in "▁▂▃▄▅▆▇█") is enough
@@ -102,7 +102,7 @@ def test_the_threads_are_told(threads: Threads, text: str) -> None:
     panel(threads)
     panel(Resumed(1024, 1024, complete=True))
     with people.capture() as capture:
-        people.print(panel.panel())
+        people.print(panel.picture())
     assert text[:55] in capture.get()
     assert "the training is complete at step 1024 of 1024" in capture.get()
 
@@ -142,7 +142,7 @@ def test_the_panel_fits_and_tells_all(width: int, encoding: str) -> None:
     stream.flush()
     shown = Console(file=io.StringIO(), width=width, height=30)
     with shown.capture() as capture:
-        shown.print(panel.panel())
+        shown.print(panel.picture())
     lines = capture.get().splitlines()
     assert max(len(text) for text in lines) <= width
     for part in ("tiny in runs/tiny", "640 of 1.0 k", "1:01:40 elapsed", "2 of 2", "0.517", "25% success", "runs/step"):

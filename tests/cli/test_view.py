@@ -12,14 +12,13 @@ from rich.text import Text
 
 from tests.replay.hand_made import FAR, NEAR, flight, stage
 from waypointctl.cli.tui.canvas import Canvas
-from waypointctl.cli.tui.chart import draw_map
+from waypointctl.cli.tui.chart import Scene, draw_map
 from waypointctl.cli.tui.formatting import happening, size
-from waypointctl.cli.tui.live import PERIOD_S, LiveView, sizes
-from waypointctl.cli.tui.map_scene import Scene
-from waypointctl.cli.tui.pace import Pace
+from waypointctl.cli.tui.playback import Pace
+from waypointctl.cli.tui.screens import PERIOD_S, LiveView, sizes
 from waypointctl.cli.tui.tables import command_table, waypoint_table
 from waypointctl.log.messages import Clock, CommandStage, FloatArray, Message, Severity, Stage, State
-from waypointctl.replay.summary import WaypointStatus, WaypointSummary
+from waypointctl.replay.legs import WaypointStatus, WaypointSummary
 from waypointctl.replay.summary_builder import summarize
 from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S

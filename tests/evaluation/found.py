@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from waypointctl.evaluation.result import CaseResult, Evaluation
+from waypointctl.evaluation.result import CaseResult, Evaluation, wilson_interval
 from waypointctl.evaluation.suite import Training, load_suite
-from waypointctl.evaluation.wilson import wilson_interval
 
 
 def case_result(name: str, waypoints: tuple[tuple[float, float], ...] = ((6.0, 6.0),), **changes: object) -> CaseResult:

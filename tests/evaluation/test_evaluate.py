@@ -14,7 +14,7 @@ from waypointctl.errors import InputError, PolicyError
 from waypointctl.evaluation.evaluate import evaluate
 from waypointctl.evaluation.result import read_evaluation
 from waypointctl.evaluation.rollout import Rollouts
-from waypointctl.evaluation.saved import write_evaluation
+from waypointctl.evaluation.saved import write_evaluations
 from waypointctl.evaluation.suite import Case, RandomPaths, Suite
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.policy.bundle import LoadedPolicy
@@ -205,7 +205,7 @@ def test_every_trial_is_counted_once(tmp_path: Path, make_policy: Make) -> None:
 
 def test_an_evaluation_of_random_paths_is_read_as_it_was_written(tmp_path: Path, make_policy: Make) -> None:
     evaluation = evaluate(make_policy(tmp_path / "still", gain=0.0), DRAWN, 2, 0)
-    write_evaluation(evaluation, tmp_path / "evaluation.json")
+    write_evaluations([evaluation], tmp_path / "evaluation.json")
     read = read_evaluation(tmp_path / "evaluation.json")
     assert read == evaluation
     assert read.to_json() == evaluation.to_json()

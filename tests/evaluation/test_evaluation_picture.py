@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from tests.evaluation.found import paper_evaluation
 from waypointctl.errors import InputError
 from waypointctl.evaluation.evaluate import evaluate
-from waypointctl.evaluation.legend import Regions, draw_legend, legend_of, margin_in
 from waypointctl.evaluation.panels import Panel, Trial, panels, refuse_too_many
-from waypointctl.evaluation.picture import _draw_regions, _write_over, draw
+from waypointctl.evaluation.picture import Regions, _draw_regions, _write_over, draw, draw_legend, legend_of, margin_in
 from waypointctl.evaluation.rollout import Rollouts
 from waypointctl.evaluation.suite import Case, Hold, RandomPaths, Suite, load_suite
 from waypointctl.mission.fields import Acceptance

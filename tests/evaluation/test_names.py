@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.evaluation.found import paper_evaluation
-from waypointctl.evaluation.names import names_of, notes_on_names
+from waypointctl.evaluation.result import names_of, notes_on_names
 
 ONE, TWO = paper_evaluation("walker", None, "state", 1), paper_evaluation("walker", None, "state", 2)
 OTHER = paper_evaluation("other", None, "state", 3)

@@ -8,7 +8,7 @@ import pytest
 
 from waypointctl.errors import InputError, OutputError
 from waypointctl.evaluation.result import CaseResult, Evaluation, read_evaluation
-from waypointctl.evaluation.saved import remove_outdated, write_evaluation, write_evaluations
+from waypointctl.evaluation.saved import remove_outdated, write_evaluations
 from waypointctl.mission.fields import Acceptance
 from waypointctl.task.course import Deadline
 
@@ -38,7 +38,7 @@ FOUND = Evaluation(
 
 
 def test_an_evaluation_is_read_as_it_was_written(tmp_path: Path) -> None:
-    write_evaluation(FOUND, tmp_path / "evaluation.json")
+    write_evaluations([FOUND], tmp_path / "evaluation.json")
     assert read_evaluation(tmp_path / "evaluation.json") == FOUND
     assert [path.name for path in tmp_path.iterdir()] == ["evaluation.json"]
 
@@ -61,7 +61,7 @@ def test_several_are_a_list(tmp_path: Path) -> None:
 
 def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"e\.json: the evaluation cannot be written: No such file"):
-        write_evaluation(FOUND, tmp_path / "no" / "e.json")
+        write_evaluations([FOUND], tmp_path / "no" / "e.json")
 
 
 @pytest.mark.parametrize("text", ["{}", "[]", "not json"])
@@ -97,9 +97,9 @@ def test_what_no_evaluation_can_have_found_is_refused(tmp_path: Path, field: str
 
 def test_another_policys_evaluations_are_removed(tmp_path: Path) -> None:
     other = FOUND.model_copy(update={"policy_sha256": "1" * 64})
-    write_evaluation(FOUND, tmp_path / "evaluation.json")
-    write_evaluation(FOUND, tmp_path / "evaluation-region.json")
-    write_evaluation(other, tmp_path / "evaluation-station.json")
+    write_evaluations([FOUND], tmp_path / "evaluation.json")
+    write_evaluations([FOUND], tmp_path / "evaluation-region.json")
+    write_evaluations([other], tmp_path / "evaluation-station.json")
     (tmp_path / "evaluation-notes.json").write_text("{}")
     remove_outdated(tmp_path, FOUND.policy_sha256)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["evaluation-notes.json", "evaluation-region.json"]

@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 from tests.evaluation.found import case_result, paper_evaluation
-from waypointctl.evaluation.grid import Column, Grid
+from waypointctl.evaluation.grid import Column, Grid, markdown_file
 from waypointctl.evaluation.paper_tables import PAPER_TABLES_NOTE, published_note
 from waypointctl.evaluation.result import CaseResult, Evaluation
 from waypointctl.evaluation.suite import Hold, RandomPaths, load_suite
-from waypointctl.evaluation.tables import MARKDOWN_HEAD, failures, results_grid, tables, to_markdown
+from waypointctl.evaluation.tables import MARKDOWN_HEAD, failures, results_grid, tables
 from waypointctl.mission.fields import Acceptance
 
 WALKER = paper_evaluation("walker", "waypoints", "egocentric", 9)
@@ -60,7 +60,7 @@ def test_a_row_of_random_paths() -> None:
 
 def test_markdown_is_a_table_that_names_cannot_break() -> None:
     grid = Grid("a*b", (Column("path", is_text=True), Column("n")), (("x|y", "1"), ("<b>", "2")), ("note",))
-    assert to_markdown([grid]) == (
+    assert markdown_file(MARKDOWN_HEAD, [grid]) == (
         MARKDOWN_HEAD + "\n**a\\*b**\n\n| path | n |\n|---|---:|\n| x\\|y | 1 |\n| \\<b> | 2 |\n\nnote\n"
     )
 

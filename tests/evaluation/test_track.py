@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from waypointctl.evaluation.track import TRACED, Track, is_orbiting, is_stuck
+from waypointctl.evaluation.rollout import TRACED, Track, is_orbiting, is_stuck
 
 FloatArray = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waypointctl.evaluation.wilson import wilson_interval
+from waypointctl.evaluation.result import wilson_interval
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from waypointctl.flight.fly import fly
 from waypointctl.flight.header import setting_of
 from waypointctl.flight.link.contacts import Contacts, Window
+from waypointctl.log.header import ContactWindows
 from waypointctl.log.reader import open_log
-from waypointctl.log.setting import ContactWindows
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.onboard import CIRCLE_CORNERS
 from waypointctl.policy.bundle import LoadedPolicy

@@ -12,7 +12,8 @@ from mcap.opcode import Opcode
 
 from tests.log.forging import HEAD_BYTES, Chunk, Forgery, seal
 from waypointctl.log.chunk import encoded
-from waypointctl.log.records import MAGIC, Record, body_stream, raw_message
+from waypointctl.log.opening import MAGIC
+from waypointctl.log.records import Record, body_stream, raw_message
 
 PRIVATE: Final = 0x80  # the first opcode that MCAP leaves to everybody
 

@@ -17,7 +17,8 @@ from mcap.opcode import Opcode
 
 from waypointctl.log.channels import Summary
 from waypointctl.log.chunk import SealedChunk, encoded
-from waypointctl.log.records import MAGIC, Record, body_stream, chunk_bytes, inner_records, raw_message, records
+from waypointctl.log.opening import MAGIC
+from waypointctl.log.records import Record, body_stream, chunk_bytes, inner_records, raw_message, records
 
 HEAD_BYTES = 9  # opcode and length of a record
 

@@ -17,8 +17,9 @@ from mcap.writer import Writer
 from tests.log.fake_flight import bits, flight
 from waypointctl.errors import LogError
 from waypointctl.log.chunk import encoded
+from waypointctl.log.opening import MAGIC
 from waypointctl.log.reader import open_log
-from waypointctl.log.records import MAGIC, Record, body_stream, records
+from waypointctl.log.records import Record, body_stream, records
 
 
 def some_offsets(size: int, count: int) -> list[int]:

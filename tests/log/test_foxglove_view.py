@@ -17,8 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.log.fake_flight import STEP_NS, UPRIGHT, WAYPOINTS, FakeKinematics
-from waypointctl.log.foxglove.geometry import rotate, rotate_back
-from waypointctl.log.foxglove.motion import TRAIL_POSES, Trail
+from waypointctl.log.foxglove.motion import TRAIL_POSES, Trail, rotate, rotate_back
 from waypointctl.log.foxglove.scene import Standing
 from waypointctl.log.foxglove.view import FoxgloveView, Frame
 from waypointctl.log.messages import (

@@ -13,6 +13,7 @@ from tests.log.test_foxglove_view import state
 from waypointctl.log.foxglove.scene import Standing
 from waypointctl.log.foxglove.surroundings import CHANGE_PERIOD_NS, LOST_PERIOD_NS, MAX_CORNERS, MAX_LOST
 from waypointctl.log.foxglove.view import FoxgloveView
+from waypointctl.log.header import ContactWindows, MissionSetting
 from waypointctl.log.messages import (
     Clock,
     DeliveryOutcome,
@@ -25,7 +26,6 @@ from waypointctl.log.messages import (
     Severity,
     Telemetry,
 )
-from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.onboard import Zone
 from waypointctl.units import NS_PER_S
 

@@ -6,9 +6,8 @@ import pytest
 from tests.flight.flying import flown, mission_of, only
 from tests.policy.recurrent import Recurrent
 from waypointctl.evaluation.rollout import rollout
-from waypointctl.log.decode import checkpoint as decode_checkpoint
-from waypointctl.log.encode import checkpoint as encode_checkpoint
 from waypointctl.log.messages import Action, Checkpoint, Observation
+from waypointctl.log.topics import BY_KIND
 from waypointctl.policy.protocol import Policy, state_from, state_text
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv
@@ -44,11 +43,13 @@ def test_what_is_no_state_is_refused(text: str) -> None:
 def test_a_checkpoint_holds_what_the_next_actions_depend_on() -> None:
     _, messages = flown(mission_of({"position_m": [30.0, 0.0], "timeout_s": 12.0}), Recurrent())
     middle = next(message for message in only(Checkpoint, messages) if message.step > 0)
-    middle = decode_checkpoint(encode_checkpoint(middle))
+    topic = BY_KIND[Checkpoint]
+    decoded = topic.decode(topic.encode(middle))
+    assert isinstance(decoded, Checkpoint)
     policy = Recurrent()
-    policy.restore(state_from(middle.policy_state))
+    policy.restore(state_from(decoded.policy_state))
     actions = {action.step: action for action in only(Action, messages)}
-    later = [seen for seen in only(Observation, messages) if seen.step >= middle.step]
+    later = [seen for seen in only(Observation, messages) if seen.step >= decoded.step]
     assert len(later) > 20
     for seen in later:
         assert policy.act(seen.values[np.newaxis])[0].tobytes() == actions[seen.step].commanded.tobytes()

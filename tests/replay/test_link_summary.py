@@ -46,9 +46,14 @@ def test_each_way_is_counted_by_what_became_of_its_messages() -> None:
         record("down", "ack", DeliveryOutcome.DUPLICATED, 5, 11),
         record("sideways", "ack", DeliveryOutcome.LOST),  # of an altered log
     ]
-    up = LinkDirectionSummary(2, 0, 1, (("command", 2), ("heartbeat", 1)), 0, 1, 4)
-    down = LinkDirectionSummary(0, 1, 0, (("telemetry", 1),), 2, 2, 6)
+    lost, queued = DeliveryOutcome.LOST, DeliveryOutcome.QUEUED
+    no_contact, queue_full = DeliveryOutcome.NO_CONTACT, DeliveryOutcome.QUEUE_FULL
+    up = LinkDirectionSummary({("command", lost): 1, ("heartbeat", lost): 1, ("command", no_contact): 1}, 1, 4)
+    twice = ("ack", DeliveryOutcome.DUPLICATED)
+    down = LinkDirectionSummary({("telemetry", queue_full): 1, ("telemetry", queued): 1, twice: 2}, 2, 6)
     assert summarize([*flight(), *records]).link == LinkSummary(up, down)
+    assert (up.not_arrived, down.not_arrived) == ({"command": 2, "heartbeat": 1}, {"telemetry": 1})
+    assert (up.count(lost), up.count(no_contact), down.count(queue_full)) == (2, 1, 1)
     assert up
     assert down
 
@@ -72,16 +77,16 @@ def test_the_counts_are_what_is_missing_or_there_twice_in_the_log(bad: Flown) ->
     arrived = [message.frame for message in messages if isinstance(message, Telemetry)]
     missing = set(range(max(arrived) + 1)) - set(arrived)
     after = [m for m in messages if isinstance(m, LinkRecord) and m.message == "telemetry" and m.number > max(arrived)]
-    assert dict(link.down.not_arrived)["telemetry"] == len(missing) + sum(not m.arrives_ns for m in after)
+    assert link.down.not_arrived["telemetry"] == len(missing) + sum(not m.arrives_ns for m in after)
     stages = [m for m in messages if isinstance(m, CommandStage) and m.stage is Stage.LOST]
-    assert dict(link.up.not_arrived).get("command", 0) == len(stages)
-    assert dict(link.up.not_arrived)["heartbeat"] > 0
+    assert link.up.not_arrived.get("command", 0) == len(stages)
+    assert link.up.not_arrived["heartbeat"] > 0
     acks = [message for message in messages if isinstance(message, Ack)]
     twice = len(arrived) - len(set(arrived)) + len(acks) - len({(a.stage, a.issued_ns) for a in acks})
     ends_ns = max(message.received_ns for message in messages if isinstance(message, Ack | Telemetry))
     late = [m for m in messages if isinstance(m, LinkRecord) and len(m.arrives_ns) == 2 and m.arrives_ns[1] > ends_ns]
-    assert link.down.duplicated == twice + len(late)
-    assert link.down.queue_full > 0
+    assert link.down.count(DeliveryOutcome.DUPLICATED) == twice + len(late)
+    assert link.down.count(DeliveryOutcome.QUEUE_FULL) > 0
     assert link.down.waited > 0
     emptied_s = 200 * 8 / 9000  # the queue at the link's rate, after half a second without contact
     assert 0.5 <= seconds(link.down.longest_wait_ns) <= 0.5 + emptied_s

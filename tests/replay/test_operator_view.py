@@ -8,11 +8,11 @@ import pytest
 
 from tests.replay.rewriting import Flown, fly_once
 from waypointctl.flight.operator.requests import planned_waypoints
+from waypointctl.log.header import MissionSetting
 from waypointctl.log.messages import Message, PlannedWaypoint, State, Telemetry
-from waypointctl.log.setting import MissionSetting
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.operator_view import OperatorView
-from waypointctl.replay.summary import WaypointStatus
+from waypointctl.replay.legs import WaypointStatus
+from waypointctl.replay.summary_builder import OperatorView
 
 
 @pytest.fixture(scope="module")

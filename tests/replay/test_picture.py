@@ -11,8 +11,7 @@ from matplotlib.image import imread
 
 from tests.replay.hand_made import FAR, NEAR, event, flight
 from waypointctl.log.messages import Clock, EventKind, Message
-from waypointctl.replay.picture.page import HEIGHT, WIDTH, draw
-from waypointctl.replay.picture.speed import _moving_mean
+from waypointctl.replay.picture.page import HEIGHT, WIDTH, _moving_mean, draw
 from waypointctl.replay.summary_builder import summarize
 from waypointctl.replay.track import Track
 from waypointctl.units import NS_PER_S

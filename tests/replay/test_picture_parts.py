@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
 from tests.replay.hand_made import FAR, NEAR, STEP_NS, ack, event, flight, frame, stage, state
+from waypointctl.log.header import ContactWindows, MissionSetting
 from waypointctl.log.messages import (
     Ack,
     Clock,
@@ -30,10 +31,8 @@ from waypointctl.log.messages import (
     Stage,
     Telemetry,
 )
-from waypointctl.log.setting import ContactWindows, MissionSetting
 from waypointctl.mission.onboard import Zone
-from waypointctl.replay.picture.page import HEIGHT, WIDTH, _draw_parts, _wrapped
-from waypointctl.replay.picture.speed import _drawn
+from waypointctl.replay.picture.page import HEIGHT, WIDTH, _draw_parts, _drawn, _wrapped
 from waypointctl.replay.picture.time_axis import _along, _knots, _ticks, time_text, waits_in
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.summary_builder import summarize

@@ -15,7 +15,7 @@ from waypointctl.log.messages import Ack, Command, CommandKind, EventKind, Messa
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.flight_log import FlightLog
-from waypointctl.replay.return_home import ReturnEnding, ReturnHome
+from waypointctl.replay.legs import ReturnEnding, ReturnHome
 from waypointctl.replay.summary_builder import summarize
 from waypointctl.units import ns
 

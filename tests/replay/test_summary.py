@@ -17,7 +17,7 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
-from waypointctl.replay.summary import WaypointStatus
+from waypointctl.replay.legs import WaypointStatus
 from waypointctl.replay.summary_builder import FlightSummaryBuilder, summarize
 from waypointctl.replay.track import Track
 from waypointctl.units import ns

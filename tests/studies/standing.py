@@ -7,8 +7,7 @@ from pathlib import Path
 
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.studies.case import DelayCase
-from waypointctl.studies.cells import Cell, cells_of
-from waypointctl.studies.flights import DelayFlight
+from waypointctl.studies.flights import Cell, DelayFlight, cells_of
 
 # Reached as soon as it is asked for: what a flight takes is what the link takes.
 HERE = b"""\

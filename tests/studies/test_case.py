@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 
 from tests.studies.standing import here
-from waypointctl.studies.case import AUTONOMIES, FINE_RTTS_S, DelayCase, fine_grid, grid, mission_of
-from waypointctl.studies.route import load_route
+from waypointctl.studies.case import AUTONOMIES, FINE_RTTS_S, DelayCase, fine_grid, grid, load_route, mission_of
 
 
 def test_every_combination_is_flown_once() -> None:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from waypointctl.studies.cells import Estimate, mean, slope, student
+from waypointctl.studies.flights import Estimate, mean, slope, student
 
 
 @pytest.mark.parametrize(

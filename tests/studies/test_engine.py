@@ -89,7 +89,7 @@ import signal
 import numpy
 from pathlib import Path
 from tests.studies.test_engine import wait_for_interruption
-from waypointctl.cli.interruption import interruption
+from waypointctl.cli.program import interruption
 from waypointctl.studies.engine import ProcessPoolEngine
 
 if __name__ == "__main__":

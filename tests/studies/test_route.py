@@ -6,8 +6,7 @@ import pytest
 
 from tests.studies.standing import HERE
 from waypointctl.errors import InputError, MissionError
-from waypointctl.studies.case import AUTONOMIES, autonomies_of
-from waypointctl.studies.route import BUILT_IN, load_route, load_routes
+from waypointctl.studies.case import AUTONOMIES, BUILT_IN, autonomies_of, load_route, load_routes
 
 
 def test_the_papers_path_and_one_of_ten_waypoints_and_60_m_come_with_it() -> None:

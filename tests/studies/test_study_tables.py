@@ -4,9 +4,10 @@ import csv
 import io
 
 from tests.studies.standing import cells, line
+from waypointctl.evaluation.grid import markdown_file
 from waypointctl.studies.claims import assess_claims, joint_limits
 from waypointctl.studies.delay import DelayStudy, Route
-from waypointctl.studies.tables import claims_grid, overview, route_grid, sweep_grid, tables, to_csv, to_markdown
+from waypointctl.studies.tables import MARKDOWN_HEAD, claims_grid, overview, route_grid, sweep_grid, tables, to_csv
 
 FLOWN = line("mission", {0.0: [10.0, 11.0], 2.56: [13.0, 13.0]}) + line(
     "joint", {0.0: [10.0, None], 2.56: [None, None]}
@@ -88,7 +89,7 @@ def test_the_values_have_all_digits_and_each_cell_once() -> None:
 
 
 def test_the_markdown_is_every_table() -> None:
-    text = to_markdown(tables(study()))
+    text = markdown_file(MARKDOWN_HEAD, tables(study()))
     assert text.startswith("<!-- waypointctl study delay -->\n")
     assert text.count("\n**") == 4
     assert r"| joint | 10.0 \* | none |" in text

@@ -18,9 +18,17 @@ from waypointctl.mission.link import Link
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.presets import PRESETS
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.studies.case import AUTONOMIES, CONTINUOUS, DelayCase, mission_of
+from waypointctl.studies.case import (
+    AUTONOMIES,
+    CONTINUOUS,
+    DelayCase,
+    least_round_trip_s,
+    load_route,
+    mission_of,
+    refuse_what_is_not_kept,
+    with_round_trip,
+)
 from waypointctl.studies.delay import route_digest
-from waypointctl.studies.route import least_round_trip_s, load_route, refuse_what_is_not_kept, with_round_trip
 
 ROOT = Path(__file__).parents[2]
 RTTS_S = (0.0, 0.4, 8.0, 40.0)

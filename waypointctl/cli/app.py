@@ -10,10 +10,9 @@ from waypointctl import __version__
 from waypointctl.cli.eval import evaluate_policy
 from waypointctl.cli.fmt import fmt
 from waypointctl.cli.import_mission import import_mission
-from waypointctl.cli.import_policy import import_policy
 from waypointctl.cli.info import info
 from waypointctl.cli.init import init
-from waypointctl.cli.policies import policies
+from waypointctl.cli.policies import import_policy, policies
 from waypointctl.cli.replay import replay
 from waypointctl.cli.run import run
 from waypointctl.cli.schema import schema
@@ -54,7 +53,6 @@ def _options(
         typer.Option(
             metavar="NAME=VALUE",
             callback=_limits,
-            show_default=False,
             help="Change a limit on what is read from files, such as policy-file=256MiB; docs/limits.md lists them.",
         ),
     ] = None,

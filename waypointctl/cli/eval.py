@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from waypointctl.cli.options import PluginFiles, policy_named, rate_from, whole_number
+from waypointctl.cli.options import PluginFiles, parsed, policy_named, rate_from, whole
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
@@ -21,70 +21,51 @@ if TYPE_CHECKING:
     from waypointctl.evaluation.suite import Suite
 
 
+Policies: TypeAlias = Annotated[
+    list[Path], typer.Argument(parser=policy_named, metavar="POLICY...", help="Policies: folders or names.")
+]
+AcceptanceRegion: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SHAPE:SIZE", help="Acceptance region in place of the suite's, such as radius:0.2 or box:0.5."
+    ),
+]
+Require: TypeAlias = Annotated[
+    float | None, parsed("RATE", rate_from(0), "Exit with 1 if the success rate of a case is below this, 0 to 1.")
+]
+
+
 def evaluate_policy(
-    policies: Annotated[
-        list[Path],
-        typer.Argument(
-            parser=policy_named, metavar="POLICY...", help="Policies: folders or names.", show_default=False
-        ),
-    ],
+    policies: Policies,
     suite: Annotated[str, typer.Option(help="The suite: paper, region, anywhere, station, or a YAML file.")] = "paper",
-    trials: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", parser=whole_number(1, 100_000), help="Trials of each path.", show_default="the suite's"
-        ),
-    ] = None,
+    trials: Annotated[int | None, whole(1, 100_000, "Trials of each path.", show_default="the suite's")] = None,
     seed: Annotated[
-        int,
-        typer.Option(
-            metavar="N",
-            parser=whole_number(0, 2**63 - 1),
-            help="Seed of start postures and random paths; training reports use the same default.",
-        ),
+        int, whole(0, 2**63 - 1, "Seed of start postures and random paths; training reports use the same default.")
     ] = 1,
-    acceptance: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SHAPE:SIZE", help="Acceptance region in place of the suite's, such as radius:0.2 or box:0.5."
-        ),
-    ] = None,
-    require: Annotated[
-        float | None,
-        typer.Option(
-            metavar="RATE",
-            parser=rate_from(0),
-            help="Exit with 1 if the success rate of a case is below this, 0 to 1.",
-        ),
-    ] = None,
+    acceptance: AcceptanceRegion = None,
+    require: Require = None,
     save: Annotated[
         bool, typer.Option("--save", help="Write evaluation.json, or evaluation-SUITE.json, into each policy's folder.")
     ] = False,
-    out: Annotated[Path | None, typer.Option(help="Write the JSON to this file.", show_default=False)] = None,
-    markdown: Annotated[Path | None, typer.Option(help="Write the tables to this file.", show_default=False)] = None,
-    plot: Annotated[Path | None, typer.Option(help="Draw the paths to this PNG.", show_default=False)] = None,
+    out: Annotated[Path | None, typer.Option(help="Write the JSON to this file.")] = None,
+    markdown: Annotated[Path | None, typer.Option(help="Write the tables to this file.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the paths to this PNG.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files of another kind.")] = False,
-    threads: Annotated[
-        int,
-        typer.Option(
-            metavar="N", parser=whole_number(0, 1024), help="Threads for the physics; 0: one per core, at most 8."
-        ),
-    ] = 0,
     plugin: PluginFiles = None,
+    threads: Annotated[int, whole(0, 1024, "Threads for the physics; 0: one per core, at most 8.")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
     """Run policies many times on each path of a suite, deterministically; count successes, falls and time-outs.
 
     Several policies on the suite 'paper' give the paper's tables, with the paper's values beside the measured ones.
     """
-    from waypointctl.cli.evaluation_files import EvaluationFiles
-    from waypointctl.cli.evaluation_run import chosen_suite, evaluate_loaded, load_folders, refuse_selection_trials
-    from waypointctl.evaluation.names import names_of
-    from waypointctl.evaluation.result import evaluations_json
+    from waypointctl.cli.evaluation_run import EvaluationFiles, chosen_suite, evaluate_loaded, refuse_selection_trials
+    from waypointctl.evaluation.result import evaluations_json, names_of
     from waypointctl.evaluation.tables import tables
+    from waypointctl.policy.bundle import load_policy
 
     chosen = chosen_suite(suite, acceptance)
-    loaded = load_folders(policies)
+    loaded = [(folder, load_policy(folder)) for folder in policies]
     files = EvaluationFiles(tuple(policies), chosen, out=out, markdown=markdown, plot=plot, save=save, force=force)
     files.refuse_unwritable()
     refuse_selection_trials(loaded, chosen, seed, save=save)
@@ -118,7 +99,7 @@ def _threads_text(threads: int) -> str:
 
 def _print_tables(grids: Sequence[Grid], *, to_stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.tui.grid_view import GridView
+    from waypointctl.cli.tui.tables import GridView
 
     people = console(stderr=to_stderr)
     for number, grid in enumerate(grids):

@@ -22,7 +22,7 @@ def import_mission(
     file: Annotated[
         Path, typer.Argument(metavar="FILE", help="A QGroundControl plan, QGC WPL, GeoJSON, GPX, KML or CSV file.")
     ],
-    out: Annotated[Path | None, typer.Option(help="The mission file; stdout without it.", show_default=False)] = None,
+    out: Annotated[Path | None, typer.Option(help="The mission file; stdout without it.")] = None,
     origin: Annotated[
         str | None,
         typer.Option(

@@ -12,9 +12,9 @@ import typer
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
-    from waypointctl.cli.tui.grid_view import GridView
+    from waypointctl.cli.tui.tables import GridView
     from waypointctl.evaluation.grid import Column
-    from waypointctl.log.index import TopicSummary
+    from waypointctl.log.header import TopicSummary
     from waypointctl.log.reader import LogReader
 
 
@@ -141,7 +141,7 @@ def _metadata_table(log: LogReader) -> GridView:
 
 
 def _view(columns: tuple[Column, ...], rows: Sequence[tuple[str, ...]]) -> GridView:
-    from waypointctl.cli.tui.grid_view import GridView
+    from waypointctl.cli.tui.tables import GridView
     from waypointctl.evaluation.grid import Grid
 
     return GridView(Grid("", columns, tuple(rows)))

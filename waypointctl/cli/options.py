@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
@@ -15,7 +15,6 @@ PluginFiles: TypeAlias = Annotated[
         "--plugin",
         metavar="FILE.py",
         help="Execute this Python file, with observation groups and reward terms of the policy; repeatable.",
-        show_default=False,
     ),
 ]
 
@@ -71,6 +70,16 @@ def whole_number(least: int, most: int) -> Callable[[object], int]:
         raise typer.BadParameter(f"{text!s:.40} is not a whole number from {least} to {most}.")
 
     return number
+
+
+def parsed(metavar: str, parser: Callable[[Any], Any], text: str, **shown: Any) -> Any:
+    """Return an option that is read by `parser`; `text` is its help."""
+    return typer.Option(metavar=metavar, parser=parser, help=text, **shown)
+
+
+def whole(least: int, most: int, text: str, **shown: Any) -> Any:
+    """Return an option that takes a whole number from `least` to `most`."""
+    return parsed("N", whole_number(least, most), text, **shown)
 
 
 def _number(text: object) -> float:

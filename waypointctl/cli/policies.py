@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 from typer.core import TyperGroup
@@ -13,7 +13,13 @@ from waypointctl.cli.options import policy_named
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
-    from waypointctl.evaluation.catalogue import Entry
+    from collections.abc import Sequence
+
+    from waypointctl.evaluation.grid import Grid
+    from waypointctl.evaluation.result import CaseResult, Evaluation
+    from waypointctl.evaluation.saved import Entry
+    from waypointctl.training.sb3_import import Imported
+
 
 _DEFAULT = "list"
 
@@ -42,9 +48,8 @@ def list_policies(
 ) -> None:
     """List policies with their robot, observation layout, training and results."""
     from waypointctl.cli.console import console
-    from waypointctl.cli.tui.grid_view import GridView
-    from waypointctl.cli.tui.policies import policies_grid
-    from waypointctl.evaluation.catalogue import catalogue, known_policies
+    from waypointctl.cli.tui.tables import GridView
+    from waypointctl.evaluation.saved import catalogue, known_policies
 
     entries = known_policies() if folder is None else catalogue(folder)
     if json:
@@ -59,9 +64,7 @@ def list_policies(
 
 @policies.command("show")
 def show_policy(
-    policy: Annotated[
-        Path, typer.Argument(parser=policy_named, metavar="POLICY", help="Its folder, or its name.", show_default=False)
-    ],
+    policy: Annotated[Path, typer.Argument(parser=policy_named, metavar="POLICY", help="Its folder, or its name.")],
 ) -> None:
     """Check a policy and print its manifest, JSON as it is in the bundle."""
     from waypointctl.policy.bundle import load_policy
@@ -93,3 +96,130 @@ def _of_paper(entry: Entry) -> dict[str, Any] | None:
     """Return the evaluation in evaluation.json, as the list had it before there were others."""
     found = (one for one in entry.evaluations if one.suite == "paper" and one.suite_acceptance is None)
     return next((evaluation.model_dump(mode="json") for evaluation in found), None)
+
+
+def import_policy(
+    model: Annotated[Path, typer.Argument(metavar="MODEL.zip", help="What model.save() wrote.")],
+    out: Annotated[Path, typer.Option(help="The policy's folder.")],
+    observation: Annotated[
+        str, typer.Option(help="The observation layout that it was trained on, such as egocentric.")
+    ],
+    robot: Annotated[str, typer.Option(help="The robot that it was trained for.")] = "ant",
+    vecnormalize: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.pkl", help="What VecNormalize.save() wrote.", show_default="no normaliser"),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a policy that is there already.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
+) -> None:
+    """Make a policy of a model that stable-baselines3 saved: an MlpPolicy of PPO, A2C, SAC or TD3.
+
+    Such files are pickles, and loading them in stable-baselines3 executes code in them. Here nothing is executed:
+    tensors are read without torch's reader, the settings as JSON, VecNormalize's numbers without making its
+    objects. The new network's actions are compared with those of stable-baselines3's own policy. What is taken on trust
+    is what it was trained on: the observations, the robot and its control period.
+    """
+    from waypointctl.training.recipe_file import require_packages
+
+    require_packages()
+
+    from waypointctl.training.sb3_import import import_sb3
+
+    imported = import_sb3(model, out, robot=robot, observation=observation, vecnormalize=vecnormalize, force=force)
+    for line in _lines(imported, out, vecnormalize):
+        typer.echo(printable(line), err=json)
+    if json:
+        sys.stdout.write(_json(imported, out))
+
+
+def _lines(imported: Imported, out: Path, vecnormalize: Path | None) -> list[str]:
+    from waypointctl.display_text import shell_word
+    from waypointctl.training.sb3_import import CHECKED
+
+    manifest, network = imported.policy.manifest, imported.network
+    sizes = (manifest.observation.size, *network.hidden_sizes, manifest.action.size)
+    end = ", tanh at the end" if network.squash else ""
+    shape = f"{' -> '.join(str(size) for size in sizes)}, {network.activation}{end}"
+    normaliser = vecnormalize or "none; a model trained with VecNormalize needs its file: --vecnormalize"
+    compared = f"within {imported.difference:.1g} on {CHECKED} random observations"
+    trained_on = (
+        f"{manifest.observation.layout!r} of the {manifest.robot}, {manifest.control_period_ns / 1e6:g} ms a step"
+    )
+    return [
+        f"{out}: {network.algorithm}, {shape}; trained for {manifest.training.steps:,} steps",
+        f"  normaliser  {normaliser}",
+        f"  checked     gives stable-baselines3's own actions {compared}",
+        "  executed    nothing: tensors, settings and numbers were read, pickled objects were not made",
+        f"  trusted     that it was trained on the observations {trained_on}",
+        f"  to try it   waypointctl eval {shell_word(str(out))}",
+    ]
+
+
+def _json(imported: Imported, out: Path) -> str:
+    import json
+
+    manifest, network = imported.policy.manifest, imported.network
+    found = {
+        "policy": str(out),
+        "policy_sha256": imported.policy.sha256,
+        "algorithm": network.algorithm,
+        "robot": manifest.robot,
+        "observation": manifest.observation.layout,
+        "hidden_sizes": list(network.hidden_sizes),
+        "activation": network.activation,
+        "steps": manifest.training.steps,
+        "source_sha256": imported.archive.sha256,
+        "vecnormalize_sha256": imported.normaliser.sha256 or None,
+        "largest_difference": imported.difference,
+    }
+    return f"{json.dumps(found, indent=2)}\n"
+
+
+_LONG: Final = 4  # waypoints; of longer paths the legs are shown, too
+
+
+def policies_grid(entries: Sequence[Entry]) -> Grid:
+    """Return a row for each policy, with a column for each suite that any of them has been evaluated in."""
+    from waypointctl.evaluation.grid import Column, Grid
+
+    suites = list(dict.fromkeys(evaluation.conditions for entry in entries for evaluation in entry.evaluations))
+    columns = (
+        Column("policy", is_text=True),
+        Column("robot", is_text=True, spare=len(suites) + 3),
+        Column("layout", is_text=True, spare=len(suites) + 2),
+        Column("steps", spare=len(suites) + 1),
+        *(Column(suite, is_text=True, spare=place) for place, suite in enumerate(suites or ["results"])),
+    )
+    return Grid("", columns, tuple(_row(entry, suites) for entry in entries))
+
+
+def result_text(evaluation: Evaluation) -> str:
+    """Return what an evaluation came to, in a few words."""
+    if len(evaluation.cases) > 1:
+        rates = [case.rate for case in evaluation.cases]
+        low, high = f"{min(rates) * 100:.0f}", f"{max(rates):.0%}"
+        return f"{high if min(rates) == max(rates) else f'{low}-{high}'} in {len(rates)} cases"
+    (case,) = evaluation.cases
+    return f"{case.rate:.1%}{_legs_text(case)}"
+
+
+def _legs_text(case: CaseResult) -> str:
+    """Return the rate of legs on long random paths, where it differs from that of whole paths."""
+    if case.course is None or case.course.count <= _LONG or case.legs is None or case.legs_reached is None:
+        return ""
+    return f", legs {case.legs_reached / case.legs:.2%}"
+
+
+def _row(entry: Entry, suites: Sequence[str]) -> tuple[str, ...]:
+    where = f"{entry.name} (shipped)" if entry.shipped else str(entry.folder)
+    if entry.policy is None:
+        return (where, "", "", "", *_padded("damaged", suites))
+    manifest = entry.policy.manifest
+    found = {evaluation.conditions: result_text(evaluation) for evaluation in entry.evaluations}
+    results = [found.get(suite, "") for suite in suites] if found else _padded("not evaluated", suites)
+    steps = f"{manifest.training.steps:,}"
+    return (where, manifest.robot, manifest.observation.layout, steps, *results)
+
+
+def _padded(word: str, suites: Sequence[str]) -> list[str]:
+    return [word, *([""] * (len(suites) - 1))]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import typer
 
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
     from waypointctl.mission.mission import Mission
     from waypointctl.studies.rehearsal import Rehearsal
-
-# Message kinds as text.
-_KINDS: Final = {"ack": "acknowledgement", "bodyframe": "state", "controlframe": "action"}
 
 
 def rehearse_files(
@@ -37,9 +35,8 @@ def rehearse_files(
         jobs: flights at a time; 0 for one a core.
         plugins: Python files, which are executed.
     """
-    from waypointctl.cli.interruption import interruption
     from waypointctl.cli.main import INTERRUPTED
-    from waypointctl.cli.tui.progress import flights_progress
+    from waypointctl.cli.program import interruption
     from waypointctl.policy.bundle import load_policy
     from waypointctl.studies.rehearsal import rehearse
 
@@ -84,6 +81,8 @@ def dry_run(files: Sequence[MissionFile], policy: Path | None, plugins: tuple[Pa
 
 def rehearsal_lines(rehearsals: Sequence[Rehearsal]) -> Iterator[str]:
     """Yield the rehearsals of a mission as lines."""
+    from waypointctl.cli.tui.formatting import MESSAGE_KINDS
+
     width = max(len(rehearsal.autonomy) for rehearsal in rehearsals)
     for rehearsal in rehearsals:
         count, (low, high) = len(rehearsal.flights), rehearsal.wilson95
@@ -96,7 +95,7 @@ def rehearsal_lines(rehearsals: Sequence[Rehearsal]) -> Iterator[str]:
             yield f"  failed: {cause}{where}: {_count(flights, 'flight')}, the first with seed {seed}"
         for (way, what, why), messages, flights in rehearsal.undelivered:
             counts = f"{_count(messages, 'message')} in {_count(flights, 'flight')}"
-            yield f"  not delivered {way}: {_KINDS.get(what, what)}, {why}: {counts}"
+            yield f"  not delivered {way}: {MESSAGE_KINDS.get(what, what)}, {why}: {counts}"
 
 
 def _times(time_s: tuple[float, float, float] | None, count: int) -> str:
@@ -127,3 +126,37 @@ def _autonomies(given: str | None) -> tuple[str, ...]:
         choices = f"all, or of {', '.join(AUTONOMIES)}, separated by commas"
         raise InputError(f"--autonomy: {unknown[0]!r} is not an autonomy", hint=f"Give {choices}.")
     return names
+
+
+Show: TypeAlias = Callable[[int, int], None]  # called with the number of flights that have ended, and of all
+
+_LINES: Final = 10  # in all, where nothing can be drawn over
+
+
+@contextmanager
+def flights_progress() -> Iterator[Show]:
+    """Yield a function that shows on stderr how many flights have ended."""
+    from waypointctl.cli.console import console, is_live
+
+    people = console(stderr=True)
+    if not is_live(people):
+        yield _by_lines(people.print)
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    with Progress(BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=people, transient=True) as bars:
+        task = bars.add_task("")
+        yield lambda ended, total: bars.update(task, completed=ended, total=total)
+
+
+def _by_lines(say: Callable[[str], None]) -> Show:
+    printed = -1
+
+    def show(ended: int, total: int) -> None:
+        nonlocal printed
+        tenth = ended * _LINES // max(total, 1)
+        if tenth > printed:
+            printed = tenth
+            say(f"{ended} of {total} flight{'s' * (total != 1)}")
+
+    return show

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from waypointctl.cli.options import PluginFiles, number_to, positive
+from waypointctl.cli.options import PluginFiles, number_to, parsed, positive
 from waypointctl.display_text import printable
 
 if TYPE_CHECKING:
@@ -25,37 +25,20 @@ _PNG: Final = b"\x89PNG"
 
 
 def replay(
-    log: Annotated[Path, typer.Argument(metavar="LOG.mcap", help="The log.", show_default=False)],
+    log: Annotated[Path, typer.Argument(metavar="LOG.mcap", help="The log.")],
     verify: Annotated[bool, typer.Option("--verify", help="Verify only; print no summary of the flight.")] = False,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 for any verdict but EXACT.")] = False,
-    png: Annotated[
-        Path | None, typer.Option(help="Also draw path, speed and commands to this PNG.", show_default=False)
-    ] = None,
+    png: Annotated[Path | None, typer.Option(help="Also draw path, speed and commands to this PNG.")] = None,
     pictures: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FOLDER", help="Also write the pictures of the robot's camera, as PNG files.", show_default=False
-        ),
+        Path | None, typer.Option(metavar="FOLDER", help="Also write the pictures of the robot's camera, as PNG files.")
     ] = None,
     plugin: PluginFiles = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
     rate: Annotated[
-        float | None,
-        typer.Option(
-            metavar="X",
-            parser=positive,
-            help="Only show the flight, at X simulated seconds per second.",
-            show_default=False,
-        ),
+        float | None, parsed("X", positive, "Only show the flight, at X simulated seconds per second.")
     ] = None,
     start_offset: Annotated[
-        float | None,
-        typer.Option(
-            metavar="S",
-            parser=number_to(math.inf),
-            help="Only show the flight, from this second on.",
-            show_default=False,
-        ),
+        float | None, parsed("S", number_to(math.inf), "Only show the flight, from this second on.")
     ] = None,
     loop: Annotated[bool, typer.Option("--loop", help="Only show the flight, repeated until interrupted.")] = False,
     start_paused: Annotated[
@@ -98,11 +81,13 @@ class _Outputs:
 
 def _replay(path: Path, outputs: _Outputs, plugins: Sequence[Path]) -> Verification:
     """Verify a log and write the outputs; refuse files that cannot be written before the replay starts."""
-    from waypointctl.cli.pictures import picture_files, write_pictures
+    from waypointctl.cli.flight_view import json_text
+    from waypointctl.cli.log_place import picture_files, write_pictures
     from waypointctl.cli.tui.summary import print_summary
     from waypointctl.paths import refuse_other_content, refuse_unwritable_file
     from waypointctl.replay.flight_log import FlightLog
-    from waypointctl.replay.summary_json import json_text, summary_json, verification_json
+    from waypointctl.replay.summary import summary_json
+    from waypointctl.replay.verdict import verification_json
 
     if outputs.png is not None:
         refuse_unwritable_file(outputs.png, "the picture")
@@ -124,7 +109,7 @@ def _replay(path: Path, outputs: _Outputs, plugins: Sequence[Path]) -> Verificat
 
 
 def _play(log: FlightLog, playback: Playback) -> None:
-    from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.program import interruption
     from waypointctl.cli.tui.playback import play
 
     with interruption() as interrupted:

@@ -4,49 +4,29 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from waypointctl.cli.options import PluginFiles, policy_named, positive, whole_number
+from waypointctl.cli.options import PluginFiles, parsed, policy_named, positive, whole
 
 if TYPE_CHECKING:
     from waypointctl.mission.files import MissionFile
 
 
 Missions = Annotated[
-    list[Path] | None,
-    typer.Argument(metavar="MISSION.yaml...", help="The mission file, or several to fly in turn.", show_default=False),
+    list[Path] | None, typer.Argument(metavar="MISSION.yaml...", help="The mission file, or several to fly in turn.")
 ]
 Policy = Annotated[
-    Path | None,
-    typer.Option(
-        parser=policy_named,
-        metavar="POLICY",
-        help="Fly this policy, a folder or a name, instead of the mission's.",
-        show_default=False,
-    ),
+    Path | None, parsed("POLICY", policy_named, "Fly this policy, a folder or a name, instead of the mission's.")
 ]
-Seed = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        parser=whole_number(0, 2**63 - 1),
-        help="Use this seed instead of the mission's.",
-        show_default=False,
-    ),
-]
+Seed = Annotated[int | None, whole(0, 2**63 - 1, "Use this seed instead of the mission's.")]
 Out = Annotated[Path | None, typer.Option(help="The log file.", show_default="logs/<mission>.mcap, or -2, -3, ...")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")]
 Rate = Annotated[
-    float | None,
-    typer.Option(
-        metavar="X",
-        parser=positive,
-        help="Fly at X simulated seconds per second; without it, as fast as possible.",
-        show_default=False,
-    ),
+    float | None, parsed("X", positive, "Fly at X simulated seconds per second; without it, as fast as possible.")
 ]
 Console = Annotated[
     bool,
@@ -54,16 +34,11 @@ Console = Annotated[
         "--console", help="Read commands from the terminal during the flight, in real time unless --rate is given."
     ),
 ]
-Resume = Annotated[
-    Path | None,
-    typer.Option(metavar="LOG", help="Continue the killed flight of this log.", show_default=False),
-]
+Resume = Annotated[Path | None, typer.Option(metavar="LOG", help="Continue the killed flight of this log.")]
 Junit = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE.xml",
-        help="Write a JUnit report: one test case per mission, times in simulated seconds.",
-        show_default=False,
+        metavar="FILE.xml", help="Write a JUnit report: one test case per mission, times in simulated seconds."
     ),
 ]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Fly without a log, and print the outcome.")]
@@ -91,7 +66,7 @@ def run(
     flight: dict[str, object] = {"--out": out, "--force": force, "--junit": junit}
     watched: dict[str, object] = {"--console": console, "--rate": rate}
     if resume is not None:
-        from waypointctl.cli.resume import resume_flight
+        from waypointctl.cli.flight_view import resume_flight
 
         other = {"MISSION.yaml": missions, "--policy": policy, "--seed": seed, "--dry-run": dry_run}
         _refuse_beside("--resume: mission, policy, seed and file name are those of the log", other | flight)
@@ -105,12 +80,12 @@ def run(
         _refuse_beside("--dry-run", flight | watched)
         raise typer.Exit(fly_dry([_mission(path, seed, policy) for path in missions], policy, plugins, as_json=json))
     if len(missions) > 1 or junit is not None:
-        from waypointctl.cli.run_many import Many, run_many
+        from waypointctl.cli.run_many import run_many
 
         beside = "several missions" if len(missions) > 1 else "--junit"
         _refuse_beside(beside, watched | ({"--out": out} if len(missions) > 1 else {}))
-        many = Many(tuple(missions), policy, plugins, out, force, junit, json)
-        raise typer.Exit(run_many(many, lambda path: _mission(path, seed, policy)))
+        load = partial(_mission, seed=seed, policy=policy)
+        raise typer.Exit(run_many(missions, load, policy, plugins, out, force=force, junit=junit, as_json=json))
     file = _mission(missions[0], seed, policy)
     raise typer.Exit(_fly(file, policy, plugins, out, rate, force=force, console=console, json=json))
 
@@ -127,10 +102,9 @@ def _fly(
     json: bool,
 ) -> int:
     """Fly one mission for a person who watches; return the exit code."""
-    from waypointctl.cli.flight_answer import report_flight
-    from waypointctl.cli.flight_view import flight_view
-    from waypointctl.cli.interruption import interruption
+    from waypointctl.cli.flight_view import flight_view, report_flight
     from waypointctl.cli.log_place import claimed
+    from waypointctl.cli.program import interruption
     from waypointctl.flight.fly import fly
     from waypointctl.policy.bundle import load_policy
 

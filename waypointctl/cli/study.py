@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from waypointctl.cli.options import PluginFiles, number_to, policy_named, whole_number
+from waypointctl.cli.options import PluginFiles, number_to, parsed, policy_named, whole
 from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 from waypointctl.mission.policy_name import FLAGSHIP
@@ -37,19 +37,12 @@ def _group() -> None:
 
 @study.command("delay")
 def delay(
-    policy: Annotated[
-        Path, typer.Option(parser=policy_named, metavar="POLICY", help="The policy, a folder or a name.")
-    ] = FLAGSHIP,  # type: ignore[assignment]  # a name, which the parser makes a folder of
+    policy: Annotated[Path, parsed("POLICY", policy_named, "The policy, a folder or a name.")] = FLAGSHIP,  # type: ignore[assignment]  # a name, which the parser makes a folder of
     seeds: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=whole_number(1, _MOST_SEEDS),
-            help="Flights per route, round trip and autonomy, one per seed.",
-            show_default="20",
-        ),
+        whole(1, _MOST_SEEDS, "Flights per route, round trip and autonomy, one per seed.", show_default="20"),
     ] = None,
-    seed: Annotated[int, typer.Option(metavar="N", parser=whole_number(0, 2**31), help="The first seed.")] = 0,
+    seed: Annotated[int, whole(0, 2**31, "The first seed.")] = 0,
     rtt: Annotated[
         str | None, typer.Option(metavar="S,S,...", help="Round-trip times, in s.", show_default="0,0.4,2.56,5,10,40")
     ] = None,
@@ -66,20 +59,13 @@ def delay(
     ] = None,
     think: Annotated[
         float | None,
-        typer.Option(
-            metavar="S",
-            parser=number_to(86_400),
-            help="Think time of the operator, in s.",
-            show_default="the mission's own",
-        ),
+        parsed("S", number_to(86_400), "Think time of the operator, in s.", show_default="the mission's own"),
     ] = None,
     find_joint_limit: Annotated[
         bool, typer.Option("--find-joint-limit", help="Also fly joint at round trips of 0, 20, ... 260 ms.")
     ] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Fly a small study to try: one short route, 2 seeds.")] = False,
-    jobs: Annotated[
-        int, typer.Option(metavar="N", parser=whole_number(0, 1024), help="Flights at a time; 0: one per core.")
-    ] = 0,
+    jobs: Annotated[int, whole(0, 1024, "Flights at a time; 0: one per core.")] = 0,
     out: Annotated[
         Path | None, typer.Option(help="The folder of the results.", show_default="runs/study-delay")
     ] = None,
@@ -123,8 +109,7 @@ def _cases(
     find_joint_limit: bool,
 ) -> tuple[list[DelayCase], list[DelayCase], dict[str, MissionFile]]:
     """Return the cases of the study, those of its finer sweep, and its routes, by the options."""
-    from waypointctl.studies.case import autonomies_of, fine_grid, grid
-    from waypointctl.studies.route import load_routes, refuse_what_is_not_kept
+    from waypointctl.studies.case import autonomies_of, fine_grid, grid, load_routes, refuse_what_is_not_kept
 
     usual_route, usual_rtts, usual_seeds = _QUICK if quick else _USUAL
     routes = load_routes(_parts(route or usual_route))
@@ -137,9 +122,9 @@ def _cases(
 
 def _flown(fly: Callable[..., DelayStudy | None], folder: Path) -> DelayStudy:
     """Fly a study with a progress bar; an interruption ends the program with 130."""
-    from waypointctl.cli.interruption import interruption
     from waypointctl.cli.main import INTERRUPTED
-    from waypointctl.cli.tui.progress import flights_progress
+    from waypointctl.cli.program import interruption
+    from waypointctl.cli.rehearsing import flights_progress
 
     with interruption() as interrupted, flights_progress() as show:
         found = fly(progress=show, interrupted=interrupted)
@@ -174,7 +159,7 @@ def rtts_of(text: str) -> tuple[float, ...]:
 
 def _possible(rtts_s: tuple[float, ...], routes: Mapping[str, MissionFile]) -> tuple[float, ...]:
     """Return those of the usual round trips that the routes' links can have; print those left out."""
-    from waypointctl.studies.route import least_round_trip_s
+    from waypointctl.studies.case import least_round_trip_s
 
     least_s = max(least_round_trip_s(file.mission.link) for file in routes.values())
     if short := [f"{rtt_s:g}" for rtt_s in rtts_s if rtt_s < least_s]:
@@ -189,7 +174,7 @@ def _parts(text: str) -> list[str]:
 
 def _show(found: DelayStudy, folder: Path, *, stderr: bool) -> None:
     from waypointctl.cli.console import console
-    from waypointctl.cli.tui.grid_view import GridView
+    from waypointctl.cli.tui.tables import GridView
     from waypointctl.studies.delay import PICTURE, TABLES, VALUES
     from waypointctl.studies.tables import tables
 

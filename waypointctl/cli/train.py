@@ -7,14 +7,14 @@ from typing import Annotated, Final, TypeAlias
 
 import typer
 
-from waypointctl.cli.options import rate_from, whole_number
+from waypointctl.cli.options import parsed, rate_from, whole
 
 THREADS_HELP: Final = (
     "Threads for physics and network; 0: one per core, at most 8, for the physics and 1 for the network, or the "
     "numbers of the resumed run."
 )
 
-Recipe: TypeAlias = Annotated[Path, typer.Argument(metavar="RECIPE.yaml", help="The recipe.", show_default=False)]
+Recipe: TypeAlias = Annotated[Path, typer.Argument(metavar="RECIPE.yaml", help="The recipe.")]
 Out: TypeAlias = Annotated[
     Path | None,
     typer.Option(help="Folder of the finished policy; replaces a policy in it.", show_default="the run's folder"),
@@ -29,45 +29,24 @@ Extend: TypeAlias = Annotated[
         metavar="RUN",
         help="Continue this run, a folder or a name in RUNS, whose recipe is the beginning of this one; the weights "
         "are the same as of a training from the start.",
-        show_default=False,
     ),
 ]
 Steps: TypeAlias = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        parser=whole_number(1, 10**12),
-        help="Shorten or stretch all phases to this many, rounded up to whole rollouts.",
-        show_default=False,
-    ),
+    int | None, whole(1, 10**12, "Shorten or stretch all phases to this many, rounded up to whole rollouts.")
 ]
-Seed: TypeAlias = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        parser=whole_number(0, 2**32 - 1),
-        help="Use this seed in place of the recipe's.",
-        show_default=False,
-    ),
-]
+Seed: TypeAlias = Annotated[int | None, whole(0, 2**32 - 1, "Use this seed in place of the recipe's.")]
 Seeds: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="N|A,B,...",
         help="Train with N seeds from the recipe's on, or with the listed ones, and compare: RUNS/<recipe>-seeds.",
-        show_default=False,
     ),
 ]
 StopAt: TypeAlias = Annotated[
     float | None,
-    typer.Option(
-        metavar="RATE",
-        parser=rate_from(0.01),
-        help="Stop when the evaluation of a checkpoint reaches this success rate, 0.01 to 1.",
-        show_default=False,
-    ),
+    parsed("RATE", rate_from(0.01), "Stop when the evaluation of a checkpoint reaches this success rate, 0.01 to 1."),
 ]
-Threads: TypeAlias = Annotated[int, typer.Option(metavar="N", parser=whole_number(0, 1024), help=THREADS_HELP)]
+Threads: TypeAlias = Annotated[int, whole(0, 1024, THREADS_HELP)]
 AllowPlugins: TypeAlias = Annotated[
     bool, typer.Option("--allow-plugins", help="Execute the Python files in the recipe's `plugins`.")
 ]
@@ -93,9 +72,7 @@ def train_policy(
     Ctrl-C stops it with a checkpoint, which is a policy that can be evaluated and flown; --resume continues from it and
     ends in the same weights as an uninterrupted training.
     """
-    from waypointctl.cli.train_one import train_one
-    from waypointctl.cli.train_options import TrainOptions
-    from waypointctl.cli.train_seeds import train_with_seeds
+    from waypointctl.cli.train_run import TrainOptions, train_one, train_with_seeds
 
     if extend is not None:
         _refuse_with_extend({"--resume": resume, "--steps": steps, "--seeds": seeds, "--stop-at": stop_at})

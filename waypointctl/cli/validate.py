@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from waypointctl.cli.options import PluginFiles, policy_named, whole_number
+from waypointctl.cli.options import PluginFiles, parsed, policy_named, whole
 from waypointctl.display_text import printable
 from waypointctl.paths import folder_fault
 
@@ -60,30 +60,13 @@ def validate(
     missions: Annotated[list[Path], typer.Argument(metavar="MISSION.yaml...", help="Mission files.")],
     policy: Annotated[
         Path | None,
-        typer.Option(
-            parser=policy_named,
-            metavar="POLICY",
-            help="Check for this policy, a folder or a name, instead of the mission's.",
-            show_default=False,
-        ),
+        parsed("POLICY", policy_named, "Check for this policy, a folder or a name, instead of the mission's."),
     ] = None,
-    rehearse: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            parser=whole_number(1, 10_000),
-            help="Fly each mission N times, with N seeds.",
-            show_default=False,
-        ),
-    ] = None,
+    rehearse: Annotated[int | None, whole(1, 10_000, "Fly each mission N times, with N seeds.")] = None,
     autonomy: Annotated[
-        str | None,
-        typer.Option(metavar="NAME,...|all", help="Also rehearse under these autonomies.", show_default=False),
+        str | None, typer.Option(metavar="NAME,...|all", help="Also rehearse under these autonomies.")
     ] = None,
-    jobs: Annotated[
-        int,
-        typer.Option(metavar="N", parser=whole_number(0, 1024), help="Rehearsals at a time; 0: one per core."),
-    ] = 0,
+    jobs: Annotated[int, whole(0, 1024, "Rehearsals at a time; 0: one per core.")] = 0,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if there is a warning or a failed rehearsal.")
     ] = False,
@@ -140,7 +123,7 @@ def _refuse_missing(policy: Path | None) -> None:
 
 def _check(path: Path, policy: Path | None, plugins: tuple[Path, ...]) -> _Checked:
     from waypointctl.errors import MissionError
-    from waypointctl.evaluation.walking_speed import walking_speed
+    from waypointctl.evaluation.walking_speed import walking_speed_mps
     from waypointctl.flight.checks.check import cannot_succeed, check_mission, robot_and_policy_problems
     from waypointctl.mission.files import MissionFile, beside, examine_mission
     from waypointctl.mission.problems import Problem
@@ -155,7 +138,7 @@ def _check(path: Path, policy: Path | None, plugins: tuple[Path, ...]) -> _Check
         return _Checked(path, None, reading.problems)
     file = MissionFile(reading.model, source, path)
     flown_by = policy or file.policy_path
-    findings = check_mission(file.mission, walking_speed(flown_by).mps)
+    findings = check_mission(file.mission, walking_speed_mps(flown_by))
     prevented = cannot_succeed(file.mission, findings)
     problems = robot_and_policy_problems(file, flown_by, plugins)
     return _Checked(path, file, problems, flown_by, tuple(_warnings(file, findings)), prevented)
@@ -173,7 +156,7 @@ def _warnings(file: MissionFile, findings: tuple[Finding, ...]) -> Iterator[_War
 
 
 def _show(result: _Checked) -> None:
-    from waypointctl.cli.tui.link import link_text
+    from waypointctl.cli.tui.formatting import link_text
 
     for problem in result.problems:
         typer.echo(str(problem))

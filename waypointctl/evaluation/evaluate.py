@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import TypeAlias
 
 from waypointctl.errors import InputError, PolicyError, wrong_type
-from waypointctl.evaluation.result import CaseResult, Evaluation
+from waypointctl.evaluation.result import CaseResult, Evaluation, wilson_interval
 from waypointctl.evaluation.rollout import Rollouts, rollout
 from waypointctl.evaluation.suite import Case, RandomPaths, Suite, SuiteCase, load_suite
-from waypointctl.evaluation.wilson import wilson_interval
 from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.mission.policy_name import policy_folder
 from waypointctl.policy.bundle import LoadedPolicy, policy_of

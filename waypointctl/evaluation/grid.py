@@ -72,6 +72,11 @@ class Grid:
         return "\n".join([f"**{_escaped(shown.title)}**", "", *lines, *notes])
 
 
+def markdown_file(head: str, grids: Sequence[Grid]) -> str:
+    """Return tables as a Markdown file, which begins with a line that says what wrote it."""
+    return "\n\n".join([head.rstrip(), *(grid.to_markdown() for grid in grids)]) + "\n"
+
+
 def places(waypoints: Sequence[tuple[float, float]], arrow: str = " ") -> str:
     """Return waypoints as people write them: "(7, 12) (14, 14)"."""
     return arrow.join(f"({x:g}, {y:g})" for x, y in waypoints)

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.evaluation.names import names_of
 from waypointctl.evaluation.paper_tables import entrants
-from waypointctl.evaluation.result import Evaluation
+from waypointctl.evaluation.result import Evaluation, names_of
 from waypointctl.evaluation.rollout import Rollouts
 from waypointctl.evaluation.suite import Suite, SuiteCase
 

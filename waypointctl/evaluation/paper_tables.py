@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from waypointctl.evaluation.grid import Column, Grid, interval, percent, places
-from waypointctl.evaluation.names import names_of
-from waypointctl.evaluation.result import CaseResult, Evaluation
+from waypointctl.evaluation.result import CaseResult, Evaluation, names_of
 from waypointctl.evaluation.suite import Case, PaperPolicy, PaperTable, Suite, load_suite
 
 _ARROW: Final = " → "

@@ -3,18 +3,42 @@
 from __future__ import annotations
 
 import json
+import math
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from pathlib import Path
+from statistics import NormalDist
 from typing import Annotated, Final, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_serializer, model_validator
 
 from waypointctl.errors import InputError
 from waypointctl.evaluation.suite import Hold, RandomPaths, Training
-from waypointctl.evaluation.wilson import wilson_interval
 from waypointctl.input_file import RECORD_FILE, read_input
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.task.course import Deadline
+
+
+def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tuple[float, float]:
+    """Return the interval (low, high) in which the true rate lies with the given confidence.
+
+    Unlike the normal approximation it stays within [0, 1] and is meaningful for 0 or all of `trials`
+    (E. B. Wilson 1927; method 3 in R. G. Newcombe, Statistics in Medicine 17, 1998).
+
+    Raises:
+        ValueError: not 0 <= successes <= trials, or no trials.
+    """
+    if not 0 <= successes <= trials or trials == 0:
+        raise ValueError(f"{successes} of {trials} is not a rate")
+    z = NormalDist().inv_cdf(0.5 + confidence / 2)
+    rate = successes / trials
+    centre = rate + z * z / (2 * trials)
+    half = z * math.sqrt(rate * (1 - rate) / trials + z * z / (4 * trials * trials))
+    scale = 1 + z * z / trials
+    low = 0.0 if successes == 0 else (centre - half) / scale  # exactly, where rounding would leave 1e-17
+    high = 1.0 if successes == trials else (centre + half) / scale
+    return low, high
+
 
 EVALUATION: Final = "evaluation.json"  # its name in a policy's folder, for the paper's suite
 
@@ -130,7 +154,7 @@ def evaluations_json(evaluations: Sequence[Evaluation]) -> str:
 
 
 def read_evaluation(path: Path) -> Evaluation:
-    """Read an evaluation that `write_evaluation` wrote; fields of later versions are left out.
+    """Read an evaluation that `write_evaluations` wrote; fields of later versions are left out.
 
     Raises:
         InputError: the file cannot be read or is not an evaluation.
@@ -144,3 +168,52 @@ def read_evaluation(path: Path) -> Evaluation:
         place = ".".join(str(part) for part in fault["loc"])
         problem = f"not an evaluation: {place}{': ' if place else ''}{fault['msg']}"
         raise InputError(problem, where=str(path), hint=hint) from error
+
+
+def names_of(evaluations: Sequence[Evaluation], folders: Sequence[Path] | None = None) -> list[str]:
+    """Return what each policy is called: its name, where others have the same name its folder.
+
+    Without folders the beginning of its hash is added; equal names are numbered.
+    """
+    known = Counter(evaluation.policy for evaluation in evaluations)
+    names = [
+        evaluation.policy
+        if known[evaluation.policy] == 1
+        else _told_apart(evaluation, folders[place] if folders else None)
+        for place, evaluation in enumerate(evaluations)
+    ]
+    return _numbered(names)
+
+
+def notes_on_names(evaluations: Sequence[Evaluation], names: Sequence[str]) -> tuple[str, ...]:
+    """Return a line on each group of policies that are one and the same, and on each name that several go by."""
+    by_content, by_name = defaultdict(list), defaultdict(set)
+    for evaluation, name in zip(evaluations, names, strict=True):
+        by_content[evaluation.policy_sha256].append(name)
+        by_name[evaluation.policy].add(evaluation.policy_sha256)
+    same = [
+        f"{_listed(group)} are one and the same policy: SHA-256 {content[:7]}..."
+        for content, group in by_content.items()
+        if len(group) > 1
+    ]
+    clashing = [
+        f"{len(contents)} different policies are called {name!r}"
+        for name, contents in by_name.items()
+        if len(contents) > 1
+    ]
+    return (*same, *clashing)
+
+
+def _told_apart(evaluation: Evaluation, folder: Path | None) -> str:
+    return f"{evaluation.policy} {evaluation.policy_sha256[:7]}" if folder is None else str(folder)
+
+
+def _numbered(names: Sequence[str]) -> list[str]:
+    """Return the names, those that are there more than once with a number."""
+    counts = Counter(names)
+    numbers = {name: iter(range(1, count + 1)) for name, count in counts.items()}
+    return [f"{name} ({next(numbers[name])})" if counts[name] > 1 else name for name in names]
+
+
+def _listed(names: Sequence[str]) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}"

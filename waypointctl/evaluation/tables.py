@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import Final
 
 from waypointctl.evaluation.grid import Column, Grid, interval, percent, places
-from waypointctl.evaluation.names import names_of, notes_on_names
 from waypointctl.evaluation.paper_tables import PAPER_TABLES_NOTE, is_of_the_paper, paper_tables, published_note
-from waypointctl.evaluation.result import CaseResult, Evaluation
+from waypointctl.evaluation.result import CaseResult, Evaluation, names_of, notes_on_names
 from waypointctl.evaluation.suite import Suite
 
 MARKDOWN_HEAD: Final = "<!-- waypointctl eval -->\n"
@@ -49,11 +48,6 @@ def tables(suite: Suite, evaluations: Sequence[Evaluation], names: Sequence[str]
     else:
         grids = [results_grid(evaluations, names)]
     return [*grids[:-1], replace(grids[-1], notes=(*grids[-1].notes, *notes))]
-
-
-def to_markdown(grids: Sequence[Grid]) -> str:
-    """Return tables as a Markdown file, which begins with MARKDOWN_HEAD."""
-    return "\n\n".join([MARKDOWN_HEAD.rstrip(), *(grid.to_markdown() for grid in grids)]) + "\n"
 
 
 def results_grid(evaluations: Sequence[Evaluation], names: Sequence[str] | None = None) -> Grid:

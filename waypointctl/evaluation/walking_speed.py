@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from pydantic import BaseModel, Field
 
-from waypointctl.display_text import printable
 from waypointctl.errors import InputError
 from waypointctl.input_file import RECORD_FILE, read_input
 
 _FILES: Final = ("evaluation-region.json", "evaluation.json")  # the first with a speed is used
 _USUAL_MPS: Final = 2.0
-
-
-@dataclass(frozen=True, slots=True)
-class WalkingSpeed:
-    """A policy's mean speed, and where the figure is from."""
-
-    mps: float
-    source: str
 
 
 class _Case(BaseModel):
@@ -33,16 +23,13 @@ class _Case(BaseModel):
 
 
 class _Evaluation(BaseModel):
-    policy: str
-    suite: str
     cases: tuple[_Case, ...]
 
 
-def walking_speed(policy: Path) -> WalkingSpeed:
-    """Return a policy's mean speed over successes in the suite `region`, else `paper`; else 2 m/s, marked as assumed.
+def walking_speed_mps(policy: Path) -> float:
+    """Return the mean speed of the policy in a folder, over its successes in the suite `region`, else `paper`.
 
-    Args:
-        policy: its folder.
+    It is 2 m/s where no evaluation states it.
     """
     for name in _FILES:
         try:
@@ -50,10 +37,8 @@ def walking_speed(policy: Path) -> WalkingSpeed:
         except (InputError, ValueError):  # not there, or none
             continue
         if (mps := _mean_mps(evaluation.cases)) is not None:
-            return WalkingSpeed(
-                mps, f"mean speed of {printable(evaluation.policy)} in the suite {printable(evaluation.suite)}"
-            )
-    return WalkingSpeed(_USUAL_MPS, f"assumed: no evaluation of {printable(policy.name)} states its speed")
+            return mps
+    return _USUAL_MPS
 
 
 def _mean_mps(cases: tuple[_Case, ...]) -> float | None:

@@ -20,8 +20,7 @@ from waypointctl.flight.link.contacts import FOREVER_NS, Contacts
 from waypointctl.flight.navigator import Navigator
 from waypointctl.flight.operator.requests import planned_waypoints
 from waypointctl.flight.policy_fit import class_name, plugin_facts, policy_facts, reward_weights
-from waypointctl.log.header import Attachment, LogHeader
-from waypointctl.log.setting import ContactWindows, MissionSetting
+from waypointctl.log.header import Attachment, ContactWindows, LogHeader, MissionSetting
 from waypointctl.mission.files import MissionFile
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.onboard import zones_of

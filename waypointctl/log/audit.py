@@ -12,27 +12,11 @@ from mcap.opcode import Opcode
 from waypointctl.log.channels import Summary, attachment_index
 from waypointctl.log.chunk import encoded
 from waypointctl.log.comparison import FileDifference, FileDiffers, brief, kind_of
-from waypointctl.log.opening import DAMAGE, open_file
+from waypointctl.log.opening import DAMAGE, MAGIC, open_file
 from waypointctl.log.reader import LogReader
-from waypointctl.log.records import MAGIC, Record, body_stream, chunk_bytes, inner_records, raw_message, records, shown
+from waypointctl.log.records import Record, body_stream, chunk_bytes, inner_records, raw_message, records, shown
 
 _HEAD_BYTES: Final = 9  # opcode and length of a record
-_TYPES: Final[dict[int, Any]] = {
-    Opcode.HEADER: mcap.Header,
-    Opcode.ATTACHMENT: mcap.Attachment,
-    Opcode.METADATA: mcap.Metadata,
-    Opcode.CHUNK: mcap.Chunk,
-    Opcode.MESSAGE_INDEX: mcap.MessageIndex,
-    Opcode.DATA_END: mcap.DataEnd,
-    Opcode.SCHEMA: mcap.Schema,
-    Opcode.CHANNEL: mcap.Channel,
-    Opcode.STATISTICS: mcap.Statistics,
-    Opcode.CHUNK_INDEX: mcap.ChunkIndex,
-    Opcode.ATTACHMENT_INDEX: mcap.AttachmentIndex,
-    Opcode.METADATA_INDEX: mcap.MetadataIndex,
-    Opcode.SUMMARY_OFFSET: mcap.SummaryOffset,
-    Opcode.FOOTER: mcap.Footer,
-}
 _DATA: Final = (Opcode.ATTACHMENT, Opcode.METADATA, Opcode.CHUNK, Opcode.MESSAGE_INDEX, Opcode.DATA_END)
 _SUMMARY: Final = (
     Opcode.SCHEMA,
@@ -44,6 +28,10 @@ _SUMMARY: Final = (
     Opcode.SUMMARY_OFFSET,
     Opcode.FOOTER,
 )
+# mcap names the class of each record after its opcode.
+_TYPES: Final[dict[int, Any]] = {
+    opcode: getattr(mcap, opcode.name.title().replace("_", "")) for opcode in (Opcode.HEADER, *_DATA, *_SUMMARY)
+}
 
 
 def audit(log: LogReader) -> None:

@@ -14,7 +14,7 @@ from mcap_protobuf.schema import build_file_descriptor_set
 
 from waypointctl.log.chunk import MESSAGE_BYTES, Channel, OpenChunk, encoded
 from waypointctl.log.header import LIBRARY, Attachment
-from waypointctl.log.records import MAGIC
+from waypointctl.log.opening import MAGIC
 
 CHUNK_BYTES: Final = 256 * 1024  # before compression; only a single message larger than this makes a larger chunk
 

@@ -11,9 +11,8 @@ from typing import IO, Final, NamedTuple
 from mcap import records as mcap
 from mcap.opcode import Opcode
 
-from waypointctl.log.opening import DAMAGE
+from waypointctl.log.opening import DAMAGE, MAGIC
 from waypointctl.log.records import (
-    MAGIC,
     CutShort,
     Record,
     body_stream,

@@ -55,15 +55,7 @@ class Stage(StrEnum):
 
 
 FINAL_STAGES: Final = frozenset(
-    {
-        Stage.REJECTED,
-        Stage.COMPLETED,
-        Stage.FAILED,
-        Stage.CANCELLED,
-        Stage.SUPERSEDED,
-        Stage.EXPIRED,
-        Stage.SKIPPED,
-    }
+    {Stage.REJECTED, Stage.COMPLETED, Stage.FAILED, Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED}
 )
 
 

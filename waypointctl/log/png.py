@@ -50,12 +50,6 @@ def texts_of(data: bytes) -> dict[str, str]:
             texts = {str(key): str(text) for key, text in image.info.items() if isinstance(text, str)}
             image.verify()
     # Pillow raises SyntaxError for a broken chunk, OSError for other files, and its own for one too large.
-    except (
-        OSError,
-        SyntaxError,
-        ValueError,
-        Image.DecompressionBombError,
-        Image.DecompressionBombWarning,
-    ) as error:
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         raise ValueError(f"is a damaged PNG file: {error}") from error
     return texts

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
+import numpy as np
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from waypointctl.errors import LogError
-from waypointctl.log.bounds import OverLimit
-from waypointctl.log.columns import columns
-from waypointctl.log.index import ChunkPlace, LogIndex, TopicSummary
-from waypointctl.log.messages import Message
-from waypointctl.log.opening import DAMAGE, damaged, open_file
+from waypointctl.log.header import ChunkPlace, LogIndex, TopicSummary
+from waypointctl.log.messages import Message, Reward
+from waypointctl.log.opening import DAMAGE, OverLimit, damaged, open_file
 from waypointctl.log.records import CutShort, RawMessage, Record, chunk_bytes, inner_records, raw_message, records
 from waypointctl.log.scan import scan
 from waypointctl.log.topics import BY_NAME, Topic
@@ -216,3 +215,34 @@ def _decoders(log: LogReader, names: str | Collection[str] | None) -> dict[int, 
             raise LogError(f"no messages are read from the topic {name!r}; allowed are {', '.join(BY_NAME)}")
     topics = log.index.topics.items()
     return {channel: BY_NAME[topic.name] for channel, topic in topics if topic.name in wanted}
+
+
+Column = NDArray[Any]
+
+
+def columns(messages: Sequence[Message]) -> dict[str, Column]:
+    """Return each field of messages of one kind as an array, the message along the first axis.
+
+    Numbers and texts are (n,); arrays that have the same shape in every message are stacked, (n, k); the terms of
+    rewards are columns of their own. Fields without a fixed size, such as the waypoints of a command, are left out.
+    """
+    if not messages:
+        return {}
+    found = {}
+    for field in fields(messages[0]):
+        column = _column([getattr(message, field.name) for message in messages])
+        if column is not None:
+            found[field.name] = column
+    rewards = [dict(message.terms) for message in messages if isinstance(message, Reward)]
+    for name in dict.fromkeys(name for terms in rewards for name in terms):
+        found[name] = np.array([terms.get(name, np.nan) for terms in rewards])
+    return found
+
+
+def _column(values: list[Any]) -> Column | None:
+    first = values[0]
+    if isinstance(first, np.ndarray):
+        return np.stack(values) if all(value.shape == first.shape for value in values) else None
+    if isinstance(first, str):
+        return np.array([str(value) for value in values])
+    return np.array(values) if isinstance(first, int | float) else None

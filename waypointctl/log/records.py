@@ -18,9 +18,8 @@ from mcap.data_stream import ReadDataStream
 from mcap.records import Chunk
 
 from waypointctl.limits import limit
-from waypointctl.log.bounds import OverLimit
+from waypointctl.log.opening import MAGIC, OverLimit
 
-MAGIC: Final = b"\x89MCAP0\r\n"
 _HEAD: Final = struct.Struct("<BQ")  # opcode, length
 _MESSAGE: Final = struct.Struct("<HIQQ")  # channel, sequence, log_time, publish_time
 

@@ -18,20 +18,19 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, DataEnd, Footer, Header, Metadata, Schema
 
 from waypointctl.errors import LogError
-from waypointctl.log.bounds import Bounds, OverLimit
-from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION
-from waypointctl.log.index import ChunkPlace, LogIndex, TopicSummary
-from waypointctl.log.opening import DAMAGE, PART, check_magic, damaged, nothing_flown, open_file
-from waypointctl.log.records import (
+from waypointctl.log.header import METADATA_NAME, SCHEMA_VERSION, ChunkPlace, LogIndex, TopicSummary
+from waypointctl.log.opening import (
+    DAMAGE,
     MAGIC,
-    CutShort,
-    Record,
-    body_stream,
-    chunk_bytes,
-    inner_spans,
-    message_head,
-    records,
+    PART,
+    Bounds,
+    OverLimit,
+    check_magic,
+    damaged,
+    nothing_flown,
+    open_file,
 )
+from waypointctl.log.records import CutShort, Record, body_stream, chunk_bytes, inner_spans, message_head, records
 from waypointctl.paths import is_being_written
 
 _VERSION: Final = re.compile("[0-9]{1,9}")  # Python reads no number of thousands of digits

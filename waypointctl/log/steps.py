@@ -1,4 +1,4 @@
-"""The messages of every control step to protobuf bytes, put together from pieces: the hot half of encode.py.
+"""The messages of every control step to protobuf bytes, put together from pieces: the hot part of topics.py.
 
 Protobuf concatenates: the bytes of a message are the bytes of its fields, one after the other. Arrays are the bulk of
 these messages and stand in memory as protobuf writes them, so protobuf encodes only what is around them, once.

@@ -15,8 +15,7 @@ from google.protobuf.message import Message as ProtobufMessage
 from waypointctl.errors import OutputError
 from waypointctl.log.channels import ChannelWriter
 from waypointctl.log.chunk import Channel
-from waypointctl.log.foxglove.layout import layout
-from waypointctl.log.foxglove.view import VIEW_TOPICS, FoxgloveView, Frame
+from waypointctl.log.foxglove.view import VIEW_TOPICS, FoxgloveView, Frame, layout
 from waypointctl.log.header import LAYOUT_NAME, METADATA_NAME, SCHEMA_VERSION, Attachment, LogHeader
 from waypointctl.log.messages import Message
 from waypointctl.log.topics import BY_KIND, ON_DEMAND, TOPICS

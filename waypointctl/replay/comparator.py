@@ -10,15 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from waypointctl.log.messages import (
-    FloatArray,
-    GroundControl,
-    Message,
-    Observation,
-    PlannedWaypoint,
-    State,
-    Telemetry,
-)
+from waypointctl.log.messages import FloatArray, GroundControl, Message, Observation, PlannedWaypoint, State, Telemetry
 from waypointctl.log.reader import EncodedMessage
 from waypointctl.log.records import shown
 from waypointctl.replay.verdict import Divergence

@@ -46,11 +46,7 @@ from waypointctl.robots.load import robot_of_files
 from waypointctl.robots.robot import Robot
 from waypointctl.task.plugins import Plugin, named_plugins, plugin_hashes
 
-KERNELS: Final = {
-    "version_numpy": "numpy",
-    "version_onnxruntime": "onnxruntime",
-    "processor": "the processor",
-}
+KERNELS: Final = {"version_numpy": "numpy", "version_onnxruntime": "onnxruntime", "processor": "the processor"}
 PROGRAM: Final = {
     **KERNELS,
     "version_waypointctl": "waypointctl",

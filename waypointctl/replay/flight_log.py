@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Self
+from typing import Final, Self
 
 from waypointctl.errors import MissionError
 from waypointctl.flight.header import MISSION, MISSION_FOLDER, files_within, setting_of
 from waypointctl.flight.operator.requests import planned_waypoints
-from waypointctl.log.messages import PlannedWaypoint
+from waypointctl.log.header import MissionSetting
+from waypointctl.log.messages import Picture, PlannedWaypoint
 from waypointctl.log.opening import PART
+from waypointctl.log.png import TITLE, texts_of
 from waypointctl.log.reader import LogReader
 from waypointctl.log.scan import scan
-from waypointctl.log.setting import MissionSetting
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.replay.summary import FlightSummary
@@ -96,3 +100,46 @@ def summary_of_events(log: LogReader) -> FlightSummary:
         LogError: an event cannot be read.
     """
     return summarize(log.messages(("/event",)))
+
+
+_UNSAFE: Final = re.compile(r"[^\w.-]+")
+_LONGEST: Final = 150  # bytes of a name; a file's may have 255, and some are for its number and for writing it
+
+
+@dataclass(frozen=True, slots=True)
+class PictureFile:
+    """A picture to be written."""
+
+    name: str  # of the file: its number in the flight, and the waypoint's name where it is safe
+    data: bytes
+
+
+def pictures_in(log: LogReader) -> list[PictureFile]:
+    """Return the pictures of a log in the order in which they were taken.
+
+    Raises:
+        LogError: a message cannot be read.
+    """
+    pictures = [message for message in log.messages(("/camera",)) if isinstance(message, Picture)]
+    return [PictureFile(name, picture.data) for name, picture in zip(names_of(pictures), pictures, strict=True)]
+
+
+def names_of(pictures: Sequence[Picture]) -> list[str]:
+    """Return the name of each picture's file: its number, and what it shows."""
+    digits = max(2, len(str(len(pictures))))
+    return [
+        f"{number:0{digits}}-{_safe(_title(picture))}.{_safe(picture.format)}"
+        for number, picture in enumerate(pictures, 1)
+    ]
+
+
+def _title(picture: Picture) -> str:
+    try:
+        return texts_of(picture.data).get(TITLE, "")
+    except ValueError:
+        return "damaged"  # verification reports the error
+
+
+def _safe(text: str) -> str:
+    name = _UNSAFE.sub("-", text).strip("-.").encode()[:_LONGEST]
+    return name.decode(errors="ignore") or "picture"

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from waypointctl.log.header import IntArray, Span
 from waypointctl.log.messages import NOT_DELIVERED, DeliveryOutcome, Event, EventKind, LinkRecord
-from waypointctl.log.setting import IntArray, Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,33 +22,35 @@ class LinkDirectionSummary:
     """One way of the link.
 
     Attributes:
-        lost: how many messages were lost on the way.
-        queue_full: how many were dropped because the queue was full.
-        no_contact: how many were dropped because no contact was left that they fitted in.
-        not_arrived: all these, by kind, such as ("command", 2).
-        duplicated: how many arrived twice.
+        counts: of messages, by kind and outcome, such as ("command", "lost").
         waited: how many were queued, whether they arrived or not.
         longest_wait_ns: of these.
         missing_ns: when each of those that did not arrive was handed to the link, (n,).
     """
 
-    lost: int = 0
-    queue_full: int = 0
-    no_contact: int = 0
-    not_arrived: tuple[tuple[str, int], ...] = ()
-    duplicated: int = 0
+    counts: Mapping[tuple[str, DeliveryOutcome], int] = field(default_factory=dict)
     waited: int = 0
     longest_wait_ns: int = 0
     missing_ns: IntArray = field(default_factory=lambda: np.zeros(0, np.int64), compare=False)
 
+    def count(self, outcome: DeliveryOutcome) -> int:
+        """Return how many messages had an outcome."""
+        return sum(count for (_, theirs), count in self.counts.items() if theirs == outcome)
+
     @property
-    def missing(self) -> int:
-        """How many messages have not arrived, and will not."""
-        return len(self.missing_ns)
+    def undelivered(self) -> dict[tuple[str, DeliveryOutcome], int]:
+        """How many messages have not arrived, and will not, by kind and outcome."""
+        return {key: count for key, count in self.counts.items() if key[1] in NOT_DELIVERED}
+
+    @property
+    def not_arrived(self) -> dict[str, int]:
+        """How many messages have not arrived, and will not, by kind."""
+        kinds = sorted({kind for kind, _ in self.undelivered})
+        return {kind: sum(count for (theirs, _), count in self.undelivered.items() if theirs == kind) for kind in kinds}
 
     def __bool__(self) -> bool:
         """Return whether any message was lost, duplicated, dropped or queued."""
-        return bool(self.not_arrived or self.duplicated or self.waited)
+        return bool(self.not_arrived or self.count(DeliveryOutcome.DUPLICATED) or self.waited)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,17 +77,15 @@ class LinkSummary:
 class LinkDirectionBuilder:
     """Counts one way's records."""
 
-    outcomes: Counter[DeliveryOutcome] = field(default_factory=Counter)
-    not_arrived: Counter[str] = field(default_factory=Counter)
+    counts: Counter[tuple[str, DeliveryOutcome]] = field(default_factory=Counter)
     waited: int = 0
     longest_wait_ns: int = 0
     missing_ns: array[int] = field(default_factory=lambda: array("q"))
 
     def add(self, record: LinkRecord) -> None:
         """Take a record."""
-        self.outcomes[record.outcome] += 1
+        self.counts[record.message, record.outcome] += 1
         if record.outcome in NOT_DELIVERED:
-            self.not_arrived[record.message] += 1
             self.missing_ns.append(record.time_ns)
         if record.departs_ns > record.time_ns:
             self.waited += 1
@@ -92,16 +93,8 @@ class LinkDirectionBuilder:
 
     def summary(self) -> LinkDirectionSummary:
         """Return the counts so far."""
-        return LinkDirectionSummary(
-            lost=self.outcomes[DeliveryOutcome.LOST],
-            queue_full=self.outcomes[DeliveryOutcome.QUEUE_FULL],
-            no_contact=self.outcomes[DeliveryOutcome.NO_CONTACT],
-            not_arrived=tuple(sorted(self.not_arrived.items())),
-            duplicated=self.outcomes[DeliveryOutcome.DUPLICATED],
-            waited=self.waited,
-            longest_wait_ns=self.longest_wait_ns,
-            missing_ns=np.array(self.missing_ns, np.int64),
-        )
+        missing_ns = np.array(self.missing_ns, np.int64)
+        return LinkDirectionSummary(dict(self.counts), self.waited, self.longest_wait_ns, missing_ns)
 
 
 @dataclass(slots=True)

@@ -1,60 +1,24 @@
-"""The summary of a flight, as frozen records: what was commanded, what was reached, how the robot moved.
+"""The summary of a flight, as frozen records and as plain data for --json.
 
-All times are simulation time in [ns]. `summary_builder` makes it from the flight's messages.
+All times are simulation time in [ns]; in the plain data in [s]. `summary_builder` makes it from the flight's messages.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Final
 
-from waypointctl.log.messages import Event, EventKind, PlannedWaypoint
-from waypointctl.log.setting import MissionSetting, Span
+from waypointctl.log.header import MissionSetting, Span
+from waypointctl.log.messages import DeliveryOutcome, Event, EventKind, PlannedWaypoint
 from waypointctl.replay.command_summary import CommandSummary
-from waypointctl.replay.effort import Effort
-from waypointctl.replay.link_summary import LinkSummary
-from waypointctl.replay.return_home import ReturnHome
-from waypointctl.replay.track import Track, is_on_map
+from waypointctl.replay.legs import ReturnEnding, ReturnHome, WaypointStatus, WaypointSummary
+from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary
+from waypointctl.replay.track import Effort, Track
+from waypointctl.units import seconds
 
 UNFINISHED: Final = "unfinished"  # outcome of a log without an end
 NEVER_NS: Final = 1 << 62
-
-
-class WaypointStatus(StrEnum):
-    """Whether a waypoint was reached, and why not."""
-
-    REACHED = "reached"
-    TIMED_OUT = "timed out"
-    SKIPPED = "skipped"
-    OPEN = "not reached"
-
-
-@dataclass(frozen=True, slots=True)
-class WaypointSummary:
-    """A waypoint, and whether it was reached.
-
-    Attributes:
-        planned: as it was, or would have been, commanded.
-        status: as the robot knows it.
-        started_ns: when the robot's leg to it began, None if it never did.
-        ended_ns: when it was reached or given up, None for a leg that was under way to the end.
-        reached_ns: on the robot's clock.
-        known_ns: when the operator learned that it was reached.
-    """
-
-    planned: PlannedWaypoint
-    status: WaypointStatus = WaypointStatus.OPEN
-    started_ns: int | None = None
-    ended_ns: int | None = None
-    reached_ns: int | None = None
-    known_ns: int | None = None
-
-    @property
-    def is_on_map(self) -> bool:
-        """Whether it can be drawn."""
-        return is_on_map(self.planned.x_m, self.planned.y_m, self.planned.tolerance_m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -168,3 +132,108 @@ class FlightSummary:
     def interrupted_ns(self) -> int:
         """When a user ended the flight; NEVER_NS for a flight that was not interrupted."""
         return self.ended_ns if self.outcome == "interrupted" else NEVER_NS
+
+
+Plain = dict[str, object]
+
+
+def summary_json(summary: FlightSummary, mission: str) -> Plain:
+    """Return the summary; times in [s] from mission start, None for what never came.
+
+    Of a command, `issued_s` is its first sending, `uplink_s` is of the sending that arrived first, and `round_trip_s`
+    of the sending that the first acknowledgement answers.
+    """
+    effort, link = summary.effort, summary.link
+    return {
+        "mission": mission,
+        "outcome": summary.outcome,
+        "reason": summary.reason,
+        **_times(summary, "ended"),
+        "control_steps": summary.steps,
+        "waypoints_reached": summary.reached,
+        "waypoints_known": summary.known,
+        "waypoints_total": len(summary.waypoints),
+        "falls": summary.falls,
+        "distance_m": effort.distance_m,
+        "mean_speed_mps": effort.mean_speed_mps,
+        **_times(effort, "walking", "standing", "fallen"),
+        "standing_share": effort.standing_share,
+        "reward": dict(summary.reward),
+        "reward_total": summary.reward_total,
+        "states_off_map": summary.states_off_map,
+        "frames_off_map": summary.frames_off_map,
+        "home": None if summary.home is None else {"x_m": summary.home.x_m, "y_m": summary.home.y_m},
+        "returns_home": [_return(each) for each in summary.returns],
+        "ended_at": _place(summary.ended_at),
+        "believed_at": _place(summary.believed_at),
+        "home_distance_m": summary.home_distance_m,
+        "waypoints": [_waypoint(waypoint) for waypoint in summary.waypoints],
+        "commands": [_command(command) for command in summary.commands],
+        "link": {
+            "up": _direction(link.up),
+            "down": _direction(link.down),
+            "lost_on_board": [{"from_s": seconds(begin), "to_s": seconds(end)} for begin, end in link.lost_spans],
+        },
+    }
+
+
+def _times(record: object, *names: str) -> Plain:
+    """Return times of a record in [s], such as "began_s" of `began_ns`."""
+    times_ns = ((name, getattr(record, f"{name}_ns")) for name in names)
+    return {f"{name}_s": None if time_ns is None else seconds(time_ns) for name, time_ns in times_ns}
+
+
+def _return(each: ReturnHome) -> Plain:
+    return {
+        "cause": each.cause,
+        "command": each.command_id,
+        **_times(each, "began", "began_known"),
+        "ending": str(each.ending),
+        "reached": each.ending is ReturnEnding.REACHED,
+        **_times(each, "ended", "ended_known"),
+    }
+
+
+def _place(track: Track) -> Plain | None:
+    """Return the place in a track's only row, and when the robot was there; None of one without a row."""
+    if not len(track):
+        return None
+    return {"x_m": float(track.x_m[0]), "y_m": float(track.y_m[0]), "at_s": seconds(int(track.time_ns[0]))}
+
+
+def _direction(it: LinkDirectionSummary) -> Plain:
+    return {
+        "lost": it.count(DeliveryOutcome.LOST),
+        "queue_full": it.count(DeliveryOutcome.QUEUE_FULL),
+        "no_contact": it.count(DeliveryOutcome.NO_CONTACT),
+        "not_arrived": it.not_arrived,
+        "duplicated": it.count(DeliveryOutcome.DUPLICATED),
+        "waited": it.waited,
+        **_times(it, "longest_wait"),
+    }
+
+
+def _waypoint(waypoint: WaypointSummary) -> Plain:
+    plan = waypoint.planned
+    return {
+        "name": plan.name,
+        "x_m": plan.x_m,
+        "y_m": plan.y_m,
+        "acceptance": plan.acceptance,
+        "tolerance_m": plan.tolerance_m,
+        "status": str(waypoint.status),
+        **_times(waypoint, "started", "ended", "reached", "known"),
+    }
+
+
+def _command(command: CommandSummary) -> Plain:
+    return {
+        "id": command.id,
+        "command": command.description,
+        **_times(command, "issued", "received", "acknowledged", "ended", "end_known"),
+        **_times(command, "uplink", "downlink", "round_trip"),
+        "known_stage": str(command.known_stage),
+        "on_board": None if command.onboard is None else str(command.onboard),
+        "attempts": command.attempts,
+        "losses": command.losses,
+    }

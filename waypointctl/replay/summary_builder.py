@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Final
 
+from waypointctl.log.header import MissionSetting
 from waypointctl.log.messages import (
     Ack,
     Action,
+    Clock,
     Command,
     CommandStage,
     Event,
@@ -18,33 +19,16 @@ from waypointctl.log.messages import (
     Message,
     PlannedWaypoint,
     Reward,
+    Severity,
     State,
     Telemetry,
 )
-from waypointctl.log.setting import MissionSetting
 from waypointctl.replay.command_summary import CommandsBuilder, CommandSummary
-from waypointctl.replay.effort import EffortBuilder
+from waypointctl.replay.legs import ReturnHome, ReturnsBuilder, WaypointsBuilder, WaypointSummary
 from waypointctl.replay.link_summary import LinkSummaryBuilder
-from waypointctl.replay.return_home import ReturnHome, ReturnsBuilder
-from waypointctl.replay.summary import UNFINISHED, FlightSummary, WaypointStatus, WaypointSummary
-from waypointctl.replay.track import Track, TrackBuilder, is_on_map
+from waypointctl.replay.summary import UNFINISHED, FlightSummary
+from waypointctl.replay.track import EffortBuilder, Track, TrackBuilder, is_on_map
 
-_STATUSES: Final = {
-    EventKind.WAYPOINT_REACHED: WaypointStatus.REACHED,
-    EventKind.WAYPOINT_TIMEOUT: WaypointStatus.TIMED_OUT,
-    EventKind.WAYPOINT_SKIPPED: WaypointStatus.SKIPPED,
-}
-# What the robot does instead of walking on to a waypoint.
-_ENDS_A_LEG: Final = frozenset(
-    {
-        EventKind.FALL,
-        EventKind.LEG_STARTED,
-        EventKind.PLAN_COMPLETED,
-        EventKind.PLAN_FAILED,
-        EventKind.RETURN_STARTED,
-        EventKind.TELEOPERATION_STARTED,
-    }
-)
 _NO_SETTING: Final = MissionSetting()
 
 
@@ -83,13 +67,9 @@ class FlightSummaryBuilder:
         self.state: State | None = None
         self.telemetry: Telemetry | None = None
         self.events: list[Event] = []
-        self._waypoints = {waypoint.index: WaypointSummary(waypoint) for waypoint in waypoints}
-        self._leg: int | None = None  # the waypoint of the leg that began last
-        self._commands = CommandsBuilder()
-        self._places: dict[tuple[float, float], PlannedWaypoint] = {}  # commanded, and none of the waypoints
+        self._waypoints, self._commands = WaypointsBuilder(waypoints), CommandsBuilder()
         self._truth, self._belief = TrackBuilder(), TrackBuilder()
         self._effort, self._returns = EffortBuilder(), ReturnsBuilder()
-        self._known = 0  # how many of the waypoints in telemetry's `reached`, which only grows, have been taken
         self._states_off_map = self._frames_off_map = 0
         self._reward: dict[str, float] = {}
         self._reward_total = 0.0
@@ -135,7 +115,7 @@ class FlightSummaryBuilder:
     @property
     def waypoints(self) -> tuple[WaypointSummary, ...]:
         """The waypoints of the mission, with their status so far."""
-        return tuple(waypoint for _, waypoint in sorted(self._waypoints.items()))
+        return self._waypoints.waypoints
 
     @property
     def returns(self) -> tuple[ReturnHome, ...]:
@@ -159,7 +139,7 @@ class FlightSummaryBuilder:
             ended_ns=ended_ns,
             steps=self._steps,
             waypoints=self.waypoints,
-            places=tuple(self._places.values()),
+            places=self._waypoints.places,
             commands=self.commands,
             events=tuple(self.events),
             reward=tuple(self._reward.items()),
@@ -211,11 +191,7 @@ class FlightSummaryBuilder:
             self._frames_off_map += 1
         for status in frame.commands:
             self._commands.on_status(status, frame)
-        for index in frame.reached[self._known :]:
-            waypoint = self._waypoints.get(index)
-            if waypoint is not None and waypoint.known_ns is None:
-                self._waypoints[index] = replace(waypoint, known_ns=frame.received_ns)
-        self._known = max(self._known, len(frame.reached))
+        self._waypoints.on_report(frame)
 
     def _on_ack(self, ack: Ack) -> None:
         self.now_ns = max(self.now_ns, ack.received_ns)
@@ -224,11 +200,7 @@ class FlightSummaryBuilder:
 
     def _on_command(self, command: Command) -> None:
         self._commands.on_command(command)
-        for waypoint in command.waypoints:
-            if waypoint.index < 0:
-                self._places.setdefault((waypoint.x_m, waypoint.y_m), waypoint)
-            elif waypoint.index not in self._waypoints:
-                self._waypoints[waypoint.index] = WaypointSummary(waypoint)
+        self._waypoints.on_command(command)
 
     def _on_stage(self, it: CommandStage) -> None:
         self.now_ns = max(self.now_ns, it.time_ns)
@@ -237,24 +209,41 @@ class FlightSummaryBuilder:
     def _on_event(self, event: Event) -> None:
         self.now_ns = max(self.now_ns, event.time_ns)
         self.events.append(event)
-        for part in (self._commands, self._returns, self.link, self._effort):
+        for part in (self._commands, self._waypoints, self._returns, self.link, self._effort):
             part.on_event(event)
-        if event.kind in _ENDS_A_LEG and self._leg is not None:
-            leg = self._waypoints[self._leg]
-            if leg.ended_ns is None:
-                self._waypoints[self._leg] = replace(leg, ended_ns=event.time_ns)
-        if event.waypoint in self._waypoints:
-            self._waypoints[event.waypoint] = self._visited(self._waypoints[event.waypoint], event)
 
-    def _visited(self, waypoint: WaypointSummary, event: Event) -> WaypointSummary:
-        status, time_ns = _STATUSES.get(event.kind, waypoint.status), event.time_ns
-        match event.kind:
-            case EventKind.LEG_STARTED:
-                self._leg = event.waypoint
-                return replace(waypoint, started_ns=time_ns, ended_ns=None)
-            case EventKind.WAYPOINT_REACHED:
-                return replace(waypoint, status=status, reached_ns=time_ns, ended_ns=time_ns)
-            case EventKind.WAYPOINT_TIMEOUT:
-                return replace(waypoint, status=status, ended_ns=time_ns)
-            case _:
-                return waypoint if status is waypoint.status else replace(waypoint, status=status)
+
+class OperatorView:
+    """A sink that keeps of a flight what the operator knows.
+
+    Attributes:
+        flight: what is known; a waypoint counts as reached from when telemetry reports it.
+        now_ns: the latest time on the operator's clock.
+    """
+
+    def __init__(self, waypoints: Iterable[PlannedWaypoint] = (), setting: MissionSetting | None = None) -> None:
+        """Begin with the waypoints of the mission, and what else it has fixed beforehand."""
+        self.flight = FlightSummaryBuilder(waypoints, setting or MissionSetting())
+        self.now_ns = 0
+        self._reached: set[int] = set()
+
+    def __call__(self, message: Message) -> None:
+        """Take one message; what happens on board or on the link is left out."""
+        match message:
+            case Telemetry():
+                self.flight(message)
+                for index in message.reached:
+                    self._reach(index, message)
+            case Ack() | Event(clock=Clock.OPERATOR) | CommandStage(clock=Clock.OPERATOR):
+                self.flight(message)
+        self.pass_time(self.flight.now_ns)
+
+    def pass_time(self, now_ns: int) -> None:
+        """Take the time that it is on the operator's clock."""
+        self.now_ns = self.flight.now_ns = max(self.now_ns, now_ns)
+
+    def _reach(self, index: int, frame: Telemetry) -> None:
+        if index not in self._reached:
+            self._reached.add(index)
+            text = f"waypoint {index + 1} reached"
+            self.flight(Event(frame.issued_ns, EventKind.WAYPOINT_REACHED, Clock.OPERATOR, Severity.INFO, text, index))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 
 
@@ -64,3 +64,16 @@ class Verification:
     reason: str
     checks: tuple[str, ...]
     not_compared: tuple[str, ...] = ()
+
+
+def verification_json(verification: Verification) -> dict[str, object]:
+    """Return the verdict with its reasons."""
+    first = verification.first_divergence
+    return {
+        "verdict": str(verification.verdict),
+        "steps": verification.steps,
+        "first_divergence": None if first is None else asdict(first),
+        "reason": verification.reason,
+        "checks": list(verification.checks),
+        "not_compared": list(verification.not_compared),
+    }

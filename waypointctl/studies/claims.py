@@ -8,8 +8,7 @@ from typing import Final, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict
 
 from waypointctl.studies.case import JOINT, MISSION, SHORT_RANGE_GOAL, WAYPOINT
-from waypointctl.studies.cells import Cell, slope
-from waypointctl.studies.flights import DelayFlight
+from waypointctl.studies.flights import Cell, DelayFlight, slope
 
 Finding: TypeAlias = Literal["holds", "refuted", "not measured"]
 

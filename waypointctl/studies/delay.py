@@ -17,13 +17,11 @@ from waypointctl.mission.files import MissionFile
 from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.robots.load import load_robot
-from waypointctl.studies.case import MISSION, DelayCase
-from waypointctl.studies.cells import Cell, cells_of
+from waypointctl.studies.case import MISSION, DelayCase, refuse_what_is_not_kept
 from waypointctl.studies.claims import ClaimResult, JointLimit, assess_claims, joint_limits
 from waypointctl.studies.engine import Interrupted, engine_for
-from waypointctl.studies.flights import DelayFlight, FlyCase
+from waypointctl.studies.flights import Cell, DelayFlight, FlyCase, cells_of
 from waypointctl.studies.results_file import ResultsFile, StudyInputs
-from waypointctl.studies.route import refuse_what_is_not_kept
 from waypointctl.task.plugins import load_plugins
 
 LOGS: Final = "logs"
@@ -198,11 +196,12 @@ def write_study(study: DelayStudy, folder: Path) -> None:
     Raises:
         OutputError: a file cannot be written.
     """
+    from waypointctl.evaluation.grid import markdown_file
     from waypointctl.studies.picture import draw
-    from waypointctl.studies.tables import tables, to_csv, to_markdown
+    from waypointctl.studies.tables import MARKDOWN_HEAD, tables, to_csv
 
     write_whole(folder / STUDY, f"{study.model_dump_json(indent=2)}\n".encode(), "the study")
-    write_whole(folder / TABLES, to_markdown(tables(study)).encode(), "the tables")
+    write_whole(folder / TABLES, markdown_file(MARKDOWN_HEAD, tables(study)).encode(), "the tables")
     write_whole(folder / VALUES, to_csv(study).encode(), "the values")
     write_whole(folder / PICTURE, draw(study), "the picture")
 

@@ -16,8 +16,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLoca
 
 from waypointctl.figure import BLUE, FAINT, GREEN, INK, OCHRE, PURPLE, VERMILION, picture
 from waypointctl.studies.case import AUTONOMIES, JOINT
-from waypointctl.studies.cells import Cell, Estimate
 from waypointctl.studies.delay import DelayStudy, Route
+from waypointctl.studies.flights import Cell, Estimate
 
 _DPI: Final = 110
 _COLUMN_IN: Final = 6.6

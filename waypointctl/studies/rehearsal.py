@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias, get_args
 
-from waypointctl.evaluation.wilson import wilson_interval
+from waypointctl.evaluation.result import wilson_interval
 from waypointctl.flight.fly import fly
 from waypointctl.flight.policy_fit import refuse_misfit
-from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkRecord, Message
+from waypointctl.log.messages import Event, EventKind
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
 from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
 from waypointctl.studies.engine import Interrupted, engine_for
@@ -196,32 +197,29 @@ class _Fly:
     def __call__(self, case: RehearsalCase, interrupted: Interrupted) -> RehearsedFlight | None:
         mission, policy = self.missions[case.mission]
         mission = mission.model_copy(update={"autonomy": case.autonomy, "seed": case.seed})
-        watch = _Watch()
-        result = fly(mission, policy, watch, plugins=self.plugins, interrupted=interrupted)
+        flight = FlightSummaryBuilder()
+        result = fly(mission, policy, flight, plugins=self.plugins, interrupted=interrupted)
         if result.outcome == "interrupted":
             return None
-        failed = result.outcome != "success"
-        names = [leg.name for leg in mission.legs()]
+        failed, summary = result.outcome != "success", flight.summary()
+        ways = {"up": summary.link.up, "down": summary.link.down}
         return RehearsedFlight(
             seed=case.seed,
             outcome="failure" if failed else "success",
             cause=result.reason.partition(":")[0] if failed else "",
-            waypoint=(*names, "")[watch.leg] if failed else "",
+            waypoint=_on_the_way_to(mission, summary.events) if failed else "",
             time_s=seconds(result.known_ns),
             waypoints_reached=result.waypoints_reached,
-            undelivered=dict(watch.undelivered),
+            undelivered={
+                (way, kind, outcome.value): count
+                for way, link in ways.items()
+                for (kind, outcome), count in link.undelivered.items()
+            },
         )
 
 
-class _Watch:
-    """A sink that notes which leg a flight is at, and what its link does not deliver."""
-
-    def __init__(self) -> None:
-        self.leg = 0
-        self.undelivered: Counter[Undelivered] = Counter()
-
-    def __call__(self, message: Message) -> None:
-        if isinstance(message, LinkRecord) and message.outcome in NOT_DELIVERED:
-            self.undelivered[message.direction, message.message, message.outcome.value] += 1
-        elif isinstance(message, Event) and message.waypoint >= 0:
-            self.leg = message.waypoint + (message.kind is EventKind.WAYPOINT_REACHED)
+def _on_the_way_to(mission: Mission, events: Sequence[Event]) -> str:
+    """Return the waypoint that the robot was on its way to at the end; empty where all were reached."""
+    last = next((event for event in reversed(events) if event.waypoint >= 0), None)
+    leg = 0 if last is None else last.waypoint + (last.kind is EventKind.WAYPOINT_REACHED)
+    return (*(each.name for each in mission.legs()), "")[leg]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
 from typing import Final
 
 from waypointctl.evaluation.grid import Column, Grid, interval
 from waypointctl.studies.case import JOINT
-from waypointctl.studies.cells import Cell, Estimate
 from waypointctl.studies.claims import FEWEST, UNMEASURED
 from waypointctl.studies.delay import DelayStudy, Route
+from waypointctl.studies.flights import Cell, Estimate
 
 MARKDOWN_HEAD: Final = "<!-- waypointctl study delay -->\n"
 
@@ -89,11 +88,6 @@ def tables(study: DelayStudy) -> list[Grid]:
     grids = [*glances, claims_grid(study), *(route_grid(study, route) for route in study.routes)]
     sweep = sweep_grid(study)
     return grids if sweep is None else [*grids, sweep]
-
-
-def to_markdown(grids: Sequence[Grid]) -> str:
-    """Return tables as a Markdown file, which begins with MARKDOWN_HEAD."""
-    return "\n\n".join([MARKDOWN_HEAD.rstrip(), *(grid.to_markdown() for grid in grids)]) + "\n"
 
 
 def to_csv(study: DelayStudy) -> str:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from rich.text import Text
+from rich.cells import cell_len
+from rich.text import Text
 
 FloatArray = NDArray[np.float64]
 
@@ -76,8 +75,6 @@ class Canvas:
 
     def rows(self, *, ascii_only: bool = False) -> list[Text]:
         """Return the lines of the drawing."""
-        from rich.text import Text
-
         letters = self._letters(ascii_only)
         rows = []
         for line in range(self.lines):
@@ -103,8 +100,6 @@ class Canvas:
 
 def _cells(text: str) -> list[str]:
     """Return what stands in each cell of a text: a wide letter takes two, and an accent none of its own."""
-    from rich.cells import cell_len
-
     cells: list[str] = []
     for letter in text:
         width = cell_len(letter)

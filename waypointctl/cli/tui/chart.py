@@ -4,21 +4,67 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from dataclasses import dataclass, field, replace
+from typing import Final, TypeVar
 
 import numpy as np
+from rich.cells import cell_len
+from rich.text import Text
 
 from waypointctl.cli.tui.canvas import CELL_HEIGHT, CELL_WIDTH, Canvas
-from waypointctl.cli.tui.map_scene import Scene
-from waypointctl.display_text import printable
-from waypointctl.replay.summary import WaypointStatus, WaypointSummary
-from waypointctl.replay.track import FloatArray, extent, is_on_map
+from waypointctl.cli.tui.formatting import shortened
+from waypointctl.log.header import MissionSetting
+from waypointctl.mission.onboard import Zone
+from waypointctl.replay.legs import ReturnHome, WaypointStatus, WaypointSummary
+from waypointctl.replay.summary import FlightSummary
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
+from waypointctl.replay.track import FloatArray, IntArray, Track, extent, is_on_map
 
-if TYPE_CHECKING:
-    from rich.text import Text
+Metres = TypeVar("Metres", float, FloatArray)
 
-    from waypointctl.mission.onboard import Zone
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a map shows.
+
+    Attributes:
+        truth: the path driven; the robot is at its end.
+        waypoints: of the mission.
+        belief: where the operator believes the robot to be, None before the first telemetry.
+        setting: home, zones and contact windows.
+        returns: the ways home.
+        missing_ns: when each message was sent that did not arrive, (n,).
+    """
+
+    truth: Track
+    waypoints: Sequence[WaypointSummary]
+    belief: tuple[float, float] | None = None
+    setting: MissionSetting = field(default_factory=MissionSetting)
+    returns: Sequence[ReturnHome] = ()
+    missing_ns: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
+
+    @property
+    def home(self) -> tuple[float, float] | None:
+        """Where home is, where that matters."""
+        home = self.setting.home_to_show(has_returned=bool(self.returns))
+        return None if home is None else (home.x_m, home.y_m)
+
+
+def scene_so_far(flight: FlightSummaryBuilder, most: int) -> Scene:
+    """Return what a map shows of a flight under way, the way in about `most` points."""
+    frame, link = flight.telemetry, flight.link.summary(flight.now_ns)
+    believed = None if frame is None else (frame.x_m, frame.y_m)
+    truth, returns = flight.truth(most), flight.returns
+    return Scene(truth, flight.waypoints, believed, flight.setting, returns, link.missing_ns)
+
+
+def scene_of(summary: FlightSummary, most: int) -> Scene:
+    """Return what a map shows of a flight, the way in about `most` points."""
+    last = summary.believed_at
+    believed = (float(last.x_m[0]), float(last.y_m[0])) if len(last) else None
+    truth, missing_ns = summary.truth.thinned(most), summary.link.missing_ns
+    return Scene(truth, summary.waypoints, believed, summary.setting, summary.returns, missing_ns)
+
 
 WAY: Final = "cyan"
 UNHEARD: Final = "bright_black"  # the way where nothing could be sent from
@@ -36,7 +82,6 @@ _STATUS_STYLES: Final = {
     WaypointStatus.OPEN: "yellow",
 }
 _MARGIN: Final = 0.04  # of the larger side, around everything
-_MOST_NAME: Final = 24  # of a name's letters
 _BELIEF: Final = "last known position"
 _SHORT: Final = {_BELIEF: "last known"}  # where the whole legend has no room
 
@@ -49,10 +94,7 @@ class _Frame:
     top_m: float
     dots_per_m: float
 
-    def dots(self, x_m: FloatArray, y_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return (x_m - self.left_m) * self.dots_per_m, (self.top_m - y_m) * self.dots_per_m
-
-    def dot(self, x_m: float, y_m: float) -> tuple[float, float]:
+    def dots(self, x_m: Metres, y_m: Metres) -> tuple[Metres, Metres]:
         return (x_m - self.left_m) * self.dots_per_m, (self.top_m - y_m) * self.dots_per_m
 
 
@@ -76,13 +118,13 @@ def draw_map(scene: Scene, columns: int, lines: int, *, ascii_only: bool = False
     lost, *others = signs
     for sign in others:
         for place in sign.places:
-            canvas.sign(*frame.dot(*place), sign.letter, sign.style)
+            canvas.sign(*frame.dots(*place), sign.letter, sign.style)
     for waypoint in scene.waypoints:
         _name_waypoint(canvas, frame, waypoint)
     for zone in scene.setting.zones:
         _name_zone(canvas, frame, zone)
     for place in lost.places:  # last, where there is room: a link can lose thousands
-        _write(canvas, lost.letter, [frame.dot(*place)], lost.style)
+        _write(canvas, lost.letter, [frame.dots(*place)], lost.style)
     return [*canvas.rows(ascii_only=ascii_only), _legend(frame, columns, signs, ascii_only)]
 
 
@@ -153,9 +195,9 @@ def _frame(scene: Scene, canvas: Canvas) -> _Frame:
 def _name_waypoint(canvas: Canvas, frame: _Frame, waypoint: WaypointSummary) -> None:
     """Write the waypoint's name beside its region, on whichever side there is room."""
     plan, name = waypoint.planned, shortened(waypoint.planned.name)
-    x, y = frame.dot(plan.x_m, plan.y_m)
+    x, y = frame.dots(plan.x_m, plan.y_m)
     reach = plan.tolerance_m * frame.dots_per_m
-    length = _length(name)
+    length = cell_len(name)
     right, left = x + reach + CELL_WIDTH, x - reach - CELL_WIDTH * (length + 1)
     middle = x - CELL_WIDTH * (length // 2)
     places = ((right, y), (left, y), (middle, y - reach - CELL_HEIGHT), (middle, y + reach + CELL_HEIGHT))
@@ -165,7 +207,7 @@ def _name_waypoint(canvas: Canvas, frame: _Frame, waypoint: WaypointSummary) -> 
 def _name_zone(canvas: Canvas, frame: _Frame, zone: Zone) -> None:
     """Write the zone's name in what is on the map of it, at its top or its bottom, or beside it if it is too small."""
     name = shortened(zone.label)
-    length = CELL_WIDTH * _length(name)
+    length = CELL_WIDTH * cell_len(name)
     x, y = frame.dots(*np.array(zone.outline_m).T)
     left, right = max(float(x.min()), 0.0), min(float(x.max()), canvas.width)
     top, bottom = max(float(y.min()), 0.0), min(float(y.max()), canvas.height)
@@ -184,26 +226,10 @@ def _write(canvas: Canvas, name: str, places: Sequence[tuple[float, float]], sty
         canvas.sign(*min(free, key=lambda place: canvas.covered(place[0], place[1], name)), name, style)
 
 
-def _length(name: str) -> int:
-    from rich.cells import cell_len
-
-    return cell_len(name)
-
-
-def shortened(name: str) -> str:
-    """Return a name fit to show, with its end left out where it is long."""
-    from rich.cells import set_cell_size
-
-    shown = printable(name)
-    return shown if _length(shown) <= _MOST_NAME else f"{set_cell_size(shown, _MOST_NAME - 3).rstrip()}..."
-
-
 def _legend(frame: _Frame, columns: int, signs: Sequence[_Sign], ascii_only: bool) -> Text:
     """Return the scale and the signs; of these, whole ones as far as there is room."""
-    from rich.text import Text
-
     legend = Text(no_wrap=True, overflow="crop")
-    length_m = _round_length(columns / 5 * CELL_WIDTH / frame.dots_per_m)
+    length_m = _roundcell_len(columns / 5 * CELL_WIDTH / frame.dots_per_m)
     cells = max(2, round(length_m * frame.dots_per_m / CELL_WIDTH))
     legend.append("|" + "-" * (cells - 2) + "|" if ascii_only else "├" + "─" * (cells - 2) + "┤", "dim")
     legend.append(f" {length_m:g} m", "dim")
@@ -217,7 +243,7 @@ def _legend(frame: _Frame, columns: int, signs: Sequence[_Sign], ascii_only: boo
     return legend
 
 
-def _round_length(length_m: float) -> float:
+def _roundcell_len(length_m: float) -> float:
     """Return the largest of 1, 2 and 5 times a power of ten that is not above `length_m`."""
     power = 10.0 ** math.floor(math.log10(length_m))
     return next(step * power for step in (5, 2, 1) if step * power <= length_m * (1 + 1e-9))

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
+
+from rich.table import Table
+from rich.text import Text
 
 from waypointctl.cli.tui.formatting import Happening, at
 from waypointctl.display_text import printable
-from waypointctl.log.messages import Clock, Mode, Severity
-from waypointctl.replay.summary import WaypointStatus
+from waypointctl.log.messages import Clock, Mode, Severity, Telemetry
+from waypointctl.replay.legs import WaypointStatus
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
 from waypointctl.units import seconds
-
-if TYPE_CHECKING:
-    from rich.table import Table
-    from rich.text import Text
-
-    from waypointctl.log.messages import Telemetry
-    from waypointctl.replay.summary_builder import FlightSummaryBuilder
 
 CLOCK_STYLES: Final = {Clock.ROBOT: "green", Clock.OPERATOR: "magenta"}
 _SEVERITY_STYLES: Final = {Severity.INFO: "", Severity.WARNING: "yellow", Severity.ERROR: "bold red"}
@@ -25,8 +22,6 @@ _SEVERITY_STYLES: Final = {Severity.INFO: "", Severity.WARNING: "yellow", Severi
 
 def heading(title: str, status: str, flight: FlightSummaryBuilder, *, ascii_only: bool) -> Text:
     """Return one line: the mission, how many waypoints are done and known to be, and the status of the view."""
-    from rich.text import Text
-
     waypoints = flight.waypoints
     reached = sum(waypoint.status is WaypointStatus.REACHED for waypoint in waypoints)
     known = sum(waypoint.known_ns is not None for waypoint in waypoints)
@@ -45,8 +40,6 @@ def clocks(flight: FlightSummaryBuilder, *, is_known_only: bool = False) -> Tabl
 
     With `is_known_only` the time is the operator's: what is true of the robot is not shown.
     """
-    from rich.table import Table
-
     table = Table.grid(padding=(0, 1))
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True, overflow="ellipsis")
@@ -58,8 +51,6 @@ def clocks(flight: FlightSummaryBuilder, *, is_known_only: bool = False) -> Tabl
 
 def commands(flight: FlightSummaryBuilder, most: int, *, narrow: bool) -> Table:
     """Return the newest commands: their stage on board and as it is known to the operator."""
-    from rich.table import Table
-
     table = Table(box=None, padding=(0, 1, 0, 0), expand=True, pad_edge=False, header_style="dim")
     table.add_column("#", no_wrap=True)
     table.add_column("command", no_wrap=True, overflow="ellipsis", ratio=1)
@@ -86,8 +77,6 @@ def commands(flight: FlightSummaryBuilder, most: int, *, narrow: bool) -> Table:
 
 def happenings(lines: Sequence[Happening]) -> Text:
     """Return one line for each."""
-    from rich.text import Text
-
     text = Text(no_wrap=True, overflow="ellipsis")
     for number, line in enumerate(lines):
         text.append("\n" if number else "")
@@ -162,6 +151,5 @@ def _place(x_m: float, y_m: float) -> str:
 
 
 def _text(value: str, style: str = "") -> Text:
-    from rich.text import Text
 
     return Text(value, style or "")

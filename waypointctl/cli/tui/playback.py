@@ -1,24 +1,158 @@
-"""A logged flight shown again, in real time or a multiple of it."""
+"""A flight shown at a pace: the pace, what shows it, and a logged flight shown again."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from types import TracebackType
+from typing import TYPE_CHECKING, Final, Protocol, Self
 
-from waypointctl.cli.standard_streams import has_failed
-from waypointctl.cli.tui.pace import Pace
-from waypointctl.cli.tui.terminal_input import Keyboard
-from waypointctl.cli.tui.watch import Watch, watch
+from waypointctl.cli.console import console, has_failed, is_live
+from waypointctl.cli.tui.formatting import happening
+from waypointctl.cli.tui.terminal import Keyboard
 from waypointctl.errors import InputError
-from waypointctl.log.messages import State
-from waypointctl.units import NS_PER_S, ns
+from waypointctl.flight.sink import Sink
+from waypointctl.log.header import MissionSetting
+from waypointctl.log.messages import Message, PlannedWaypoint, State
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
+from waypointctl.units import NS_PER_S, ns, seconds
 
 if TYPE_CHECKING:
     from waypointctl.replay.flight_log import FlightLog
 
-_NAP_S: Final = 0.05
+
+_NAP_S: Final = 0.05  # how long a wait may go without looking whether it is still wanted
+
+
+class Pace:
+    """Lets simulation time pass at `rate` times wall time. It waits; it cannot make up for slow work.
+
+    Attributes:
+        rate: simulated seconds in a second.
+    """
+
+    def __init__(self, rate: float, idle: Callable[[float], None] = time.sleep) -> None:
+        """Start the clock; `idle` is called with how long to wait [s], and may return sooner."""
+        self.rate = rate
+        self._idle = idle
+        self._simulated_s = 0.0
+        self._wall_s = time.monotonic()
+
+    @property
+    def now_ns(self) -> int:
+        """The simulation time that it is, whether or not the simulation has come to it [ns]."""
+        return ns(self._simulated_s + (time.monotonic() - self._wall_s) * self.rate)
+
+    def restart(self, time_ns: int) -> None:
+        """Say that now is the simulation time `time_ns`."""
+        self._simulated_s, self._wall_s = seconds(time_ns), time.monotonic()
+
+    def change(self, rate: float) -> None:
+        """Go on from this moment at another rate."""
+        now_s = time.monotonic()
+        self._simulated_s += (now_s - self._wall_s) * self.rate
+        self._wall_s, self.rate = now_s, rate
+
+    def wait_for(self, time_ns: int, stopped: Callable[[], bool] = lambda: False) -> None:
+        """Return when it is time for `time_ns`, or when `stopped` returns True."""
+        self._catch_up(time_ns)
+        while not stopped():
+            left_s = self._wall_s + (seconds(time_ns) - self._simulated_s) / self.rate - time.monotonic()
+            if left_s <= 0:
+                return
+            self._idle(min(left_s, _NAP_S))
+
+    def _catch_up(self, time_ns: int) -> None:
+        # Time lost, by slow work or while the process was stopped, is not run after: the picture would jump.
+        due_s = self._wall_s + (seconds(time_ns) - self._simulated_s) / self.rate
+        if time.monotonic() - due_s > 1.0:
+            self.restart(time_ns)
+
+
+def paced(sink: Sink, rate: float, stopped: Callable[[], bool]) -> Sink:
+    """Return a sink that lets each control step's messages through no sooner than it is time for them.
+
+    Time is kept from the first state that it is given, whenever that is.
+    """
+    pace = Pace(rate)
+    has_begun = False
+
+    def let_through(message: Message) -> None:
+        nonlocal has_begun
+        if isinstance(message, State):
+            if not has_begun:
+                pace.restart(message.time_ns)
+                has_begun = True
+            pace.wait_for(message.time_ns, stopped)
+        sink(message)
+
+    return let_through
+
+
+class Watch(AbstractContextManager["Watch"], Protocol):
+    """A sink that shows people the flight whose messages it is given."""
+
+    flight: FlightSummaryBuilder
+
+    def __call__(self, message: Message) -> None:
+        """Take one message."""
+
+    def restart(self) -> None:
+        """Forget the flight; its messages follow again."""
+
+    def say(self, status: str) -> None:
+        """Put a word about the view itself beside what it shows, where there is room for one."""
+
+
+def watch(title: str, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> Watch:
+    """Return what shows a flight on stderr, under its title and with what its mission has fixed beforehand."""
+    people = console(stderr=True)
+    if not is_live(people):
+        return PlainLines(waypoints, setting)
+    from waypointctl.cli.tui.screens import LiveView
+
+    return LiveView(people, title, waypoints, setting)
+
+
+class PlainLines:
+    """Writes one line to stderr for each happening.
+
+    Attributes:
+        flight: the flight so far.
+    """
+
+    def __init__(self, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> None:
+        """Begin with the waypoints of the mission, and what else it has fixed beforehand."""
+        self._waypoints, self._setting = tuple(waypoints), setting
+        self.restart()
+
+    def __call__(self, message: Message) -> None:
+        """Take one message."""
+        self.flight(message)
+        event = happening(message)
+        if event is not None:
+            print(event.line, file=sys.stderr, flush=True)
+
+    def __enter__(self) -> Self:
+        """Begin."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Leave what has been written."""
+
+    def restart(self) -> None:
+        """Forget the flight; its messages follow again."""
+        self.flight = FlightSummaryBuilder(self._waypoints, self._setting)
+
+    def say(self, status: str) -> None:
+        """Say nothing: among the lines of a flight it would be out of place."""
+
+
 _STEP_NS: Final = NS_PER_S // 10
 _FASTEST: Final = 1024.0
 _SLOWEST: Final = 1 / 1024

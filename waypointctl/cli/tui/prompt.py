@@ -11,18 +11,16 @@ from collections.abc import Callable, Iterable, Iterator
 from types import TracebackType
 from typing import Final, Self
 
-from waypointctl.cli.tui.console_screen import SIGN, ConsoleScreen
-from waypointctl.cli.tui.formatting import happening
-from waypointctl.cli.tui.operator_status import status_lines
-from waypointctl.cli.tui.pace import Pace
-from waypointctl.cli.tui.terminal_input import TypedLines
+from waypointctl.cli.tui.formatting import happening, status_lines
+from waypointctl.cli.tui.playback import Pace
+from waypointctl.cli.tui.screens import SIGN, ConsoleScreen
+from waypointctl.cli.tui.terminal import TypedLines
 from waypointctl.display_text import printable_lines
 from waypointctl.flight.header import setting_of
 from waypointctl.flight.operator.console import QUIT, USAGE, impossible, request_from
 from waypointctl.log.messages import Clock, Message, PlannedWaypoint
 from waypointctl.mission.mission import Mission
-from waypointctl.replay.operator_view import OperatorView
-from waypointctl.replay.summary_builder import FlightSummaryBuilder
+from waypointctl.replay.summary_builder import FlightSummaryBuilder, OperatorView
 from waypointctl.units import seconds
 
 HELP: Final = f"commands: {USAGE}"
@@ -153,7 +151,8 @@ class Prompt:
         if self._screen is None:
             return
         self._screen.prompt = _CLOSED if self._has_quit else f"{SIGN}{self._typed.draft}"
-        (self._screen.draw if at_once else self._screen.draw_if_due)(self._now_ns)
+        self._screen.view.pass_time(self._now_ns)
+        (self._screen.draw if at_once else self._screen.draw_if_due)()
 
     @property
     def _now_ns(self) -> int:

@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterator
+from typing import Final
+
+from rich.console import Console
 
 from waypointctl.cli.console import console
-from waypointctl.cli.tui.formatting import size
-from waypointctl.cli.tui.summary_lines import effort_lines, link_lines, whereabouts_lines
+from waypointctl.cli.tui.formatting import MESSAGE_KINDS, at, size
 from waypointctl.cli.tui.tables import command_table, reward_table, waypoint_table
 from waypointctl.display_text import printable, shell_word
-from waypointctl.units import seconds
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from waypointctl.flight.outcome import FlightResult
-    from waypointctl.replay.summary import FlightSummary
-    from waypointctl.replay.verdict import Verification
+from waypointctl.flight.outcome import FlightResult
+from waypointctl.log.messages import DeliveryOutcome, EventKind
+from waypointctl.replay.legs import ReturnHome
+from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary
+from waypointctl.replay.summary import FlightSummary
+from waypointctl.replay.track import FARTHEST_M, Track
+from waypointctl.replay.verdict import Verification
+from waypointctl.units import NS_PER_S, seconds
 
 _GOOD: Final = "bold green"
 _PART: Final = "bold yellow"
 _BAD: Final = "bold red"
 _MAP_LINES: Final = 22
 _MAP_COLUMNS: Final = 78
+_OUTCOMES: Final = {
+    DeliveryOutcome.LOST: "lost",
+    DeliveryOutcome.QUEUE_FULL: "dropped because the queue was full",
+    DeliveryOutcome.NO_CONTACT: "dropped because no contact was left",
+}
 
 
 def print_flight(summary: FlightSummary, result: FlightResult, wall_s: float, *, stderr: bool) -> None:
@@ -67,8 +74,7 @@ def print_verdict(verification: Verification, *, stderr: bool) -> None:
 
 def print_summary(summary: FlightSummary, title: str, *, stderr: bool) -> None:
     """Print the summary of a logged flight."""
-    from waypointctl.cli.tui.chart import draw_map
-    from waypointctl.cli.tui.map_scene import scene_of
+    from waypointctl.cli.tui.chart import draw_map, scene_of
 
     out = console(stderr=stderr)
     _print_line(out, printable(title), style="bold")
@@ -103,3 +109,80 @@ def _print_tables(out: Console, summary: FlightSummary) -> None:
     out.print()
     out.print(command_table(summary))
     out.print()
+
+
+def whereabouts_lines(summary: FlightSummary) -> list[str]:
+    """Return a line for each return home, and one for where the robot ended; nothing of a flight without a state."""
+    lines = [f"return     {printable(str(each))}; {_known(each)}" for each in summary.returns]
+    end, believed = summary.ended_at, summary.believed_at
+    if not len(end):
+        return lines
+    home = "" if summary.home_distance_m is None else f", {summary.home_distance_m:.2f} m from home"
+    last = "no position known to the operator"
+    if len(believed):
+        last = f"last known to the operator: {_place(believed)}, sampled at {at(int(believed.time_ns[0]))}"
+    return [*lines, f"ended      at {_place(end)}{home}; {last}"]
+
+
+def _known(each: ReturnHome) -> str:
+    if each.ended_known_ns is not None:
+        return f"known to the operator at {at(each.ended_known_ns)}"
+    if each.began_known_ns is not None:
+        return f"its start was known to the operator at {at(each.began_known_ns)}"
+    return "not known to the operator"
+
+
+def _place(track: Track) -> str:
+    return f"({float(track.x_m[0]):.2f}, {float(track.y_m[0]):.2f}) m"
+
+
+def effort_lines(summary: FlightSummary) -> list[str]:
+    """Return how far, how fast, and how the time was spent."""
+    effort = summary.effort
+    speed = "" if effort.mean_speed_mps is None else f", {effort.mean_speed_mps:.2f} m/s while walking"
+    spent = f"{effort.walking_ns / 1e9:.2f} s walking, {effort.standing_ns / 1e9:.2f} s standing"
+    if effort.standing_share is not None:
+        spent += f" ({effort.standing_share:.0%})"
+    if effort.fallen_ns:
+        spent += f", {effort.fallen_ns / 1e9:.2f} s fallen"
+    lines = [f"distance   {effort.distance_m:.2f} m{speed}", f"time       {spent}"]
+    if summary.falls:
+        falls = (at(event.time_ns) for event in summary.events if event.kind is EventKind.FALL)
+        lines.append(f"fell       at {', '.join(falls)}")
+    if off_map := _off_map(summary):
+        lines.append(f"left out   {off_map}: not finite, or beyond {FARTHEST_M:,.0f} m")
+    return lines
+
+
+def _off_map(summary: FlightSummary) -> str:
+    """Return the counts of values that are off the map, as text; empty for a log that was not altered."""
+    waypoints = sum(not waypoint.is_on_map for waypoint in summary.waypoints)
+    counts = ((summary.states_off_map, "state"), (summary.frames_off_map, "telemetry frame"), (waypoints, "waypoint"))
+    return ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for count, what in counts if count)
+
+
+def link_lines(link: LinkSummary) -> list[str]:
+    """Return a line for each way on which messages were lost, duplicated, dropped or queued."""
+    ways = (("link up    ", link.up), ("link down  ", link.down))
+    return [f"{label}{', '.join(_direction(way))}" for label, way in ways if way]
+
+
+def _direction(way: LinkDirectionSummary) -> Iterator[str]:
+    counts = ((way.count(outcome), text) for outcome, text in _OUTCOMES.items())
+    missing = [f"{count} {text}" for count, text in counts if count]
+    if missing:
+        kinds = (_several(kind, count) for kind, count in way.not_arrived.items())
+        yield f"{'; '.join(missing)} ({', '.join(kinds)})"
+    if duplicated := way.count(DeliveryOutcome.DUPLICATED):
+        yield f"{duplicated} duplicated"
+    if way.waited:
+        yield f"{way.waited} queued, for at most {_wait(way.longest_wait_ns)}"
+
+
+def _wait(time_ns: int) -> str:
+    """Return a wait; one that is short with two figures, however short."""
+    return at(time_ns) if time_ns >= NS_PER_S // 10 else f"{seconds(time_ns) * 1e3:.2g} ms"
+
+
+def _several(kind: str, count: int) -> str:
+    return f"{count} {MESSAGE_KINDS.get(kind, printable(kind))}{'' if count == 1 else 's'}"

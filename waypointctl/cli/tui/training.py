@@ -7,41 +7,26 @@ import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import TYPE_CHECKING, Final, Protocol, Self
+from typing import Final, Protocol, Self
+
+from rich.box import ASCII, ROUNDED
+from rich.console import Console, RenderableType
+from rich.panel import Panel
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+from rich.text import Text
 
 from waypointctl.cli.console import console, is_live
-from waypointctl.cli.tui.training_text import (
-    checkpoint_text,
-    count,
-    duration,
-    evaluation_text,
-    line,
-    percent,
-    rates,
-    resumed_text,
-    schedules,
-    sparkline,
-    threads_text,
-    warm_start_text,
-)
+from waypointctl.cli.tui.terminal import Screen
+from waypointctl.cli.tui.training_text import count, duration, line, percent, rates, row, schedules, sparkline
 from waypointctl.display_text import printable
 from waypointctl.training.events import (
     ENOUGH,
-    CheckpointEvaluated,
-    CheckpointSaved,
     EvaluationProgress,
-    Resumed,
-    Threads,
     TrainingEvent,
     TrainingStatus,
-    WarmStarted,
 )
-
-if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
-    from rich.panel import Panel
-
-    from waypointctl.training.recipe import Recipe
+from waypointctl.training.recipe import Recipe
 
 LINE_PERIOD_S: Final = 10.0  # between two lines where there is no terminal
 PANEL_PERIOD_S: Final = 0.2  # between two panels where there is one
@@ -114,23 +99,18 @@ class PlainLines:
         print(printable(text), file=sys.stderr, flush=True)
 
 
-class LivePanel:
+class LivePanel(Screen):
     """Draws one panel and draws it over."""
 
     def __init__(self, people: Console, recipe: Recipe, title: str, interrupted: Callable[[], bool]) -> None:
         """Draw on `people`, a terminal."""
-        from rich.live import Live
-
-        self._console = people
+        super().__init__(people, PANEL_PERIOD_S)
         self._phases = len(recipe.phases)
         self._title = title
         self._interrupted = interrupted
-        self._ascii_only = not people.encoding.lower().startswith("utf")
         self._status: TrainingStatus | None = None
         self._texts: dict[str, str] = {}  # by the label of their row
         self._history: list[tuple[float, float]] = []
-        self._next_s = 0.0
-        self._live = Live(console=people, auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
 
     def __call__(self, event: TrainingEvent) -> None:
         """Take an event."""
@@ -139,36 +119,18 @@ class LivePanel:
             if event.success_rate is not None:
                 self._history.append((event.steps / event.total_steps, event.success_rate))
         else:
-            label, text = _row(event)
+            label, text = row(event)
             self._texts[label] = text
-        if time.monotonic() >= self._next_s:
-            self.draw()
+        self.draw_if_due()
 
     def __enter__(self) -> Self:
         """Begin to draw."""
-        self._live.start()
+        super().__enter__()
         self.draw()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        """Leave the last panel standing."""
-        self.draw()
-        self._live.stop()
-
-    def draw(self) -> None:
-        """Draw now."""
-        self._live.update(self.panel(), refresh=True)
-        self._next_s = time.monotonic() + PANEL_PERIOD_S
-
-    def panel(self) -> Panel:
+    def picture(self) -> Panel:
         """Return the panel, made to the terminal's width as it is now."""
-        from rich.box import ASCII, ROUNDED
-        from rich.panel import Panel
-        from rich.table import Table
-        from rich.text import Text
-
         width = min(self._console.width, _WIDEST)
         columns = max(width - _LABELS - _FRAME, 1)
         table = Table.grid(padding=(0, 2, 0, 0), pad_edge=False)
@@ -181,7 +143,6 @@ class LivePanel:
         return Panel(table, title=Text(self._title), subtitle=Text(hint), box=box, width=width, title_align="left")
 
     def _rows(self, columns: int) -> list[tuple[str, RenderableType]]:
-        from rich.progress_bar import ProgressBar
 
         status = self._status
         if status is None:
@@ -207,23 +168,3 @@ class LivePanel:
         if status.episodes < ENOUGH:
             return f"{status.episodes} so far; rates are shown from {ENOUGH} on"
         return f"{', '.join(f'{percent(rate)} {name}' for name, rate in rates(status))} of the last {status.episodes}"
-
-
-def _row(event: TrainingEvent) -> tuple[str, str]:
-    """Return the label and the text of the row that an event other than a status is shown in."""
-    match event:
-        case Threads():
-            return "threads", threads_text(event)
-        case Resumed():
-            return "resume", resumed_text(event)
-        case WarmStarted():
-            return "warm start", warm_start_text(event)
-        case CheckpointSaved():
-            return "checkpoint", str(event.folder)
-        case CheckpointEvaluated():
-            return "selection", checkpoint_text(event)
-        case EvaluationProgress(final=False):
-            return "selection", f"evaluating {evaluation_text(event)}"
-        case EvaluationProgress():
-            return "evaluation", evaluation_text(event)
-    raise AssertionError(event)

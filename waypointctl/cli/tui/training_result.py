@@ -1,13 +1,20 @@
-"""The result of a training, as text and as JSON."""
+"""The results of trainings, with one seed or several: as tables, as text and as JSON."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from waypointctl.cli.tui.training_text import count, duration, exact_percent
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
+    from waypointctl.cli.tui.tables import GridView
+    from waypointctl.evaluation.grid import Grid
     from waypointctl.training.recipe_file import RecipeFile
+    from waypointctl.training.seeds import SeedsResult, Spread
     from waypointctl.training.train import TrainingResult
 
 
@@ -26,7 +33,7 @@ def print_result(
     import typer
 
     from waypointctl.cli.console import console
-    from waypointctl.cli.tui.grid_view import GridView
+    from waypointctl.cli.tui.tables import GridView
     from waypointctl.cli.tui.training_text import duration, outcome_text
     from waypointctl.display_text import printable, shell_word
     from waypointctl.evaluation.result import EVALUATION
@@ -105,3 +112,113 @@ def _selection(result: TrainingResult) -> dict[str, Any]:
         "wall_time_s": best.wall_time_s if selection.met else None,
     }
     return {"selection": found, "target": target}
+
+
+# By quantity: the heading, how a number is written, and what is left out first on a narrow terminal.
+_COLUMNS: Final[dict[str, tuple[str, Callable[[float], str], int]]] = {
+    "success_rate": ("success", exact_percent, 0),
+    "fall_rate": ("falls", exact_percent, 1),
+    "timeout_rate": ("time-outs", exact_percent, 2),
+    "spl": ("SPL", "{:.3f}".format, 3),
+    "selection_rate": ("selection", exact_percent, 6),
+    "steps": ("steps", count, 4),
+    "wall_time_s": ("time", duration, 5),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SeedsTrained:
+    """A training with several seeds, finished or interrupted.
+
+    Attributes:
+        recipe_file: that the runs follow.
+        seeds: requested.
+        group: the folder of the runs.
+        complete: the seeds whose runs are finished.
+        compared: their results; None as long as a run is not finished.
+        already_complete: all of them were trained before.
+    """
+
+    recipe_file: RecipeFile
+    seeds: list[int]
+    group: Path
+    complete: list[int]
+    compared: SeedsResult | None
+    already_complete: bool
+
+
+def print_seeds(trained: SeedsTrained, resume_command: str, *, stderr: bool) -> None:
+    """Print a row for each seed, or, of a training that was interrupted, the command to continue."""
+    import typer
+
+    from waypointctl.cli.console import console
+    from waypointctl.display_text import printable
+    from waypointctl.training.curves import CURVES, PICTURE
+    from waypointctl.training.seeds import RESULTS
+
+    if trained.compared is None:
+        typer.echo(f"interrupted with {len(trained.complete)} of {len(trained.seeds)} seeds trained", err=stderr)
+        typer.echo(f"  to resume:  {resume_command}", err=stderr)
+        return
+    if trained.already_complete:
+        typer.echo(
+            f"{printable(trained.group)}: every seed was trained to its end before; nothing is left to train",
+            err=stderr,
+        )
+    table = seeds_table(trained.recipe_file.recipe.name, trained.compared, trained.group / RESULTS)
+    console(stderr=stderr).print(table)
+    typer.echo(f"{printable(trained.group / PICTURE)}: the learning curves; as numbers in {CURVES}", err=stderr)
+
+
+def seeds_json(trained: SeedsTrained) -> str:
+    """Return the JSON object of `waypointctl train --seeds --json`."""
+    import json
+
+    from waypointctl.training.curves import CURVES, PICTURE
+
+    group, compared = trained.group, trained.compared
+    found = {
+        "recipe": trained.recipe_file.recipe.name,
+        "recipe_sha256": trained.recipe_file.sha256,
+        "outcome": "interrupted" if compared is None else "complete",
+        "folder": str(group),
+        "requested_seeds": trained.seeds,
+        "already_complete": trained.already_complete,
+        "curves": None if compared is None else str(group / CURVES),
+        "picture": None if compared is None else str(group / PICTURE),
+        **({"seeds": [], "spread": {}} if compared is None else compared.to_dict()),
+    }
+    return f"{json.dumps(found, indent=2)}\n"
+
+
+def seeds_table(name: str, compared: SeedsResult, kept: Path) -> GridView:
+    """Return a row for each seed, and mean, standard deviation, lowest and highest over them.
+
+    Args:
+        name: of the recipe.
+        compared: the seeds.
+        kept: the file that has all columns.
+    """
+    from waypointctl.cli.tui.tables import GridView
+
+    return GridView(_grid(name, compared), (str(kept),), ruled=(len(compared.results) - 1,))
+
+
+def _grid(name: str, compared: SeedsResult) -> Grid:
+    from waypointctl.evaluation.grid import Column, Grid
+
+    columns = {quantity: column for quantity, column in _COLUMNS.items() if quantity in compared.spread}
+    rows = [
+        (str(result.seed), *(text(getattr(result, quantity)) for quantity, (_, text, _) in columns.items()))
+        for result in compared.results
+    ]
+    for part in ("mean", "std", "lowest", "highest"):
+        cells = (_cell(compared.spread[quantity], part, text) for quantity, (_, text, _) in columns.items())
+        rows.append((part, *cells))
+    headings = (Column("seed", is_text=True), *(Column(heading, spare=spare) for heading, _, spare in columns.values()))
+    return Grid(f"{name} on the paper's paths, by seed of the training", headings, tuple(rows))
+
+
+def _cell(spread: Spread, part: str, text: Callable[[float], str]) -> str:
+    value: float | None = getattr(spread, part)
+    return "-" if value is None else text(value)

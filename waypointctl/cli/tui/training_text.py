@@ -59,7 +59,7 @@ def exact_percent(rate: float) -> str:
     return f"{rate:.1%}"
 
 
-def checkpoint_text(event: CheckpointEvaluated) -> str:
+def _checkpoint_text(event: CheckpointEvaluated) -> str:
     """Return how a checkpoint did, and the best of them so far."""
     found = f"{exact_percent(event.success_rate)} of {event.trials} at {count(event.steps)}"
     best = "the best" if event.best_steps == event.steps else f"best {exact_percent(event.best_success_rate)}"
@@ -68,7 +68,7 @@ def checkpoint_text(event: CheckpointEvaluated) -> str:
     return f"{found}, {best}{where}{goal}"
 
 
-def warm_start_text(event: WarmStarted) -> str:
+def _warm_start_text(event: WarmStarted) -> str:
     """Return what a training begins with, and which of its inputs have another meaning here."""
     if not event.changed:
         return f"network, value function and normaliser of {event.policy}"
@@ -87,7 +87,7 @@ def outcome_text(selection: Selection, total_steps: int) -> str:
     return selected if plan.stop_at is None else f"{missed}{selected}"
 
 
-def threads_text(threads: Threads) -> str:
+def _threads_text(threads: Threads) -> str:
     """Return the numbers of threads of a training, and where they come from."""
     found = f"{threads.physics} for the physics, {threads.torch} for the network"
     if threads.began is not None and threads.began != threads.torch:
@@ -97,34 +97,36 @@ def threads_text(threads: Threads) -> str:
     return f"{found}, {'the default' if threads.began is None else 'as the run began'}"
 
 
-def resumed_text(event: Resumed) -> str:
+def _resumed_text(event: Resumed) -> str:
     """Return where a training continues, or that it is complete."""
     at = f"step {event.steps} of {event.total_steps}"
     return f"the training is complete at {at}; nothing is left to train" if event.complete else f"resumed at {at}"
 
 
-def evaluation_text(event: EvaluationProgress) -> str:
-    """Return how far an evaluation is."""
-    return f"{event.case}, {event.ended} of {event.trials} trials"
+def row(event: TrainingEvent) -> tuple[str, str]:
+    """Return an event other than a status as a label and a text."""
+    match event:
+        case Threads():
+            return "threads", _threads_text(event)
+        case Resumed():
+            return "resume", _resumed_text(event)
+        case WarmStarted():
+            return "warm start", _warm_start_text(event)
+        case CheckpointSaved():
+            return "checkpoint", str(event.folder)
+        case CheckpointEvaluated():
+            return "selection", _checkpoint_text(event)
+        case EvaluationProgress():
+            text = f"{event.case}, {event.ended} of {event.trials} trials"
+            return ("evaluation", text) if event.final else ("selection", f"evaluating {text}")
+    raise AssertionError(event)
 
 
 def line(event: TrainingEvent, phases: int) -> str:
     """Return an event as one line; `phases` is how many the recipe has."""
-    match event:
-        case Threads():
-            return f"threads    {threads_text(event)}"
-        case Resumed():
-            return f"resume     {resumed_text(event)}"
-        case CheckpointSaved():
-            return f"checkpoint {event.folder}"
-        case CheckpointEvaluated():
-            return f"evaluated  success {checkpoint_text(event)}"
-        case WarmStarted():
-            return f"warm start {warm_start_text(event)}"
-        case EvaluationProgress():
-            return f"evaluation {evaluation_text(event)}"
-        case TrainingStatus():
-            return _status_line(event, phases)
+    if isinstance(event, TrainingStatus):
+        return _status_line(event, phases)
+    return "{:<10} {}".format(*row(event))
 
 
 def _status_line(status: TrainingStatus, phases: int) -> str:

@@ -6,7 +6,7 @@ This runs for every second control step of a flight, so each message is laid out
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
@@ -14,16 +14,17 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.JointState_pb2 import JointState
 from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 from foxglove_schemas_protobuf.Odometry_pb2 import Odometry
+from foxglove_schemas_protobuf.Pose_pb2 import Pose
 from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from foxglove_schemas_protobuf.Quaternion_pb2 import Quaternion
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from waypointctl.log.foxglove.geometry import pose, rotate_back, timestamp
 from waypointctl.log.header import Kinematics
 from waypointctl.log.messages import FloatArray, State
 from waypointctl.log.steps import MOMENT, NUMBER, Template, moment
 from waypointctl.sim.geometry import WORLD
+from waypointctl.units import NS_PER_S
 
 _VECTOR = Vector3(x=NUMBER, y=NUMBER, z=NUMBER)
 _QUATERNION = Quaternion(x=NUMBER, y=NUMBER, z=NUMBER, w=NUMBER)
@@ -118,3 +119,35 @@ class Trail:
             self._stride *= 2
         self._message.timestamp.CopyFrom(timestamp(time_ns))
         return self._message.SerializeToString()
+
+
+Triple: TypeAlias = tuple[float, float, float]
+Quadruple: TypeAlias = tuple[float, float, float, float]
+
+UPRIGHT: Quadruple = (1.0, 0.0, 0.0, 0.0)
+
+
+def timestamp(time_ns: int) -> Timestamp:
+    """Return a simulation time in [ns] as protobuf's timestamp, counted from 0 as the log counts."""
+    return Timestamp(seconds=time_ns // NS_PER_S, nanos=time_ns % NS_PER_S)
+
+
+def pose(position: Sequence[float], quaternion: Sequence[float] = UPRIGHT) -> Pose:
+    """Return the pose at `position` (3,) [m], turned by `quaternion` (4,) w x y z."""
+    x, y, z = position
+    qw, qx, qy, qz = quaternion
+    return Pose(position=Vector3(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+
+
+def rotate(quaternion: Sequence[float], vector: Sequence[float]) -> Triple:
+    """Return `vector` (3,) turned by the unit `quaternion` (4,) w x y z: v + 2 q x (q x v + w v)."""
+    w, x, y, z = quaternion
+    a, b, c = vector
+    i, j, k = y * c - z * b + w * a, z * a - x * c + w * b, x * b - y * a + w * c
+    return a + 2 * (y * k - z * j), b + 2 * (z * i - x * k), c + 2 * (x * j - y * i)
+
+
+def rotate_back(quaternion: Sequence[float], vector: Sequence[float]) -> Triple:
+    """Return `vector` (3,) turned by the inverse of the unit `quaternion` (4,) w x y z."""
+    w, x, y, z = quaternion
+    return rotate((w, -x, -y, -z), vector)

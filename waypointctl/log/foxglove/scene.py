@@ -17,7 +17,7 @@ from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 from foxglove_schemas_protobuf.TextPrimitive_pb2 import TextPrimitive
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 
-from waypointctl.log.foxglove.geometry import pose, rotate, timestamp
+from waypointctl.log.foxglove.motion import pose, rotate, timestamp
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Clock,

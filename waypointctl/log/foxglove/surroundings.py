@@ -13,10 +13,10 @@ from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 from foxglove_schemas_protobuf.TextPrimitive_pb2 import TextPrimitive
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 
-from waypointctl.log.foxglove.geometry import pose
+from waypointctl.log.foxglove.motion import pose
 from waypointctl.log.foxglove.scene import LABEL_HEIGHT_M, Standing, region
+from waypointctl.log.header import MissionSetting
 from waypointctl.log.messages import NOT_DELIVERED, Event, EventKind, LinkRecord, State
-from waypointctl.log.setting import MissionSetting
 from waypointctl.mission.onboard import Zone
 from waypointctl.sim.geometry import WORLD
 from waypointctl.units import NS_PER_S, seconds

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
+from importlib.resources import files
 from typing import Final, NamedTuple
 
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
@@ -12,11 +14,10 @@ from foxglove_schemas_protobuf.Odometry_pb2 import Odometry
 from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
-from waypointctl.log.foxglove.geometry import timestamp
-from waypointctl.log.foxglove.motion import Motion, Trail
+from waypointctl.log.foxglove.motion import Motion, Trail, timestamp
 from waypointctl.log.foxglove.scene import GoalMarker, Standing, near, scene, waypoint_poses
 from waypointctl.log.foxglove.surroundings import Surroundings
-from waypointctl.log.header import Kinematics
+from waypointctl.log.header import Kinematics, MissionSetting
 from waypointctl.log.messages import (
     Command,
     CommandStage,
@@ -29,7 +30,6 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
-from waypointctl.log.setting import MissionSetting
 from waypointctl.units import NS_PER_S
 
 VIEW_TOPICS: Final = {
@@ -53,6 +53,20 @@ _STANDINGS: Final = {
     EventKind.WAYPOINT_TIMEOUT: Standing.MISSED,
     EventKind.WAYPOINT_SKIPPED: Standing.MISSED,
 }
+
+
+def layout(root: str, *, camera: bool) -> bytes:
+    """Return the layout that travels in the log, its view from behind the body `root`; with `camera` its pictures too.
+
+    layout.json is as Foxglove and Lichtblick export a layout, and import it; they publish no schema of it.
+    """
+    whole = json.loads(files("waypointctl.log.foxglove").joinpath("layout.json").read_bytes())
+    panels, scene_and_camera = whole["configById"], whole["layout"]["first"]
+    panels["3D!scene"]["followTf"] = root
+    if not camera:
+        del panels["Image!camera"]
+        scene_and_camera["first"] = "3D!scene"
+    return json.dumps(whole, indent=2).encode() + b"\n"
 
 
 class Frame(NamedTuple):

@@ -12,6 +12,8 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Bbox, IdentityTransform
 
 from waypointctl.display_text import printable
+from waypointctl.figure import BLUE, GREEN, GREY, OCHRE, PINK, RED, VERMILION
+from waypointctl.replay.legs import WaypointStatus
 from waypointctl.replay.track import FloatArray
 
 SIZE_PT: Final = 8
@@ -108,3 +110,21 @@ def short(name: str, most: int) -> str:
     """Return a name fit to show in at most `most` characters: the end of a longer one is left out."""
     shown = printable(name, len(name))
     return shown if len(shown) <= most else f"{shown[: most - 1].rstrip()}\N{HORIZONTAL ELLIPSIS}"
+
+
+ROBOT: Final = BLUE
+OPERATOR: Final = PINK
+REACHED: Final = GREEN
+FAILED: Final = VERMILION
+UNPROVEN: Final = RED
+HOME: Final = OCHRE
+KEEP_IN: Final = GREEN
+KEEP_OUT: Final = RED
+OPEN: Final = GREY
+
+STATUS_COLORS: Final = {
+    WaypointStatus.REACHED: REACHED,
+    WaypointStatus.TIMED_OUT: FAILED,
+    WaypointStatus.SKIPPED: FAILED,
+    WaypointStatus.OPEN: OPEN,
+}

@@ -10,12 +10,25 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Patch, Polygon, Rectangle
 from matplotlib.ticker import MultipleLocator
 
+from waypointctl.figure import FAINT, INK
 from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.onboard import Zone
-from waypointctl.replay.picture import palette
-from waypointctl.replay.picture.labels import Labels, Place, around, short
+from waypointctl.replay.legs import WaypointSummary
+from waypointctl.replay.picture.labels import (
+    FAILED,
+    HOME,
+    KEEP_IN,
+    KEEP_OUT,
+    OPERATOR,
+    ROBOT,
+    STATUS_COLORS,
+    Labels,
+    Place,
+    around,
+    short,
+)
 from waypointctl.replay.picture.time_axis import time_text
-from waypointctl.replay.summary import FlightSummary, WaypointSummary
+from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.track import Track, extent, is_on_map
 from waypointctl.units import seconds
 
@@ -26,7 +39,7 @@ _MOST_TIMES: Final = 12  # above that many waypoints their labels would cover ea
 _LETTERS: Final = 24  # of a name
 _MARGIN: Final = 0.08  # of the larger side, all round
 _HOUSE: Final = ((-1.0, -1.0), (1.0, -1.0), (1.0, 0.3), (0.0, 1.2), (-1.0, 0.3), (-1.0, -1.0))
-_HOME_LOOK: Final[dict[str, Any]] = {"color": "white", "markeredgecolor": palette.HOME, "markersize": 11}
+_HOME_LOOK: Final[dict[str, Any]] = {"color": "white", "markeredgecolor": HOME, "markersize": 11}
 
 
 def draw_path(axes: Axes, summary: FlightSummary) -> None:
@@ -35,7 +48,7 @@ def draw_path(axes: Axes, summary: FlightSummary) -> None:
     for zone in summary.setting.zones:
         axes.add_patch(_zone(zone))
     for waypoint in waypoints:
-        axes.add_patch(_region(waypoint.planned, palette.FATES[waypoint.status], faint=len(waypoints) > MANY))
+        axes.add_patch(_region(waypoint.planned, STATUS_COLORS[waypoint.status], faint=len(waypoints) > MANY))
     way = summary.truth.thinned(_POINTS)
     _draw_way(axes, summary, way)
     if len(waypoints) <= MANY:
@@ -49,7 +62,7 @@ def draw_path(axes: Axes, summary: FlightSummary) -> None:
     _draw_places(axes, places)
     _set_limits(axes, summary, [*(waypoint.planned for waypoint in waypoints), *places], way)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="Path")
-    axes.grid(color=palette.FAINT, linewidth=0.4)
+    axes.grid(color=FAINT, linewidth=0.4)
     if axes.get_legend_handles_labels()[0]:
         below: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.06)}
         axes.legend(**below, ncols=4, frameon=False, fontsize=9, columnspacing=1.2)
@@ -58,31 +71,31 @@ def draw_path(axes: Axes, summary: FlightSummary) -> None:
 
 def _draw_way(axes: Axes, summary: FlightSummary, way: Track) -> None:
     if len(way):
-        axes.plot(way.x_m, way.y_m, color=palette.ROBOT, linewidth=1.8, label="robot, truth", zorder=3)
+        axes.plot(way.x_m, way.y_m, color=ROBOT, linewidth=1.8, label="robot, truth", zorder=3)
     for number, each in enumerate(summary.returns):
         home = summary.truth.between(each.began_ns, summary.ended_ns if each.ended_ns is None else each.ended_ns)
         home = home.thinned(_POINTS)
         label = "_nolegend_" if number else "way home"
-        axes.plot(home.x_m, home.y_m, color=palette.HOME, linewidth=2.6, label=label, zorder=3)
+        axes.plot(home.x_m, home.y_m, color=HOME, linewidth=2.6, label=label, zorder=3)
     if summary.setting.down is not None:
         lost_spans = np.where(summary.setting.down.is_open(way.time_ns), np.nan, 1.0)
         label = "hollow: no contact down" if np.isfinite(lost_spans).any() else "_nolegend_"
         look: dict[str, Any] = {"color": "white", "linewidth": 0.9, "zorder": 3.5}
         axes.plot(way.x_m * lost_spans, way.y_m * lost_spans, **look)
-        axes.plot([], [], color=palette.FAINT, linewidth=2.2, label=label)
+        axes.plot([], [], color=FAINT, linewidth=2.2, label=label)
     known = summary.belief.thinned(_POINTS)
     if len(known):
-        axes.plot(known.x_m, known.y_m, ".", color=palette.OPERATOR, markersize=5, label="telemetry frame", zorder=4)
+        axes.plot(known.x_m, known.y_m, ".", color=OPERATOR, markersize=5, label="telemetry frame", zorder=4)
     if len(way):
-        axes.plot(way.x_m[0], way.y_m[0], "o", color="white", markeredgecolor=palette.INK, label="start", zorder=5)
-        axes.plot(way.x_m[-1], way.y_m[-1], "s", color=palette.INK, markersize=6, label="end", zorder=5)
+        axes.plot(way.x_m[0], way.y_m[0], "o", color="white", markeredgecolor=INK, label="start", zorder=5)
+        axes.plot(way.x_m[-1], way.y_m[-1], "s", color=INK, markersize=6, label="end", zorder=5)
 
 
 def _draw_places(axes: Axes, places: Sequence[PlannedWaypoint]) -> None:
     """Mark the places of go_to commands that are none of the mission's waypoints."""
     if places:
         x_m, y_m = [place.x_m for place in places], [place.y_m for place in places]
-        look: dict[str, Any] = {"color": palette.INK, "linestyle": "none", "zorder": 4.5}
+        look: dict[str, Any] = {"color": INK, "linestyle": "none", "zorder": 4.5}
         few = len(places) <= _MOST_TIMES
         axes.plot(x_m, y_m, "+", markersize=10 if few else 4, label="commanded place", **look)
 
@@ -93,7 +106,7 @@ def _draw_lost(axes: Axes, summary: FlightSummary) -> None:
     lost = summary.truth.nearest(missing_ns).thinned(_MOST_LOST)
     if len(lost):
         label = f"{len(missing_ns)} not delivered"
-        axes.plot(lost.x_m, lost.y_m, "x", color=palette.FAILED, markersize=4, label=label, zorder=4.5)
+        axes.plot(lost.x_m, lost.y_m, "x", color=FAILED, markersize=4, label=label, zorder=4.5)
 
 
 def _set_limits(axes: Axes, summary: FlightSummary, goals: Sequence[PlannedWaypoint], way: Track) -> None:
@@ -132,7 +145,7 @@ def _write_names(
     labels = Labels(axes, axes.transData.transform(np.column_stack([way.x_m, way.y_m])))
     with_time = len(waypoints) <= _MOST_TIMES
     for waypoint in waypoints:
-        plan, color = waypoint.planned, palette.FATES[waypoint.status]
+        plan, color = waypoint.planned, STATUS_COLORS[waypoint.status]
         name = short(plan.name, _LETTERS)
         when = str(waypoint.status) if waypoint.reached_ns is None else time_text(seconds(waypoint.reached_ns))
         around_it = around(*_box(labels, plan))
@@ -140,12 +153,12 @@ def _write_names(
             labels.put(name, around_it, color, size_pt=9)
     for place in places if len(places) <= _MOST_TIMES else ():
         x_px, y_px = labels.pixels(place.x_m, place.y_m)
-        labels.put(short(place.name, _LETTERS), around(x_px - 5, x_px + 5, y_px - 5, y_px + 5), palette.INK)
+        labels.put(short(place.name, _LETTERS), around(x_px - 5, x_px + 5, y_px - 5, y_px + 5), INK)
     if summary.home is not None:
         x_px, y_px = labels.pixels(summary.home.x_m, summary.home.y_m)
-        labels.put("home", around(x_px - 8, x_px + 8, y_px - 8, y_px + 8), palette.HOME, size_pt=9)
+        labels.put("home", around(x_px - 8, x_px + 8, y_px - 8, y_px + 8), HOME, size_pt=9)
     for zone in summary.setting.zones:
-        color = palette.KEEP_IN if zone.keep_in else palette.KEEP_OUT
+        color = KEEP_IN if zone.keep_in else KEEP_OUT
         labels.put(short(zone.label, _LETTERS + 9), _zone_places(axes, labels, zone), color)
 
 
@@ -167,8 +180,8 @@ def _zone_places(axes: Axes, labels: Labels, zone: Zone) -> Sequence[Place]:
 
 def _zone(zone: Zone) -> Patch:
     if zone.keep_in:
-        return Polygon(zone.outline_m, facecolor="none", edgecolor=palette.KEEP_IN, linestyle="--", linewidth=1.4)
-    look: dict[str, Any] = {"facecolor": f"{palette.KEEP_OUT}18", "edgecolor": palette.KEEP_OUT, "linewidth": 1.2}
+        return Polygon(zone.outline_m, facecolor="none", edgecolor=KEEP_IN, linestyle="--", linewidth=1.4)
+    look: dict[str, Any] = {"facecolor": f"{KEEP_OUT}18", "edgecolor": KEEP_OUT, "linewidth": 1.2}
     return Polygon(zone.outline_m, hatch="xx", hatch_linewidth=0.3, **look)
 
 
@@ -197,6 +210,6 @@ def _draw_known_positions(axes: Axes, summary: FlightSummary) -> None:
             continue
         x_m = [news.x_m[known], summary.truth.x_m[there]]
         y_m = [news.y_m[known], summary.truth.y_m[there]]
-        axes.plot(x_m, y_m, ":", color=palette.OPERATOR, linewidth=1.0, zorder=4)
-        axes.plot(x_m[:1], y_m[:1], "D", color="white", markeredgecolor=palette.OPERATOR, label=label, zorder=5)
+        axes.plot(x_m, y_m, ":", color=OPERATOR, linewidth=1.0, zorder=4)
+        axes.plot(x_m[:1], y_m[:1], "D", color="white", markeredgecolor=OPERATOR, label=label, zorder=5)
         label = "_nolegend_"

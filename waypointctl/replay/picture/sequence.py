@@ -14,11 +14,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from waypointctl.figure import FAINT
+from waypointctl.log.header import Span
 from waypointctl.log.messages import Ack, Stage
-from waypointctl.log.setting import Span
 from waypointctl.replay.command_summary import CommandSummary
-from waypointctl.replay.picture import palette
-from waypointctl.replay.picture.labels import Labels, Place, short
+from waypointctl.replay.picture.labels import FAILED, HOME, OPERATOR, REACHED, ROBOT, Labels, Place, short
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.units import NS_PER_S, seconds
 
@@ -41,7 +41,7 @@ _BAD: Final = (Stage.FAILED, Stage.REJECTED)
 
 def draw_sequence(axes: Axes, summary: FlightSummary) -> None:
     """Draw the sequence of a summary's messages over time [s], operator above, robot below."""
-    for y, color in ((_OPERATOR_Y, palette.OPERATOR), (_ROBOT_Y, palette.ROBOT)):
+    for y, color in ((_OPERATOR_Y, OPERATOR), (_ROBOT_Y, ROBOT)):
         axes.axhline(y, color=color, linewidth=1.4)
     axes.set_ylim(*_LIMITS)
     axes.set_yticks([_ROBOT_Y, _OPERATOR_Y], ["robot", "operator"])
@@ -51,7 +51,7 @@ def draw_sequence(axes: Axes, summary: FlightSummary) -> None:
     _draw_commands(axes, summary)
     _draw_lost(axes, summary)
     _draw_robot(axes, summary)
-    axes.grid(axis="x", color=palette.FAINT, linewidth=0.4)
+    axes.grid(axis="x", color=FAINT, linewidth=0.4)
     keys = list(_keys(summary))
     axes.legend(
         handles=keys,
@@ -77,11 +77,11 @@ def name_messages(axes: Axes, summary: FlightSummary) -> None:
     for command in (*wrong, *others):
         at_px, y_px = labels.pixels(seconds(command.issued_ns), _OPERATOR_Y)
         state = "" if command.received_ns is not None else f" ({_undelivered(command)})"
-        color = palette.FAILED if state else palette.OPERATOR
+        color = FAILED if state else OPERATOR
         labels.put(f"{command.id}: {short(command.description, _LETTERS)}{state}", _rows(at_px, y_px, +1), color)
         for ack in _told(command.acks):
             at_px, y_px = labels.pixels(seconds(ack.issued_ns), _ROBOT_Y)
-            color = palette.FAILED if ack.stage in _BAD else palette.ROBOT
+            color = FAILED if ack.stage in _BAD else ROBOT
             labels.put(f"{ack.command_id} {ack.stage}", _rows(at_px, y_px, -1), color)
     if labels.left_out and len(summary.commands) <= _MOST_ARROWS:
         axes.set_title(f"Messages (labels left out for lack of room: {labels.left_out})")
@@ -112,35 +112,35 @@ def _keys(summary: FlightSummary) -> Iterable[Artist]:
     yield from _robot_keys(summary)
     if len(summary.link.missing_ns):
         text = f"{len(summary.link.missing_ns)} not delivered"
-        yield Line2D([], [], color=palette.FAILED, marker="x", markersize=5, linestyle="none", label=text)
+        yield Line2D([], [], color=FAILED, marker="x", markersize=5, linestyle="none", label=text)
     if summary.setting.up is not None or summary.setting.down is not None:
-        yield Patch(facecolor=palette.FAINT, alpha=0.35, label="no contact")
+        yield Patch(facecolor=FAINT, alpha=0.35, label="no contact")
     if summary.link.lost_spans:
-        yield Line2D([], [], color=palette.FAILED, linewidth=3, label="link lost, on board")
+        yield Line2D([], [], color=FAILED, linewidth=3, label="link lost, on board")
 
 
 def _message_keys(summary: FlightSummary) -> Iterable[Artist]:
     if any(command.received_ns is not None for command in summary.commands):
-        yield Line2D([], [], color=palette.OPERATOR, label="command")
+        yield Line2D([], [], color=OPERATOR, label="command")
     if any(command.acks for command in summary.commands):
-        yield Line2D([], [], color=palette.ROBOT, label="acknowledgement")
+        yield Line2D([], [], color=ROBOT, label="acknowledgement")
     if len(summary.belief):
-        yield Line2D([], [], color=palette.FAINT, label="telemetry")
+        yield Line2D([], [], color=FAINT, label="telemetry")
 
 
 def _robot_keys(summary: FlightSummary) -> Iterable[Artist]:
     if summary.moving:
-        yield Line2D([], [], color=palette.ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="walking")
+        yield Line2D([], [], color=ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="walking")
     if summary.returns:
-        yield Line2D([], [], color=palette.HOME, linewidth=_WALK_WIDTH, label="way home")
+        yield Line2D([], [], color=HOME, linewidth=_WALK_WIDTH, label="way home")
     if any(waypoint.reached_ns is not None for waypoint in summary.waypoints):
-        yield _dot(palette.REACHED, "reached")
+        yield _dot(REACHED, "reached")
     if any(waypoint.known_ns is not None for waypoint in summary.waypoints):
         yield _dot("white", "known")
 
 
 def _dot(color: str, label: str) -> Line2D:
-    return Line2D([], [], color=color, marker="o", linestyle="none", markeredgecolor=palette.REACHED, label=label)
+    return Line2D([], [], color=color, marker="o", linestyle="none", markeredgecolor=REACHED, label=label)
 
 
 def _draw_contact(axes: Axes, summary: FlightSummary) -> None:
@@ -155,19 +155,19 @@ def _draw_contact(axes: Axes, summary: FlightSummary) -> None:
             continue
         for begin_ns, end_ns in spans:
             between = (seconds(begin_ns), seconds(end_ns))
-            axes.fill_between(between, low, high, color=palette.FAINT, alpha=0.35, linewidth=0, zorder=0)
+            axes.fill_between(between, low, high, color=FAINT, alpha=0.35, linewidth=0, zorder=0)
 
 
 def _draw_robot(axes: Axes, summary: FlightSummary) -> None:
     """Draw when the robot moved, returned home, reached waypoints, and lost the link."""
-    _bars(axes, summary.moving, _ROBOT_Y, palette.ROBOT, _WALK_WIDTH, _WALK_ALPHA)
+    _bars(axes, summary.moving, _ROBOT_Y, ROBOT, _WALK_WIDTH, _WALK_ALPHA)
     ways = [(way.began_ns, summary.ended_ns if way.ended_ns is None else way.ended_ns) for way in summary.returns]
-    _bars(axes, ways, _ROBOT_Y, palette.HOME, _WALK_WIDTH, 1.0)
+    _bars(axes, ways, _ROBOT_Y, HOME, _WALK_WIDTH, 1.0)
     for way in summary.returns:
-        _mark(axes, way.ended_ns, way.ended_known_ns, palette.HOME)
+        _mark(axes, way.ended_ns, way.ended_known_ns, HOME)
     for waypoint in summary.waypoints:
-        _mark(axes, waypoint.reached_ns, waypoint.known_ns, palette.REACHED)
-    _bars(axes, summary.link.lost_spans, _UNHEARD_Y, palette.FAILED, 3, 1.0)
+        _mark(axes, waypoint.reached_ns, waypoint.known_ns, REACHED)
+    _bars(axes, summary.link.lost_spans, _UNHEARD_Y, FAILED, 3, 1.0)
 
 
 def _bars(axes: Axes, spans: Iterable[Span], y: float, color: str, width: float, alpha: float) -> None:
@@ -188,17 +188,17 @@ def _draw_telemetry(axes: Axes, summary: FlightSummary) -> None:
     starts = np.column_stack([frames.time_ns / NS_PER_S, ends[0]])
     stops = np.column_stack([frames.known_ns / NS_PER_S, ends[1]])
     lines = np.stack([starts, stops], axis=1)
-    axes.add_collection(LineCollection(list(lines), colors=palette.FAINT, linewidths=0.5, zorder=1))
+    axes.add_collection(LineCollection(list(lines), colors=FAINT, linewidths=0.5, zorder=1))
 
 
 def _draw_lost(axes: Axes, summary: FlightSummary) -> None:
     """Draw the beginnings of the ways of messages that were not delivered, each with a cross at its end."""
     for way, y, step in ((summary.link.up, _OPERATOR_Y, -_LOST_Y), (summary.link.down, _ROBOT_Y, _LOST_Y)):
-        stride = max(1, -(-way.missing // _MOST_LOST))
+        stride = max(1, -(-len(way.missing_ns) // _MOST_LOST))
         times_s = way.missing_ns[::stride] / NS_PER_S
-        axes.vlines(times_s, y, y + step, color=palette.FAILED, linewidth=0.6, zorder=4)
+        axes.vlines(times_s, y, y + step, color=FAILED, linewidth=0.6, zorder=4)
         ends = np.full(len(times_s), y + step)
-        axes.plot(times_s, ends, "x", color=palette.FAILED, markersize=4, linestyle="none", zorder=4)
+        axes.plot(times_s, ends, "x", color=FAILED, markersize=4, linestyle="none", zorder=4)
 
 
 def _draw_commands(axes: Axes, summary: FlightSummary) -> None:
@@ -213,13 +213,13 @@ def _draw_commands(axes: Axes, summary: FlightSummary) -> None:
         elif _undelivered(command) == "under way":
             # How far it had come when the flight ended is not known, so its line has no head.
             ends_s = [seconds(command.issued_ns), seconds(summary.ended_ns)]
-            axes.plot(ends_s, [_OPERATOR_Y, 0.5], "--", color=palette.FAILED, linewidth=1.2)
+            axes.plot(ends_s, [_OPERATOR_Y, 0.5], "--", color=FAILED, linewidth=1.2)
         for (issued_ns, received_ns), together in groupby(command.acks, lambda ack: (ack.issued_ns, ack.received_ns)):
             last = list(together)[-1]
             (failures if last.stage in _BAD else acks).append((issued_ns, received_ns))
-    _arrows(axes, commands, _OPERATOR_Y, _ROBOT_Y, palette.OPERATOR, with_heads)
-    _arrows(axes, acks, _ROBOT_Y, _OPERATOR_Y, palette.ROBOT, with_heads)
-    _arrows(axes, failures, _ROBOT_Y, _OPERATOR_Y, palette.FAILED, with_heads)
+    _arrows(axes, commands, _OPERATOR_Y, _ROBOT_Y, OPERATOR, with_heads)
+    _arrows(axes, acks, _ROBOT_Y, _OPERATOR_Y, ROBOT, with_heads)
+    _arrows(axes, failures, _ROBOT_Y, _OPERATOR_Y, FAILED, with_heads)
 
 
 def _arrows(axes: Axes, times: Sequence[Span], from_y: float, to_y: float, color: str, with_heads: bool) -> None:

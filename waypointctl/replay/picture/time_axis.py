@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
-from waypointctl.replay.picture import palette
+from waypointctl.figure import FAINT
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.track import FloatArray
 from waypointctl.units import NS_PER_S, seconds
@@ -81,7 +81,7 @@ def set_time_axis(upper: Axes, lower: Axes, summary: FlightSummary) -> None:
         axes.xaxis.set_minor_locator(NullLocator())
         axes.set_xlim(0.0, float(true_s[-1]))
         for wait in waits:
-            axes.axvspan(wait.begin_s, wait.end_s, facecolor="none", edgecolor=palette.FAINT, hatch="////", linewidth=0)
+            axes.axvspan(wait.begin_s, wait.end_s, facecolor="none", edgecolor=FAINT, hatch="////", linewidth=0)
     lower.set_xlabel("simulation time [s]; hatched: waits, drawn shorter")
 
 

@@ -1,25 +1,138 @@
-"""Each way home in a flight: when and why it began, how it ended, and when the operator knew of that."""
+"""The legs of a flight, to waypoints and home: when each began, how it ended, and when the operator knew of that."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Final
+from typing import Any, Final
 
 from waypointctl.flight.executive.rules import FLIGHT_ENDED
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,
     Clock,
+    Command,
     CommandKind,
     CommandStage,
     Event,
     EventKind,
     Mode,
+    PlannedWaypoint,
     Stage,
     Telemetry,
 )
+from waypointctl.replay.track import is_on_map
 from waypointctl.units import seconds
+
+
+class WaypointStatus(StrEnum):
+    """Whether a waypoint was reached, and why not."""
+
+    REACHED = "reached"
+    TIMED_OUT = "timed out"
+    SKIPPED = "skipped"
+    OPEN = "not reached"
+
+
+@dataclass(frozen=True, slots=True)
+class WaypointSummary:
+    """A waypoint, and whether it was reached.
+
+    Attributes:
+        planned: as it was, or would have been, commanded.
+        status: as the robot knows it.
+        started_ns: when the robot's leg to it began, None if it never did.
+        ended_ns: when it was reached or given up, None for a leg that was under way to the end.
+        reached_ns: on the robot's clock.
+        known_ns: when the operator learned that it was reached.
+    """
+
+    planned: PlannedWaypoint
+    status: WaypointStatus = WaypointStatus.OPEN
+    started_ns: int | None = None
+    ended_ns: int | None = None
+    reached_ns: int | None = None
+    known_ns: int | None = None
+
+    @property
+    def is_on_map(self) -> bool:
+        """Whether it can be drawn."""
+        return is_on_map(self.planned.x_m, self.planned.y_m, self.planned.tolerance_m)
+
+
+_STATUSES: Final = {
+    EventKind.WAYPOINT_REACHED: WaypointStatus.REACHED,
+    EventKind.WAYPOINT_TIMEOUT: WaypointStatus.TIMED_OUT,
+    EventKind.WAYPOINT_SKIPPED: WaypointStatus.SKIPPED,
+}
+# What the robot does instead of walking on to a waypoint.
+_ENDS_A_LEG: Final = frozenset(
+    {
+        EventKind.FALL,
+        EventKind.LEG_STARTED,
+        EventKind.PLAN_COMPLETED,
+        EventKind.PLAN_FAILED,
+        EventKind.RETURN_STARTED,
+        EventKind.TELEOPERATION_STARTED,
+    }
+)
+
+
+class WaypointsBuilder:
+    """Makes the waypoints of a flight out of its messages."""
+
+    def __init__(self, planned: Iterable[PlannedWaypoint]) -> None:
+        """Begin with the waypoints of the mission, where they are known beforehand."""
+        self._waypoints = {waypoint.index: WaypointSummary(waypoint) for waypoint in planned}
+        self._places: dict[tuple[float, float], PlannedWaypoint] = {}
+        self._leg: int | None = None  # the waypoint of the leg that began last
+        self._known = 0  # how many of the waypoints in telemetry's `reached`, which only grows, have been taken
+
+    @property
+    def waypoints(self) -> tuple[WaypointSummary, ...]:
+        """The waypoints so far, in order."""
+        return tuple(waypoint for _, waypoint in sorted(self._waypoints.items()))
+
+    @property
+    def places(self) -> tuple[PlannedWaypoint, ...]:
+        """The commanded places that are none of the waypoints, each once."""
+        return tuple(self._places.values())
+
+    def on_command(self, command: Command) -> None:
+        """Take a command that has arrived on board."""
+        for waypoint in command.waypoints:
+            if waypoint.index < 0:
+                self._places.setdefault((waypoint.x_m, waypoint.y_m), waypoint)
+            elif waypoint.index not in self._waypoints:
+                self._waypoints[waypoint.index] = WaypointSummary(waypoint)
+
+    def on_report(self, frame: Telemetry) -> None:
+        """Take a frame of telemetry that has arrived at the operator."""
+        for index in frame.reached[self._known :]:
+            waypoint = self._waypoints.get(index)
+            if waypoint is not None and waypoint.known_ns is None:
+                self._waypoints[index] = replace(waypoint, known_ns=frame.received_ns)
+        self._known = max(self._known, len(frame.reached))
+
+    def on_event(self, event: Event) -> None:
+        """Take an event."""
+        if event.kind in _ENDS_A_LEG and self._leg is not None:
+            leg = self._waypoints[self._leg]
+            if leg.ended_ns is None:
+                self._waypoints[self._leg] = replace(leg, ended_ns=event.time_ns)
+        waypoint = self._waypoints.get(event.waypoint)
+        if waypoint is None:
+            return
+        changes: dict[str, Any] = {"status": _STATUSES.get(event.kind, waypoint.status)}
+        if event.kind is EventKind.LEG_STARTED:
+            self._leg = event.waypoint
+            changes |= {"started_ns": event.time_ns, "ended_ns": None}
+        elif event.kind in (EventKind.WAYPOINT_REACHED, EventKind.WAYPOINT_TIMEOUT):
+            changes["ended_ns"] = event.time_ns
+            if event.kind is EventKind.WAYPOINT_REACHED:
+                changes["reached_ns"] = event.time_ns
+        self._waypoints[event.waypoint] = replace(waypoint, **changes)
 
 
 class ReturnEnding(StrEnum):

@@ -1,4 +1,4 @@
-"""What is typed at stdin while a flight runs: single keys, or lines that are edited in place on a terminal."""
+"""The terminal: a console that text from files cannot steer, pictures drawn over each other, and what is typed."""
 
 from __future__ import annotations
 
@@ -8,11 +8,70 @@ import sys
 import termios
 import time
 import tty
+from collections.abc import Iterable
 from contextlib import suppress
 from types import TracebackType
 from typing import Any, Final, Self
 
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.live import Live
+from rich.rule import Rule
+from rich.segment import Segment
+
+from waypointctl.display_text import printable_lines
 from waypointctl.errors import InputError
+
+
+class PrintableConsole(Console):
+    """A rich console whose text has no control characters but line breaks; rich's own sequences stay."""
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        """Yield what a thing is printed as."""
+        for segment in super().render(renderable, options):
+            if segment.control or (shown := printable_lines(segment.text)) == segment.text:
+                yield segment
+            else:
+                yield Segment(shown, segment.style)
+
+
+class Screen:
+    """Draws pictures on a terminal, each over the one before; use it in a `with` block."""
+
+    def __init__(self, people: Console, period_s: float) -> None:
+        """Draw on `people`, a terminal, if it is asked to, and no more often than this of itself."""
+        self._console, self._period_s, self._next_s = people, period_s, 0.0
+        self._ascii_only = not people.encoding.lower().startswith("utf")
+        self._live = Live(console=people, auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
+
+    def __enter__(self) -> Self:
+        """Begin to draw."""
+        self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Leave the last picture standing."""
+        self.draw()
+        self._live.stop()
+
+    def picture(self) -> RenderableType:
+        """Return what is drawn, made to the terminal's size as it is now."""
+        raise NotImplementedError
+
+    def draw(self) -> None:
+        """Draw now."""
+        self._live.update(self.picture(), refresh=True)
+        self._next_s = time.monotonic() + self._period_s
+
+    def draw_if_due(self) -> None:
+        """Draw if it is time for another picture."""
+        if time.monotonic() >= self._next_s:
+            self.draw()
+
+    def rule(self) -> Rule:
+        """Return a line across the terminal."""
+        return Rule(style="dim", characters="-" if self._ascii_only else "─")
 
 
 class KeyByKey:
