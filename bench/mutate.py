@@ -56,6 +56,7 @@ PARTS: Final = {
             "tests/replay/test_verify_[ack]*.py",
             "tests/replay/test_comparator.py",
             "tests/replay/test_verify_words.py",
+            "tests/replay/test_verify_own_policy.py",
         ),
     ),
     "bundle": Part(("waypointctl/policy/bundle.py", "waypointctl/policy/manifest.py"), ("tests/policy/test_*.py",)),
