@@ -22,9 +22,8 @@ from numpy.typing import NDArray
 
 from waypointctl.mission.fields import Start
 from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.task.config import TaskConfig
+from waypointctl.task.config import DomainRandomization, SensorNoise, TaskConfig
 from waypointctl.task.course import Course
-from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
 
 FloatArray = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from waypointctl.evaluation.suite import Hold
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.robots.load import load_robot
-from waypointctl.robots.stance import stance_action
+from waypointctl.robots.robot import stance_action
 from waypointctl.seeding import stream
 from waypointctl.sim.stepping import SingleRobot
 from waypointctl.task.batched import BatchedWaypointEnv

@@ -37,7 +37,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.robots.load import load_robot
-from waypointctl.robots.stance import stance_action
+from waypointctl.robots.robot import stance_action
 
 DELAYS_MS = [0.0, 7.0, 20.0, 130.5, 400.0, 1280.0, 3000.0]
 

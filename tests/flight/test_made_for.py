@@ -12,8 +12,7 @@ from waypointctl.errors import PolicyError
 from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import ActionSpec, Manifest, ObservationSpec
-from waypointctl.robots.folder import RobotOutline, robot_names, shipped_outline
-from waypointctl.robots.load import load_robot
+from waypointctl.robots.load import RobotOutline, load_robot, robot_names, shipped_outline
 
 ANT = shipped_outline("ant")
 Make = Callable[..., LoadedPolicy]

@@ -16,7 +16,7 @@ from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Checkpoint, Message, Observation
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
-from waypointctl.task.body import Body
+from waypointctl.task.view import Body
 
 AHEAD = {"position_m": [5.0, 0.0], "timeout_s": 0.2}
 ASIDE = {"position_m": [0.0, 5.0], "timeout_s": 0.2}

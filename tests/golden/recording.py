@@ -39,13 +39,10 @@ from waypointctl.mission.files import load_mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.robots.load import load_robot
 from waypointctl.task.batched import BatchedWaypointEnv, Step
-from waypointctl.task.body import body_of
-from waypointctl.task.config import TaskConfig
+from waypointctl.task.config import DomainRandomization, FailureReplay, SensorNoise, TaskConfig
 from waypointctl.task.course import Course
-from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
-from waypointctl.task.failure_replay import FailureReplay
 from waypointctl.task.observation import layout
-from waypointctl.task.view import SimulationView
+from waypointctl.task.view import SimulationView, body_of
 from waypointctl.training.recipe_file import load_recipe
 
 ROOT: Final = Path(__file__).parents[2]

@@ -10,8 +10,9 @@ import pytest
 from numpy.typing import NDArray
 from onnx import ValueInfoProto, helper, numpy_helper
 
+from waypointctl.policy.onnx_audit import output_values
 from waypointctl.policy.onnx_graph import read_graph
-from waypointctl.policy.onnx_shapes import RULES, output_values
+from waypointctl.policy.onnx_shapes import RULES
 from waypointctl.policy.onnx_values import Value, constant
 from waypointctl.policy.protobuf_fields import Refused
 

@@ -12,7 +12,7 @@ from safetensors.numpy import load, save
 
 from tests.conftest import random_network
 from waypointctl.policy.manifest import NETWORK, WEIGHTS
-from waypointctl.policy.weights import weights_fault
+from waypointctl.policy.network import weights_fault
 
 NET = random_network((31, 8, 8, 8), seed=3)
 ONNX, TENSORS = NET.to_onnx(), NET.to_safetensors()

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from tests.robots.folders import STEER, cart_with
-from waypointctl.robots.robot import Robot
-from waypointctl.robots.stance import stance_action
+from waypointctl.robots.robot import Robot, stance_action
 from waypointctl.sim.stepping import RobotBatch, SingleRobot
 
 

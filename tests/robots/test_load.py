@@ -10,8 +10,7 @@ import pytest
 
 from tests.robots.folders import CART, CART_XML, STEER, ant_of, cart_with, tetrahedron, write_folder
 from waypointctl.errors import InputError, RobotError
-from waypointctl.robots.folder import robot_names
-from waypointctl.robots.load import load_robot, robot_of_files
+from waypointctl.robots.load import load_robot, robot_names, robot_of_files
 
 ANT = load_robot("ant").files["ant.xml"].decode()
 

@@ -5,7 +5,7 @@ import pytest
 
 from tests.sim.bare import BareWorld
 from waypointctl.robots.load import load_robot
-from waypointctl.robots.stance import stance_action
+from waypointctl.robots.robot import stance_action
 
 
 def stand(world: BareWorld, seconds: float) -> float:

@@ -22,8 +22,7 @@ from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
 from waypointctl.robots.load import load_robot
-from waypointctl.robots.robot import Robot
-from waypointctl.robots.stance import stance_action
+from waypointctl.robots.robot import Robot, stance_action
 from waypointctl.sim.stepping import SingleRobot
 from waypointctl.task.batched import BatchedWaypointEnv
 from waypointctl.task.config import TaskConfig

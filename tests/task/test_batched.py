@@ -13,11 +13,11 @@ from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.robots.load import load_robot
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv, Step
-from waypointctl.task.body import body_of, fallen
 from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.observation import LAYOUTS, layout
 from waypointctl.task.reward import RewardFunction, RewardWeights, progress_speed
+from waypointctl.task.view import body_of, fallen
 
 FloatArray = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.sim.bare import BareWorld
 from tests.task.rotations import matrix_of, quaternion_of
-from waypointctl.task.body import Body, body_of, fallen
+from waypointctl.task.view import Body, body_of, fallen
 
 ANGLE = st.floats(-3.1, 3.1)
 PITCH = st.floats(-1.5, 1.5)

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from waypointctl.errors import InputError
 from waypointctl.robots.load import load_robot
-from waypointctl.task.domain_randomization import DRAWN, DomainRandomization
+from waypointctl.task.config import DRAWN, DomainRandomization
 
 ANT = load_robot("ant")
 

@@ -10,10 +10,9 @@ from pydantic import ValidationError
 
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.task.config import TaskConfig
+from waypointctl.task.config import FailureReplay, TaskConfig
 from waypointctl.task.course import Course, Deadline
 from waypointctl.task.env import WaypointEnv
-from waypointctl.task.failure_replay import FailureReplay
 
 ROBOTS = 16
 

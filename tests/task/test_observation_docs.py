@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from tests.task.views import ANT
-from waypointctl.task.observation import GROUPS, LAYOUTS
+from waypointctl.task.observation import GROUPS, LAYOUTS, components_of
 from waypointctl.task.reward import TERMS
 from waypointctl.training.recipe_file import load_recipe, with_plugins
 
@@ -22,7 +22,11 @@ def rows(heading: str) -> list[list[str]]:
 def test_the_tables_are_complete() -> None:
     groups = [(name.strip("`"), int(count), unit) for name, count, unit, _ in rows("group")]
     assert groups == [
-        (group.name, len(group.named(ANT)), ", ".join(dict.fromkeys(unit for _, unit, _ in group.named(ANT))))
+        (
+            group.name,
+            len(components_of(group, ANT)),
+            ", ".join(dict.fromkeys(unit for _, unit, _ in components_of(group, ANT))),
+        )
         for group in GROUPS
     ]
     assert {name.strip("`"): tuple(re.findall(r"`(\w+)`", own)) for name, own in rows("layout")} == LAYOUTS

@@ -15,13 +15,12 @@ from waypointctl.errors import InputError
 from waypointctl.mission.fields import Acceptance, Start
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv, Step
-from waypointctl.task.body import body_of, fallen
-from waypointctl.task.config import TaskConfig
+from waypointctl.task.config import DomainRandomization, SensorNoise, TaskConfig
 from waypointctl.task.course import Course, Deadline
-from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
 from waypointctl.task.env import WaypointEnv
 from waypointctl.task.observation import LAYOUTS
 from waypointctl.task.reward import RewardFunction, RewardWeights, progress_speed
+from waypointctl.task.view import body_of, fallen
 
 FloatArray = NDArray[np.float64]
 

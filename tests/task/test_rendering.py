@@ -19,9 +19,8 @@ from waypointctl.errors import InputError
 from waypointctl.robots.load import load_robot
 from waypointctl.sim import viewer
 from waypointctl.sim.camera import Marker
-from waypointctl.task.env import WaypointEnv
+from waypointctl.task.env import RENDER_MODES, WaypointEnv
 from waypointctl.task.register import ENV_ID
-from waypointctl.task.rendering import RENDER_MODES
 
 AHEAD = {"waypoints": [[2, 1], [4, 0]], "position_m": [0, 0], "heading_rad": 0.0}
 STILL = np.zeros(8, np.float32)

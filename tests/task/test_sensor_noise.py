@@ -8,9 +8,9 @@ import pytest
 from pydantic import ValidationError
 
 from tests.sim.bare import random_start
-from waypointctl.task.body import Body, body_of
-from waypointctl.task.domain_randomization import SensorNoise
+from waypointctl.task.config import SensorNoise
 from waypointctl.task.randomized_robots import NoisySensors
+from waypointctl.task.view import Body, body_of
 
 # What a policy sees of the body, and the field of SensorNoise that it is off by.
 SENSORS = {

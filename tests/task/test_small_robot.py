@@ -10,8 +10,7 @@ import pytest
 from tests.robots.folders import write_folder
 from waypointctl.robots.load import load_robot
 from waypointctl.task.batched import BatchedWaypointEnv
-from waypointctl.task.config import TaskConfig
-from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
+from waypointctl.task.config import DomainRandomization, SensorNoise, TaskConfig
 from waypointctl.task.observation import GROUPS, LAYOUTS, layout
 
 JOINTS = ("left_wheel", "right_wheel", "boom", "steer")

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.robots.load import load_robot
-from waypointctl.task.body import body_of
 from waypointctl.task.observation import Layout, layout
-from waypointctl.task.view import SimulationView
+from waypointctl.task.view import SimulationView, body_of
 
 FloatArray = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ import pytest
 from tests.training.tiny import RECIPE, tiny_recipe
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_tree import read_tree
+from waypointctl.task.config import FailureReplay
 from waypointctl.task.course import PERIMETERS, Course
-from waypointctl.task.failure_replay import FailureReplay
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.recipe_file import recipe_schema
 

@@ -9,7 +9,7 @@ import pytest
 from tests.training.tiny import RECIPE, tiny_recipe
 from waypointctl.errors import RecipeError
 from waypointctl.mission.yaml_tree import read_tree
-from waypointctl.task.domain_randomization import DomainRandomization, SensorNoise
+from waypointctl.task.config import DomainRandomization, SensorNoise
 from waypointctl.training.recipe_file import recipe_schema
 
 BARE = """\

@@ -27,7 +27,7 @@ from waypointctl.mission.policy_name import is_installed
 from waypointctl.paths import PNG, refuse_other_content, refuse_unwritable_file, write_whole
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import SelectionRecord
-from waypointctl.robots.folder import kept_robot
+from waypointctl.robots.load import kept_robot
 from waypointctl.task.plugins import load_plugins
 from waypointctl.training.recipe_file import trained_on
 from waypointctl.units import NUMBER_PATTERN

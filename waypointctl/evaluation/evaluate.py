@@ -16,8 +16,7 @@ from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.mission.policy_name import policy_folder
 from waypointctl.policy.bundle import LoadedPolicy, policy_of
 from waypointctl.policy.protocol import Policy
-from waypointctl.robots.folder import kept_robot
-from waypointctl.robots.load import given_robot
+from waypointctl.robots.load import given_robot, kept_robot
 from waypointctl.robots.robot import Robot
 from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from waypointctl.evaluation.suite import Hold
 from waypointctl.policy.protocol import Policy
-from waypointctl.robots.stance import stance_action
+from waypointctl.robots.robot import stance_action
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.units import NS_PER_S, ns, seconds
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.task.body import Body
+from waypointctl.task.view import Body
 
 FloatArray = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from waypointctl.errors import InputError, LogError, PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import ActionSpec, Manifest, ObservationSpec
 from waypointctl.policy.protocol import Policy
-from waypointctl.robots.folder import RobotOutline
+from waypointctl.robots.load import RobotOutline
 from waypointctl.sim.actions import refuse_bad_action
 from waypointctl.task.observation import LAYOUTS, groups_of, layout
 from waypointctl.task.plugins import PLUGIN_HINT, Plugin, RewardTerm, named_plugins, plugin_hashes

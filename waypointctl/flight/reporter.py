@@ -11,7 +11,7 @@ from waypointctl.flight.executive.executive import Executive
 from waypointctl.flight.link.frames import BodyFrame, LoggedDirection
 from waypointctl.log.messages import Ack, CommandStage, CommandStatus, Mode, Telemetry
 from waypointctl.sim.stepping import SingleRobot
-from waypointctl.task.body import Body
+from waypointctl.task.view import Body
 
 _Standing: TypeAlias = tuple[Mode, int, int, tuple[CommandStatus, ...], str]
 

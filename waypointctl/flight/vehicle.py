@@ -33,15 +33,13 @@ from waypointctl.log.messages import (
     State,
 )
 from waypointctl.policy.protocol import Policy, state_text
-from waypointctl.robots.robot import Robot
-from waypointctl.robots.stance import stance_action
+from waypointctl.robots.robot import Robot, stance_action
 from waypointctl.sim.actions import clip_actions
 from waypointctl.sim.stepping import SingleRobot
-from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.observation import NOISE_SIZE, layout
 from waypointctl.task.plugins import Plugin
 from waypointctl.task.reward import RewardFunction, progress_speed
-from waypointctl.task.view import SimulationView
+from waypointctl.task.view import Body, SimulationView, body_of, fallen
 from waypointctl.units import NS_PER_S
 
 FloatArray = NDArray[np.float64]

@@ -23,7 +23,8 @@ POLICIES: Final = Path("policies")
 _MANIFEST: Final = "manifest.json"
 _PACKAGE: Final = Path(__file__).resolve().parents[1]
 _MOST_NAMED: Final = 20  # policies in a message
-_MOST_SEEN: Final = 2000  # folders looked at in ./policies
+_MOST_NEAR: Final = 3  # of those near a folder that is not a policy
+_MOST_SEEN: Final = 2000  # folders looked at: the named one may be a whole disk
 
 
 def policy_folder(named: str, beside: Path = Path()) -> Path:
@@ -103,3 +104,38 @@ def _local() -> Iterator[str]:
             yield from (each.name for each in islice(entries, _MOST_SEEN) if os.path.isfile(Path(each, _MANIFEST)))
     except OSError:
         return
+
+
+def policies_near(folder: Path) -> str:
+    """Return which folders in a folder, or in the folders in it, are policies, the newest first, as a hint."""
+    for found in (_policies(folders) for folders in (_folders(folder), _folders_in_folders(folder))):
+        if found:
+            more = f" and {len(found) - _MOST_NEAR} more" if len(found) > _MOST_NEAR else ""
+            names = ", ".join(str(path) for path in found[:_MOST_NEAR])
+            return (
+                f"Policies in it are {names}{more}: give one of these." if len(found) > 1 else f"Did you mean {names}?"
+            )
+    return policies_there_are()
+
+
+def _policies(folders: Iterator[Path]) -> list[Path]:
+    dated = []
+    for folder in islice(folders, _MOST_SEEN):
+        try:
+            dated.append((-(folder / _MANIFEST).stat().st_mtime_ns, folder))
+        except OSError:
+            continue
+    return [folder for _, folder in sorted(dated)]
+
+
+def _folders(folder: Path) -> Iterator[Path]:
+    """Yield the folders in a folder; without unreadable and hidden ones."""
+    try:
+        yield from (path for path in folder.iterdir() if not path.name.startswith(".") and path.is_dir())
+    except OSError:
+        return
+
+
+def _folders_in_folders(folder: Path) -> Iterator[Path]:
+    for inner in _folders(folder):
+        yield from _folders(inner)

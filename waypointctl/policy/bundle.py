@@ -19,10 +19,9 @@ from pydantic import ValidationError
 from waypointctl.errors import PolicyError, wrong_type
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
-from waypointctl.mission.policy_name import policies_there_are, policy_folder
+from waypointctl.mission.policy_name import policies_near, policies_there_are, policy_folder
 from waypointctl.paths import folder_fault
 from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
-from waypointctl.policy.nearby import policies_near
 from waypointctl.policy.network import Network
 from waypointctl.policy.protocol import Policy
 

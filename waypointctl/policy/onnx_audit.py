@@ -8,16 +8,18 @@ deterministic operators whose shapes are known from the graph alone.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from waypointctl.limits import limit, over_limit
-from waypointctl.policy.onnx_graph import FLOAT, Graph, Port, read_graph
-from waypointctl.policy.onnx_shapes import output_values
-from waypointctl.policy.onnx_values import Value, constant
+from waypointctl.policy.onnx_graph import FLOAT, INT64, Graph, Node, Port, read_graph
+from waypointctl.policy.onnx_shapes import RULES
+from waypointctl.policy.onnx_values import Given, Shape, Value, constant, element_type, folded
 from waypointctl.policy.protobuf_fields import Refused
 
 ROWS: Final = 256  # observations that the limits are for
+MOST_DIMENSIONS: Final = 8
 MOST_NODES: Final = 2_000
 MOST_NUMBERS: Final = 2**24  # of one tensor, and 4 times as many of all that are computed
 LIMIT: Final = "policy-work"
@@ -100,6 +102,51 @@ def _evaluated(graph: Graph, into: int, rows: int) -> dict[str, Value]:
     if work > share * limit(LIMIT):  # at the end, so that the message has the total
         raise TooLarge(math.ceil(work / share))
     return values
+
+
+def output_values(node: Node, values: Sequence[Value | None]) -> tuple[list[Value], int]:
+    """Return what an operator gives, and how many multiplications it takes, no less than it gives numbers.
+
+    Raises:
+        Refused: the operator is not read, or its shape cannot be known.
+        ValueError: its inputs do not fit it.
+    """
+    if node.operator not in RULES:
+        raise Refused(f"the operator {node.operator[:40]!r}")
+    given = Given(node, values)
+    shapes = [tuple(int(side) for side in shape) for shape in RULES[node.operator](given)]
+    if len(node.outputs) > len(shapes):
+        raise Refused(f"{len(node.outputs)} outputs of the operator {node.operator!r}")
+    if any(len(shape) > MOST_DIMENSIONS or min(shape, default=0) < 0 for shape in shapes):
+        raise ValueError(f"an output of shape {shapes}")
+    work = sum(map(math.prod, shapes)) + sum(math.prod(value.shape) for value in values if value is not None)
+    work += _PRODUCTS[node.operator](given, shapes) if node.operator in _PRODUCTS else 0
+    kind = element_type(given)
+    known = folded(given, shapes[0], kind) if len(shapes) == 1 else None
+    if node.operator in ("Div", "Mod") and kind in _WHOLE and known is None:
+        raise Refused("a division of whole numbers")  # by zero it would end the program
+    return [Value(shape, kind, known) for shape in shapes], work
+
+
+def _matmul_work(given: Given, shapes: Sequence[Shape]) -> int:
+    return math.prod(shapes[0]) * given.shape(0)[-1]
+
+
+def _gemm_work(given: Given, shapes: Sequence[Shape]) -> int:
+    return math.prod(shapes[0]) * given.shape(0)[0 if given.number("transA", 0) else 1]
+
+
+def _recurrent_work(given: Given, shapes: Sequence[Shape]) -> int:
+    x, weights, hidden = given.shape(), given.shape(1), given.shape(2)[-1]
+    return x[0] * x[1] * weights[0] * weights[1] * (weights[2] + hidden)
+
+
+_WHOLE: Final = (6, INT64)
+_PRODUCTS: Final[Mapping[str, Callable[[Given, Sequence[Shape]], int]]] = {
+    "MatMul": _matmul_work,
+    "Gemm": _gemm_work,
+    **dict.fromkeys(("LSTM", "GRU", "RNN"), _recurrent_work),
+}
 
 
 def _width(port: Port, what: str) -> int:

@@ -15,37 +15,11 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from waypointctl.policy.onnx_graph import INT64, ITEM_BYTES, Node
-from waypointctl.policy.onnx_values import Given, Shape, Value, element_type, folded, of_node
+from waypointctl.policy.onnx_graph import ITEM_BYTES
+from waypointctl.policy.onnx_values import Given, Shape, of_node
 from waypointctl.policy.protobuf_fields import Refused
 
-MOST_DIMENSIONS: Final = 8
-
 Rule: TypeAlias = Callable[[Given], Sequence[Shape]]
-
-
-def output_values(node: Node, values: Sequence[Value | None]) -> tuple[list[Value], int]:
-    """Return what an operator gives, and how many multiplications it takes, no less than it gives numbers.
-
-    Raises:
-        Refused: the operator is not read, or its shape cannot be known.
-        ValueError: its inputs do not fit it.
-    """
-    if node.operator not in RULES:
-        raise Refused(f"the operator {node.operator[:40]!r}")
-    given = Given(node, values)
-    shapes = [tuple(int(side) for side in shape) for shape in RULES[node.operator](given)]
-    if len(node.outputs) > len(shapes):
-        raise Refused(f"{len(node.outputs)} outputs of the operator {node.operator!r}")
-    if any(len(shape) > MOST_DIMENSIONS or min(shape, default=0) < 0 for shape in shapes):
-        raise ValueError(f"an output of shape {shapes}")
-    work = sum(map(math.prod, shapes)) + sum(math.prod(value.shape) for value in values if value is not None)
-    work += _PRODUCTS[node.operator](given, shapes) if node.operator in _PRODUCTS else 0
-    kind = element_type(given)
-    known = folded(given, shapes[0], kind) if len(shapes) == 1 else None
-    if node.operator in ("Div", "Mod") and kind in _WHOLE and known is None:
-        raise Refused("a division of whole numbers")  # by zero it would end the program
-    return [Value(shape, kind, known) for shape in shapes], work
 
 
 def _same(given: Given) -> Sequence[Shape]:
@@ -230,20 +204,6 @@ def _axis(axis: int | None, shape: Shape) -> int:
     return axis % len(shape)
 
 
-def _matmul_work(given: Given, shapes: Sequence[Shape]) -> int:
-    return math.prod(shapes[0]) * given.shape(0)[-1]
-
-
-def _gemm_work(given: Given, shapes: Sequence[Shape]) -> int:
-    return math.prod(shapes[0]) * given.shape(0)[0 if given.number("transA", 0) else 1]
-
-
-def _recurrent_work(given: Given, shapes: Sequence[Shape]) -> int:
-    x, weights, hidden = given.shape(), given.shape(1), given.shape(2)[-1]
-    return x[0] * x[1] * weights[0] * weights[1] * (weights[2] + hidden)
-
-
-_WHOLE: Final = (6, INT64)
 _ALONE: Final = (  # each number by itself, or along an axis
     "Identity Neg Abs Sign Floor Ceil Round Sqrt Reciprocal Exp Log Erf Sin Cos Tan Asin Acos Atan Sinh Cosh Asinh "
     "Acosh Atanh Relu LeakyRelu ThresholdedRelu Elu Selu Celu Gelu Sigmoid HardSigmoid HardSwish Mish Swish Tanh "
@@ -279,9 +239,4 @@ RULES: Final[Mapping[str, Rule]] = {
     "Split": _split,
     "Slice": _slice,
     "Gather": _gather,
-}
-_PRODUCTS: Final[Mapping[str, Callable[[Given, Sequence[Shape]], int]]] = {
-    "MatMul": _matmul_work,
-    "Gemm": _gemm_work,
-    **dict.fromkeys(("LSTM", "GRU", "RNN"), _recurrent_work),
 }

@@ -16,7 +16,7 @@ from waypointctl.flight.sink import with_pictures
 from waypointctl.log.messages import Message
 from waypointctl.log.reader import LogReader, open_log
 from waypointctl.policy.manifest import NETWORK, WEIGHTS
-from waypointctl.policy.weights import weights_fault
+from waypointctl.policy.network import weights_fault
 from waypointctl.replay.comparator import ROUNDING, Diverged, LogComparator, LogEnded
 from waypointctl.replay.contents import KERNELS, LogContents, contents_of, platform_differences, unverifiable
 from waypointctl.replay.flight_log import summary_of_events

@@ -21,8 +21,7 @@ from waypointctl.robots.description import (
     TorqueFraction,
     VelocityTarget,
 )
-from waypointctl.robots.robot import Robot
-from waypointctl.robots.symmetry import Symmetry, combined, frame_of
+from waypointctl.robots.robot import Robot, Symmetry, combined, frame_of
 from waypointctl.sim.actions import ActionTransform
 from waypointctl.sim.mjcf_audit import AuditedMjcf
 from waypointctl.sim.model import CameraMount, actuators_of, joint_names_of, joint_range_of, missing_geoms

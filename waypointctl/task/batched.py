@@ -13,14 +13,12 @@ from waypointctl.robots.load import given_robot
 from waypointctl.seeding import stream
 from waypointctl.sim.actions import clip_actions, refuse_bad_action
 from waypointctl.sim.stepping import RobotBatch
-from waypointctl.task.body import Body, body_of, fallen
 from waypointctl.task.config import TaskConfig, draw_start
-from waypointctl.task.failure_replay import FailedCourses
 from waypointctl.task.observation import NOISE_SIZE, layout
-from waypointctl.task.progress import CourseProgress
+from waypointctl.task.progress import CourseProgress, FailedCourses
 from waypointctl.task.randomized_robots import RandomizedRobots
 from waypointctl.task.reward import RewardFunction, progress_speed
-from waypointctl.task.view import SimulationView
+from waypointctl.task.view import Body, SimulationView, body_of, fallen
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
 from waypointctl.mission.fields import Start
+from waypointctl.robots.robot import Robot
 from waypointctl.sim.actions import refuse_bad_action
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.config import TaskConfig
 from waypointctl.task.progress import CourseProgress
-from waypointctl.task.rendering import RENDER_MODES, Rendering, render_mode_of
 
 try:
     import gymnasium
@@ -26,6 +27,11 @@ except ModuleNotFoundError as error:
 
 FloatArray = NDArray[np.float64]
 
+if TYPE_CHECKING:
+    from waypointctl.sim.camera import Camera, Marker
+    from waypointctl.sim.viewer import Viewer
+
+RENDER_MODES: Final = ("human", "rgb_array")
 OPTIONS: Final = ("waypoints", "position_m", "heading_rad")
 
 # MuJoCo resets the simulation at a larger coordinate (mjMAXVAL), so no observation is larger.
@@ -59,12 +65,14 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         Raises:
             InputError: the render mode is unknown.
         """
-        self.render_mode = render_mode_of(render_mode)
+        if render_mode is not None and render_mode not in RENDER_MODES:
+            raise InputError(f"unknown render_mode {render_mode!r}; allowed: {', '.join(RENDER_MODES)}, None")
+        self.render_mode = render_mode
         self._config = config or TaskConfig()
         self._env = BatchedWaypointEnv(self._config, 1, 0, threads=1, autoreset=False)
         self._seeded = False
         self.metadata = self.metadata | {"render_fps": round(1e9 / self._env.robot.control_period_ns)}
-        self._rendering = Rendering(self._env.robot, self.render_mode) if self.render_mode else None
+        self._rendering = _Rendering(self._env.robot, render_mode) if render_mode else None
         largest = np.full(self._env.layout.size, _LARGEST)
         full_torque = np.ones(self._env.robot.num_actions, np.float32)
         self.observation_space = gymnasium.spaces.Box(-largest, largest, dtype=np.float64)
@@ -88,9 +96,12 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         waypoints = _waypoints(given)
         start = _start(given, self._config.start)
         if seed is not None or not self._seeded:
-            self._seed(int(self.np_random.integers(2**63)) if seed is None else seed)
+            self._env.seed(int(self.np_random.integers(2**63)) if seed is None else seed)
+            self._seeded = True
         count = self._config.course.longest if waypoints is None else len(waypoints)
-        self._make_room(count)
+        if count > self._env.progress.waypoints.shape[1]:
+            period_ns = self._env.robot.control_period_ns
+            self._env.progress = CourseProgress(1, count, self._config.deadline, period_ns)
         self._env.config = replace(self._config, start=start)
         self._env.begin([0], waypoints)
         course = self._env.progress.waypoints[0, : self._env.progress.count[0]].copy()
@@ -152,15 +163,50 @@ class WaypointEnv(gymnasium.Env[FloatArray, NDArray[np.float32]]):
             "timed_out": bool(step.truncated[0]) and not success,
         }
 
-    def _seed(self, seed: int) -> None:
-        self._env.seed(seed)
-        self._seeded = True
 
-    def _make_room(self, count: int) -> None:
-        """Let a course have `count` waypoints."""
-        if count > self._env.progress.waypoints.shape[1]:
-            period_ns = self._env.robot.control_period_ns
-            self._env.progress = CourseProgress(1, count, self._config.deadline, period_ns)
+class _Rendering:
+    """Draws one robot and the waypoints that are ahead of it. The renderer is created at the first frame."""
+
+    def __init__(self, robot: Robot, mode: str) -> None:
+        """Draw in a mode. A window is opened at once; without a display there is a warning and no window."""
+        self._robot = robot
+        self._camera: Camera | None = None
+        self._viewer: Viewer | None = None
+        if mode == "human":
+            from waypointctl.sim.viewer import Viewer
+
+            try:
+                self._viewer = Viewer(robot)
+            except InputError as error:  # no reason to end a training; Gymnasium's checker makes every mode
+                warnings.warn(f"no window is shown: {error}", stacklevel=3)
+
+    def show(self, qpos: FloatArray, ahead: Sequence[FloatArray]) -> None:
+        """Show the robot at qpos (nq,), and the waypoints ahead, each (2,) [m], where there is a window."""
+        if self._viewer is not None:
+            self._viewer.mark(_markers(ahead))
+            self._viewer.show(qpos, self._robot.control_period_ns / 1e9)
+
+    def frame(self, qpos: FloatArray, ahead: Sequence[FloatArray]) -> NDArray[np.uint8]:
+        """Return the picture (480, 640, 3) uint8 of the robot at qpos (nq,), the first row on top."""
+        from waypointctl.sim.camera import Camera, follow
+
+        if self._camera is None:
+            self._camera = Camera(self._robot, (), follow)
+        self._camera.markers = tuple(_markers(ahead))
+        return self._camera.take(qpos)
+
+    def close(self) -> None:
+        """Release the renderer, and close the window."""
+        for drawing in (self._camera, self._viewer):
+            if drawing is not None:
+                drawing.close()
+        self._camera = self._viewer = None
+
+
+def _markers(ahead: Sequence[FloatArray]) -> list[Marker]:
+    from waypointctl.sim.camera import Marker
+
+    return [Marker("", float(x_m), float(y_m)) for x_m, y_m in ahead]
 
 
 def _waypoints(options: Mapping[str, Any]) -> FloatArray | None:

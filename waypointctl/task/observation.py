@@ -8,18 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
-from waypointctl.task.body import JOINT_RATE_SCALE
-from waypointctl.task.plugins import PLUGIN_HINT, Fill, ObservationGroup, Plugin, ViewFunction, by_name
-from waypointctl.task.view import SimulationView, write_heading_velocity
+from waypointctl.task.plugins import PLUGIN_HINT, Fill, ObservationGroup, Plugin, by_name, copied
+from waypointctl.task.view import JOINT_RATE_SCALE, SimulationView, write_heading_velocity
 
 if TYPE_CHECKING:
-    from waypointctl.robots.folder import RobotOutline
+    from waypointctl.robots.load import RobotOutline
     from waypointctl.robots.robot import Robot
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -109,13 +108,6 @@ def _waypoint_bearings(view: SimulationView, out: FloatArray) -> None:
     out[:, 2::3] = np.minimum(distance, GOAL_RANGE_M)
 
 
-def _copied(function: ViewFunction) -> Fill:
-    def fill(view: SimulationView, out: FloatArray) -> None:
-        out[:] = function(view)
-
-    return fill
-
-
 def _group(
     name: str,
     units: str | Sequence[str],
@@ -132,12 +124,12 @@ _GOALS: Final = ("current.x", "current.y", "next.x", "next.y")
 _NOISE: Final = tuple(f"noise.{number}" for number in range(NOISE_SIZE))
 
 GROUPS: Final = (
-    _group("joint_angles", "rad", _angles, _copied(lambda view: view.body.joints)),
-    _group("joint_speeds", "rad/s", _speeds, _copied(lambda view: view.body.joint_rates)),
-    _group("joint_speeds_scaled", "rad/s", _speeds, _copied(lambda view: view.body.joint_rates), JOINT_RATE_SCALE),
-    _group("position", "m", _base("x", "y", "z"), _copied(lambda view: view.body.position)),
-    _group("height", "m", _base("z"), _copied(lambda view: view.body.position[:, 2:3])),
-    _group("velocity", "m/s", _base("vx", "vy", "vz"), _copied(lambda view: view.body.velocity)),
+    _group("joint_angles", "rad", _angles, copied(lambda view: view.body.joints)),
+    _group("joint_speeds", "rad/s", _speeds, copied(lambda view: view.body.joint_rates)),
+    _group("joint_speeds_scaled", "rad/s", _speeds, copied(lambda view: view.body.joint_rates), JOINT_RATE_SCALE),
+    _group("position", "m", _base("x", "y", "z"), copied(lambda view: view.body.position)),
+    _group("height", "m", _base("z"), copied(lambda view: view.body.position[:, 2:3])),
+    _group("velocity", "m/s", _base("vx", "vy", "vz"), copied(lambda view: view.body.velocity)),
     _group(
         "heading_velocity",
         "m/s",
@@ -150,13 +142,13 @@ GROUPS: Final = (
         "angular_velocity",
         "rad/s",
         _base("rate_x", "rate_y", "rate_z"),
-        _copied(lambda view: view.body.rates),
+        copied(lambda view: view.body.rates),
     ),
-    _group("waypoints", "m", _GOALS, _copied(lambda view: view.goals.reshape(-1, 4))),
+    _group("waypoints", "m", _GOALS, copied(lambda view: view.goals.reshape(-1, 4))),
     _group("waypoint_bearings", ("1", "1", "m") * 2, _BEARINGS, _waypoint_bearings, (1.0, 1.0, _PART) * 2),
-    _group("noise", "1", _NOISE, _copied(lambda view: view.noise)),
-    _group("last_action", "1", _actions, _copied(lambda view: view.action)),
-    _group("contacts", "1", _feet, _copied(lambda view: view.contacts)),
+    _group("noise", "1", _NOISE, copied(lambda view: view.noise)),
+    _group("last_action", "1", _actions, copied(lambda view: view.action)),
+    _group("contacts", "1", _feet, copied(lambda view: view.contacts)),
 )
 
 _STATE: Final = ("joint_angles", "joint_speeds", "position", "velocity", "orientation")
@@ -212,9 +204,27 @@ def layout(observation: str | Sequence[str], robot: Robot | RobotOutline, plugin
     components: list[tuple[str, str, float]] = []
     fillers = []
     for group in groups:
-        parts = group.named(robot)
+        parts = components_of(group, robot)
         scales = np.array([scale for _, _, scale in parts])
         place = slice(len(components), len(components) + len(parts))
         fillers.append((place, group.filler(len(parts)), None if (scales == 1.0).all() else scales))
         components += parts
     return Layout(named, names, tuple(components), tuple(fillers))
+
+
+def components_of(group: ObservationGroup, robot: Robot | RobotOutline) -> tuple[tuple[str, str, float], ...]:
+    """Return (name, unit, scale) of each number of a group for a robot."""
+    what = f"observation group {group.name!r}"
+    try:
+        names = tuple(group.components(cast("Robot", robot)) if callable(group.components) else group.components)
+        units = (group.units,) * len(names) if isinstance(group.units, str) else tuple(group.units)
+        scales = np.asarray(group.scales, np.float64)
+    except Exception as error:
+        raise InputError(f"{what}: {type(error).__name__}: {error}") from error
+    if isinstance(group.components, str) or not all(isinstance(text, str) for text in (*names, *units)):
+        raise InputError(f"{what}: components and units are lists of texts")
+    if not names or len(units) != len(names):
+        raise InputError(f"{what}: {len(units)} units for {len(names)} components")
+    if scales.shape not in ((), (len(names),)) or not np.isfinite(scales).all():
+        raise InputError(f"{what}: its scales are not one finite number, or one for each of {len(names)}")
+    return tuple(zip(names, units, np.broadcast_to(scales, len(names)).tolist(), strict=True))

@@ -1,12 +1,7 @@
 """Observation groups and reward terms, the built-in ones and those of a user's own Python file.
 
-    @waypointctl.reward_term(name="clearance", unit="m")
-    def clearance(view):
-        return view.foot_heights.min(axis=1)
-
-A decorated function has an effect only where it is passed. A file is executed only where the user names it: as an
-argument, or in a recipe's `plugins` with the permission to execute them. Bundles and logs record the names and hashes
-of the files, so that another content is refused, and never cause a file to be executed.
+A decorated function has an effect only where it is passed. A file is executed only where the user names it. Bundles and
+logs record names and hashes of such files, so that another content is refused; nothing is executed because of them.
 """
 
 from __future__ import annotations
@@ -28,7 +23,6 @@ from waypointctl.errors import InputError, wrong_type
 from waypointctl.input_file import read_input
 
 if TYPE_CHECKING:
-    from waypointctl.robots.folder import RobotOutline
     from waypointctl.robots.robot import Robot
     from waypointctl.task.view import SimulationView
 
@@ -82,37 +76,11 @@ class ObservationGroup:
     built_in: bool = False
     source: PluginFile | None = None
 
-    def named(self, robot: Robot | RobotOutline) -> tuple[tuple[str, str, float], ...]:
-        """Return (name, unit, scale) of each number for a robot."""
-        what = f"observation group {self.name!r}"
-        try:
-            names = tuple(self.components(cast("Robot", robot)) if callable(self.components) else self.components)
-            units = (self.units,) * len(names) if isinstance(self.units, str) else tuple(self.units)
-            scales = np.asarray(self.scales, np.float64)
-        except Exception as error:
-            raise InputError(f"{what}: {type(error).__name__}: {error}") from error
-        if isinstance(self.components, str) or not all(isinstance(text, str) for text in (*names, *units)):
-            raise InputError(f"{what}: components and units are lists of texts")
-        if not names or len(units) != len(names):
-            raise InputError(f"{what}: {len(units)} units for {len(names)} components")
-        if scales.shape not in ((), (len(names),)) or not np.isfinite(scales).all():
-            raise InputError(
-                f"{what}: its scales are not one finite number, or one for each of {len(names)} components"
-            )
-        return tuple(zip(names, units, np.broadcast_to(scales, len(names)).tolist(), strict=True))
-
     def filler(self, size: int) -> Fill:
         """Return what writes (n, size) numbers, before the scales."""
         if self.built_in:
             return cast("Fill", self.function)
-        shapes = "(n, 1) or (n,)" if size == 1 else f"(n, {size})"
-        function = _checked(cast("ViewFunction", self.function), f"observation group {self.name!r}", size, shapes)
-
-        def fill(view: SimulationView, out: FloatArray) -> None:
-            values = function(view)
-            out[:] = values if values.ndim == 2 else values[:, np.newaxis]
-
-        return fill
+        return copied(_checked(cast("ViewFunction", self.function), f"observation group {self.name!r}", size))
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +105,7 @@ class RewardTerm:
 
     def filler(self) -> ViewFunction:
         """Return the function that computes (n,), before the weight."""
-        return self.function if self.built_in else _checked(self.function, f"reward term {self.name!r}", 0, "(n,)")
+        return self.function if self.built_in else _checked(self.function, f"reward term {self.name!r}", 0)
 
 
 Plugin: TypeAlias = ObservationGroup | RewardTerm
@@ -170,8 +138,6 @@ def reward_term(*, name: str, unit: str) -> Callable[[ViewFunction], RewardTerm]
 
 def load_plugins(plugins: Plugins) -> tuple[Plugin, ...]:
     """Execute Python files and return the observation groups and reward terms that they define.
-
-    Call it only for files that the user has named and allowed to be executed.
 
     Args:
         plugins: the path of a file, or several; a group or a term is returned as it is. A file that is given twice is
@@ -250,14 +216,21 @@ def _executed(path: Path, source: bytes) -> ModuleType:
 
 def _sound(name: str) -> str:
     if not _NAME.fullmatch(name):
-        raise InputError(
-            f"{name!r} is not a valid name: use lower-case letters, digits and underscores, beginning with a letter"
-        )
+        raise InputError(f"{name!r} is not a valid name: use lower-case letters, digits, underscores; a letter first")
     return name
 
 
-def _checked(function: ViewFunction, what: str, size: int, shapes: str) -> ViewFunction:
-    """Return the function with its result checked: (n, size) of finite numbers; (n,) where size is 0 or 1."""
+def copied(function: ViewFunction) -> Fill:
+    """Return what writes the numbers that a function returns, (n, k), into its second argument."""
+
+    def fill(view: SimulationView, out: FloatArray) -> None:
+        out[:] = function(view)
+
+    return fill
+
+
+def _checked(function: ViewFunction, what: str, size: int) -> ViewFunction:
+    """Return the function with its result checked, finite numbers (n, size); (n,) for size 0, and allowed for 1."""
 
     def call(view: SimulationView) -> FloatArray:
         try:
@@ -266,10 +239,11 @@ def _checked(function: ViewFunction, what: str, size: int, shapes: str) -> ViewF
             raise InputError(f"{what} raised {type(error).__name__}: {error}") from error
         n = len(view.body.up)
         if values.shape != ((n, size) if size else (n,)) and not (size == 1 and values.shape == (n,)):
-            raise InputError(f"{what} returned the shape {values.shape}, not {shapes} with n = {n}")
+            wanted = f"(n, {size})" if size else "(n,)"
+            raise InputError(f"{what} returned the shape {values.shape}, not {wanted} with n = {n}")
         if not np.isfinite(values).all():
             place = np.argwhere(~np.isfinite(values))[0].tolist()
             raise InputError(f"{what} returned {values[tuple(place)]} at {place}, not a finite number")
-        return values
+        return values.reshape(n, size) if size else values
 
     return call

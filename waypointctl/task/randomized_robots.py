@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from waypointctl.seeding import restore_stream, restore_streams, stream, stream_words, streams_words
 from waypointctl.sim.stepping import RobotBatch
-from waypointctl.task.body import Body
-from waypointctl.task.domain_randomization import DRAWN, DomainRandomization, SensorNoise
+from waypointctl.task.config import DRAWN, DomainRandomization, SensorNoise
+from waypointctl.task.view import Body
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Ids: TypeAlias = NDArray[np.intp]

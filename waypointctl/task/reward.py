@@ -18,9 +18,8 @@ from pydantic import ConfigDict, Field, Strict
 
 from waypointctl.errors import InputError
 from waypointctl.mission.file_model import FileModel
-from waypointctl.task.body import JOINT_RATE_SCALE
 from waypointctl.task.plugins import PLUGIN_HINT, Plugin, RewardTerm, by_name
-from waypointctl.task.view import SimulationView
+from waypointctl.task.view import JOINT_RATE_SCALE, SimulationView
 
 if TYPE_CHECKING:
     from waypointctl.robots.robot import Robot

@@ -14,12 +14,9 @@ from waypointctl.errors import InputError, RobotError
 from waypointctl.mission.fields import Acceptance, RobotName, Start
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.policy_name import from_folder, is_bare
-from waypointctl.robots.folder import kept_robot, robot_folder
-from waypointctl.robots.load import load_robot
-from waypointctl.task.config import TaskConfig
+from waypointctl.robots.load import kept_robot, load_robot, robot_folder
+from waypointctl.task.config import DomainRandomization, FailureReplay, TaskConfig
 from waypointctl.task.course import Course, Deadline
-from waypointctl.task.domain_randomization import DomainRandomization
-from waypointctl.task.failure_replay import FailureReplay
 from waypointctl.task.observation import groups_of
 from waypointctl.task.plugins import Plugin
 from waypointctl.task.reward import RewardFunction

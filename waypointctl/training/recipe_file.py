@@ -16,8 +16,7 @@ from waypointctl.mission.yaml_source import read_model, read_source
 from waypointctl.mission.yaml_tree import read_tree
 from waypointctl.paths import write_whole
 from waypointctl.policy.manifest import Manifest
-from waypointctl.robots.folder import ROBOT_COPY
-from waypointctl.robots.load import load_robot
+from waypointctl.robots.load import ROBOT_COPY, load_robot
 from waypointctl.task.plugins import Plugin, load_plugins
 from waypointctl.training.recipe import Recipe, unknown_names
 from waypointctl.training.run_folder import PLUGIN_COPIES

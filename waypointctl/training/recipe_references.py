@@ -25,8 +25,7 @@ from waypointctl.mission.yaml_tree import DataPath, Tree, YamlFault, read_tree
 from waypointctl.paths import folder_fault
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.policy.manifest import WEIGHTS, StartRecord
-from waypointctl.robots.folder import read_description
-from waypointctl.robots.load import load_robot
+from waypointctl.robots.load import load_robot, read_description
 from waypointctl.task.observation import Layout, layout
 from waypointctl.task.plugins import Plugin
 from waypointctl.training.events import WarmStarted

@@ -19,7 +19,7 @@ from waypointctl.mission.problems import Problem
 from waypointctl.mission.yaml_tree import read_tree
 from waypointctl.paths import folder_fault
 from waypointctl.policy.bundle import load_policy, read_manifest
-from waypointctl.robots.folder import read_description, shipped_outline
+from waypointctl.robots.load import read_description, shipped_outline
 from waypointctl.task.plugins import load_plugins
 from waypointctl.units import seconds
 

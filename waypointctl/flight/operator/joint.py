@@ -37,11 +37,10 @@ from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.robot import Robot
 from waypointctl.sim.actions import clip_actions
-from waypointctl.task.body import body_of
 from waypointctl.task.observation import layout
 from waypointctl.task.plugins import Plugin
 from waypointctl.task.progress import reached
-from waypointctl.task.view import SimulationView
+from waypointctl.task.view import SimulationView, body_of
 
 FloatArray = NDArray[np.float64]
 

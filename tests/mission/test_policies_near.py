@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from waypointctl.errors import PolicyError
-from waypointctl.policy import nearby
+from waypointctl.mission import policy_name
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 
 NOTHING = "no manifest.json and no policy.onnx and no weights.safetensors; a policy has "
@@ -48,7 +48,7 @@ def test_the_only_policy_is_the_one_that_was_meant(tmp_path: Path, make_policy: 
 def test_without_any_it_is_said_what_a_policy_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     manifest(tmp_path / "too" / "far" / "below", 0)
     assert hint_for(tmp_path).startswith("A policy is a folder with manifest.json, or a name. There is ")
-    monkeypatch.setattr(nearby, "_LOOKED_AT", 0)
+    monkeypatch.setattr(policy_name, "_MOST_SEEN", 0)
     manifest(tmp_path / "beyond", 0)
     assert hint_for(tmp_path).startswith("A policy is a folder")
 
