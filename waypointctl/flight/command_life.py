@@ -34,17 +34,11 @@ def may_follow(stage: Stage, after: Stage) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class StageReport:
-    """A stage of a command as the ground knows it.
+    """A stage of a command as the ground knows it."""
 
-    Attributes:
-        stage: of it.
-        reason: empty, or why it was rejected or failed.
-        time_ns: on the clock of the side that recorded the stage.
-    """
-
-    stage: Stage
-    reason: str
-    time_ns: int
+    stage: Stage  # of it
+    reason: str  # empty, or why it was rejected or failed
+    time_ns: int  # on the clock of the side that recorded the stage
 
     def counts_after(self, known: StageReport | None) -> bool:
         """Return whether this report from the robot replaces what is known; False for one that arrives out of order."""

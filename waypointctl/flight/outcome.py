@@ -30,23 +30,14 @@ DEAF_AFTER: Final = 1000  # lost frames with the same content: then the next is 
 
 @dataclass(frozen=True, slots=True)
 class EndCondition:
-    """Decides whether a flight is over.
+    """Decides whether a flight is over."""
 
-    Attributes:
-        station: the ground.
-        executive: on board.
-        changes: which frame of telemetry is the first with the robot's current state.
-        up: the link to the robot.
-        down: the link to the ground.
-        is_still: whether the robot is at rest at a time [ns].
-    """
-
-    station: Station
-    executive: Executive
-    changes: TelemetryChanges
-    up: Direction[Any]
-    down: Direction[Any]
-    is_still: Callable[[int], bool]
+    station: Station  # the ground
+    executive: Executive  # on board
+    changes: TelemetryChanges  # which frame of telemetry is the first with the robot's current state
+    up: Direction[Any]  # the link to the robot
+    down: Direction[Any]  # the link to the ground
+    is_still: Callable[[int], bool]  # whether the robot is at rest at a time [ns]
 
     def is_done(self, now_ns: int) -> bool:
         """Return whether the operator has ended the mission, and all that was begun on board is over."""

@@ -18,15 +18,10 @@ _Standing: TypeAlias = tuple[Mode, int, int, tuple[CommandStatus, ...], str]
 
 @dataclass(slots=True)
 class TelemetryChanges:
-    """Keeps the number of the first frame with the content of the newest frame sent, apart from the pose.
+    """Keeps the number of the first frame with the content of the newest frame sent, apart from the pose."""
 
-    Attributes:
-        first: the number of that frame.
-        newest: the number of the newest frame.
-    """
-
-    first: int = 0
-    newest: int = -1
+    first: int = 0  # the number of that frame
+    newest: int = -1  # the number of the newest frame
     _standing: _Standing | None = None
 
     def sent(self, frame: Telemetry) -> None:

@@ -31,15 +31,10 @@ class _Cause:
 
 @dataclass(slots=True)
 class Report:
-    """What is found in a file.
+    """What is found in a file."""
 
-    Attributes:
-        where: the file, for messages.
-        left_out: what is left out of the mission, in words, and how often.
-    """
-
-    where: str
-    left_out: Counter[str] = field(default_factory=Counter)
+    where: str  # the file, for messages
+    left_out: Counter[str] = field(default_factory=Counter)  # what is left out of the mission, in words, and how often
     _causes: dict[str, _Cause] = field(default_factory=dict)
 
     @property
@@ -154,25 +149,15 @@ MOST_POSITIONS: Final = 20_000  # of a line, which is thinned where it has more 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A place to go to.
+    """A place to go to."""
 
-    Attributes:
-        place: latitude and longitude [deg], or x and y [m]; None: where the robot starts.
-        name: empty for none.
-        at: position in the file, for messages.
-        hold_s: how long to stay there.
-        radius_m: how near is there; None for the mission's default.
-        observe: whether a picture is taken there.
-        needs_way: whether it is a stop only where the robot is elsewhere before it.
-    """
-
-    place: Place | None
-    name: str = ""
-    at: str = ""
-    hold_s: float = 0.0
-    radius_m: float | None = None
-    observe: bool = False
-    needs_way: bool = False
+    place: Place | None  # latitude and longitude [deg], or x and y [m]; None: where the robot starts
+    name: str = ""  # empty for none
+    at: str = ""  # position in the file, for messages
+    hold_s: float = 0.0  # how long to stay there
+    radius_m: float | None = None  # how near is there; None for the mission's default
+    observe: bool = False  # whether a picture is taken there
+    needs_way: bool = False  # whether it is a stop only where the robot is elsewhere before it
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,54 +172,33 @@ class Zone:
 
 @dataclass(frozen=True, slots=True)
 class ImportedMission:
-    """A file's mission, in the file's own coordinates.
+    """A file's mission, in the file's own coordinates."""
 
-    Attributes:
-        start: where the robot starts; None where the file does not give it.
-        stops: the places to go to, in order.
-        name: of the mission; empty where the file gives none.
-        start_at: position of the start in the file, for messages.
-        is_home: whether the start is a home beside the path, and not the path's own beginning.
-        zones: of the fence; the robot is to be in each one that is to be kept in.
-        return_to: where the robot goes when it breaks the fence; None: it holds.
-        left_out: other content of the file.
-        remarks: what else the user should know.
-        order: how the file's format writes a place, where it is easily written the other way round.
-        body: that the places are on, by its name in local_frame.BODIES.
-        is_line: whether the stops are places along a line, of which some can be dropped, and not places to stop at.
-        is_metric: whether places are x and y [m] instead of latitude and longitude [deg].
-    """
-
-    start: Place | None
-    stops: tuple[Stop, ...]
-    name: str = ""
-    start_at: str = ""
-    is_home: bool = False
-    zones: tuple[Zone, ...] = ()
-    return_to: Place | None = None
-    left_out: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
-    order: str = ""
-    body: str = "earth"
+    start: Place | None  # where the robot starts; None where the file does not give it
+    stops: tuple[Stop, ...]  # the places to go to, in order
+    name: str = ""  # of the mission; empty where the file gives none
+    start_at: str = ""  # position of the start in the file, for messages
+    is_home: bool = False  # whether the start is a home beside the path, and not the path's own beginning
+    zones: tuple[Zone, ...] = ()  # of the fence; the robot is to be in each one that is to be kept in
+    return_to: Place | None = None  # where the robot goes when it breaks the fence; None: it holds
+    left_out: tuple[str, ...] = ()  # other content of the file
+    remarks: tuple[str, ...] = ()  # what else the user should know
+    order: str = ""  # how the file's format writes a place, where it is easily written the other way round
+    body: str = "earth"  # that the places are on, by its name in local_frame.BODIES
+    # Whether the stops are places along a line, of which some can be dropped, and not places to stop at
     is_line: bool = False
-    is_metric: bool = False
+    is_metric: bool = False  # whether places are x and y [m] instead of latitude and longitude [deg]
 
 
 @dataclass(frozen=True, slots=True)
 class Importer:
-    """Reads one format.
+    """Reads one format."""
 
-    Attributes:
-        name: of the format, with its article where it needs one.
-        suffixes: of files in it, in lower case.
-        recognises: whether a file is in it, by its content.
-        read: returns the mission. What is wrong with the file, or cannot be done by a robot on the ground, and what is
-            left out, goes into the report; where nothing can be read on, it raises MissionError.
-    """
-
-    name: str
-    suffixes: tuple[str, ...]
-    recognises: Callable[[bytes], bool]
+    name: str  # of the format, with its article where it needs one
+    suffixes: tuple[str, ...]  # of files in it, in lower case
+    recognises: Callable[[bytes], bool]  # whether a file is in it, by its content
+    # Returns the mission. What is wrong with the file, or cannot be done by a robot on the ground, and what is
+    # left out, goes into the report; where nothing can be read on, it raises MissionError
     read: Callable[[bytes, Report], ImportedMission]
 
 

@@ -79,17 +79,11 @@ NOT_DONE: Final = {
 
 @dataclass(frozen=True, slots=True)
 class OtherCommand:
-    """A command that is not followed.
+    """A command that is not followed."""
 
-    Attributes:
-        name: MAVLink's.
-        is_left_out: whether it changes neither the path nor the time at a waypoint; any other is refused.
-        reason: why, or what to do instead.
-    """
-
-    name: str
-    is_left_out: bool
-    reason: str
+    name: str  # MAVLink's
+    is_left_out: bool  # whether it changes neither the path nor the time at a waypoint; any other is refused
+    reason: str  # why, or what to do instead
 
 
 @cache

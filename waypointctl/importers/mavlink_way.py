@@ -51,23 +51,14 @@ _MOST_STEPS: Final = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """A mission item.
+    """A mission item."""
 
-    Attributes:
-        at: its place in the file, for messages.
-        number: that jumps name it by.
-        command: MAV_CMD.
-        frame: MAV_FRAME; None where the file does not give it.
-        params: the seven, None for what is not a number.
-        goes_on: whether the next follows by itself.
-    """
-
-    at: str
-    number: int
-    command: int
-    frame: int | None
-    params: tuple[float | None, ...]
-    goes_on: bool = True
+    at: str  # its place in the file, for messages
+    number: int  # that jumps name it by
+    command: int  # MAV_CMD
+    frame: int | None  # MAV_FRAME; None where the file does not give it
+    params: tuple[float | None, ...]  # the seven, None for what is not a number
+    goes_on: bool = True  # whether the next follows by itself
 
     @property
     def is_here(self) -> bool:

@@ -20,23 +20,14 @@ _HERE_M: Final = 0.5  # as near as a waypoint is reached: a take-off this near i
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A imported's places in metres.
+    """A imported's places in metres."""
 
-    Attributes:
-        frame: that they are in; None where the file has metres itself.
-        start: x and y [m] where the robot starts.
-        stops: with their places.
-        zones: with their corners.
-        return_to: where the robot goes when it breaks the fence.
-        left_out: what is left out, in words.
-    """
-
-    frame: LocalFrame | None
-    start: Point
-    stops: tuple[tuple[Stop, Point], ...]
-    zones: tuple[tuple[Zone, tuple[Point, ...]], ...]
-    return_to: Point | None
-    left_out: tuple[str, ...]
+    frame: LocalFrame | None  # that they are in; None where the file has metres itself
+    start: Point  # x and y [m] where the robot starts
+    stops: tuple[tuple[Stop, Point], ...]  # with their places
+    zones: tuple[tuple[Zone, tuple[Point, ...]], ...]  # with their corners
+    return_to: Point | None  # where the robot goes when it breaks the fence
+    left_out: tuple[str, ...]  # what is left out, in words
 
 
 def placed(imported: ImportedMission, where: str, origin: Place | None, body: Body) -> Placed:

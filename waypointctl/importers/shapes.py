@@ -22,44 +22,26 @@ class Spot:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line through places.
+    """A line through places."""
 
-    Attributes:
-        kind: what the format calls it.
-        name: may be empty.
-        at: position in the file.
-        spots: the places.
-    """
-
-    kind: str
-    name: str
-    at: str
-    spots: tuple[Spot, ...] = ()
+    kind: str  # what the format calls it
+    name: str  # may be empty
+    at: str  # position in the file
+    spots: tuple[Spot, ...] = ()  # the places
 
 
 @dataclass(slots=True)
 class Shapes:
-    """What a map holds.
+    """What a map holds."""
 
-    Attributes:
-        report: of the file.
-        lines: its lines.
-        points: its single points, in order.
-        others: what it holds beside, by its format's name, and how often.
-        line_word: what the format calls a line.
-        point_word: and a point.
-        order: how the format writes a place, where it is easily written the other way round.
-        body: that the places are on, where the file names it.
-    """
-
-    report: Report
-    line_word: str
-    point_word: str
-    order: str = ""
-    body: str = "earth"
-    lines: list[Line] = field(default_factory=list)
-    points: list[Spot] = field(default_factory=list)
-    others: Counter[str] = field(default_factory=Counter)
+    report: Report  # of the file
+    line_word: str  # what the format calls a line
+    point_word: str  # and a point
+    order: str = ""  # how the format writes a place, where it is easily written the other way round
+    body: str = "earth"  # that the places are on, where the file names it
+    lines: list[Line] = field(default_factory=list)  # its lines
+    points: list[Spot] = field(default_factory=list)  # its single points, in order
+    others: Counter[str] = field(default_factory=Counter)  # what it holds beside, by its format's name, and how often
 
     def add_line(self, line: Line, count: int, things: str, spots: Callable[[], Iterable[Spot]]) -> None:
         """Take a line; of those after the first only their number and names matter, and their places are not read.

@@ -48,15 +48,10 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """One direction of a contact plan.
+    """One direction of a contact plan."""
 
-    Attributes:
-        contacts: in order, none overlapping another.
-        ranges: the same; where the plan's light times are used they cover the contacts.
-    """
-
-    contacts: tuple[Span, ...]
-    ranges: tuple[Span, ...]
+    contacts: tuple[Span, ...]  # in order, none overlapping another
+    ranges: tuple[Span, ...]  # the same; where the plan's light times are used they cover the contacts
 
 
 def read_contact_plan(

@@ -64,17 +64,11 @@ class Geofence(FileModel):
 
 @dataclass(frozen=True, slots=True)
 class Zone:
-    """A zone that the robot has to stay in, or out of.
+    """A zone that the robot has to stay in, or out of."""
 
-    Attributes:
-        name: as messages have it: its own, or its place among those of its kind.
-        keep_in: whether the robot has to stay in it; if not, out of it.
-        outline_m: its corners (x, y) [m], the last joined to the first.
-    """
-
-    name: str
-    keep_in: bool
-    outline_m: tuple[Point, ...]
+    name: str  # as messages have it: its own, or its place among those of its kind
+    keep_in: bool  # whether the robot has to stay in it; if not, out of it
+    outline_m: tuple[Point, ...]  # its corners (x, y) [m], the last joined to the first
 
     @property
     def label(self) -> str:

@@ -37,16 +37,11 @@ _PNG: Final = b"\x89PNG\r\n\x1a\n"
 
 @dataclass(frozen=True, slots=True)
 class AuditedMjcf:
-    """MJCF that may be compiled.
+    """MJCF that may be compiled."""
 
-    Attributes:
-        xml: the elements and attributes that were read, in one text.
-        assets: meshes and textures, by the names that `xml` has for them.
-        files: all that was read, by path in the robot's folder: the MJCF, what it includes, meshes, textures.
-    """
-
-    xml: str
-    assets: Mapping[str, bytes]
+    xml: str  # the elements and attributes that were read, in one text
+    assets: Mapping[str, bytes]  # meshes and textures, by the names that `xml` has for them
+    # All that was read, by path in the robot's folder: the MJCF, what it includes, meshes, textures
     files: Mapping[str, bytes]
 
 

@@ -42,22 +42,14 @@ class RobotModel:
 
     qpos is the base's position (3) [m] and quaternion w x y z (4), then the joint angles (nj) [rad]; qvel is the base's
     velocity (3) [m/s] and angular velocity in its own frame (3) [rad/s], then the joint speeds (nj) [rad/s].
-
-    Attributes:
-        name: of the robot.
-        source: the MJCF that the model was compiled from.
-        model: MuJoCo's model.
-        substeps: physics steps in a control period.
-        actions: what the actuators are given for an action.
-        camera: where the robot's camera is.
     """
 
-    name: str
-    source: AuditedMjcf
-    model: mujoco.MjModel
-    substeps: int
-    actions: ActionTransform
-    camera: CameraMount
+    name: str  # of the robot
+    source: AuditedMjcf  # the MJCF that the model was compiled from
+    model: mujoco.MjModel  # MuJoCo's model
+    substeps: int  # physics steps in a control period
+    actions: ActionTransform  # what the actuators are given for an action
+    camera: CameraMount  # where the robot's camera is
 
     @cached_property
     def base(self) -> str:
@@ -108,19 +100,12 @@ class RobotModel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Actuators:
-    """The actuators of a model, in its order.
+    """The actuators of a model, in its order."""
 
-    Attributes:
-        joints: the joint of each, by its name.
-        servos: how each interprets its control.
-        low: (nu,) the least control that each takes; -inf where the MJCF sets none.
-        high: (nu,) the largest.
-    """
-
-    joints: tuple[str, ...]
-    servos: tuple[Servo, ...]
-    low: FloatArray
-    high: FloatArray
+    joints: tuple[str, ...]  # the joint of each, by its name
+    servos: tuple[Servo, ...]  # how each interprets its control
+    low: FloatArray  # (nu,) the least control that each takes; -inf where the MJCF sets none
+    high: FloatArray  # (nu,) the largest
 
 
 def compile_model(source: AuditedMjcf, where: str) -> mujoco.MjModel:

@@ -39,19 +39,12 @@ _OBSOLETED_BY: Final = {kind: ENDING for kind in CommandKind if kind is not Comm
 
 @dataclass(frozen=True, slots=True)
 class _Mark:
-    """What is stored about a command that was executed.
+    """What is stored about a command that was executed."""
 
-    Attributes:
-        start_ns: when it was to start; an abort's is later than any.
-        command_id: of it.
-        released: how many waypoints it released, counted from the plan's first; 0 for other kinds.
-        value: the tolerance [m] or the time-out [s] that it set.
-    """
-
-    start_ns: int
-    command_id: int
-    released: int
-    value: float
+    start_ns: int  # when it was to start; an abort's is later than any
+    command_id: int  # of it
+    released: int  # how many waypoints it released, counted from the plan's first; 0 for other kinds
+    value: float  # the tolerance [m] or the time-out [s] that it set
 
     def follows(self, command: Command) -> bool:
         """Return whether it is newer than another, and was not to start before it."""
@@ -65,13 +58,9 @@ class _Mark:
 
 @dataclass(slots=True)
 class CommandOrdering:
-    """The executed commands, as far as they affect older commands that are still to arrive.
+    """The executed commands, as far as they affect older commands that are still to arrive."""
 
-    Attributes:
-        kept: every command has come in its turn so far: ids 1, 2, 3, ... Then all of this follows from them.
-    """
-
-    kept: bool = True
+    kept: bool = True  # every command has come in its turn so far: ids 1, 2, 3, ... Then all of this follows from them
     _newest: int = 0
     _executed: dict[CommandKind, list[_Mark]] = field(default_factory=dict)
     # What has not arrived yet: by which command, and when that one was to start [ns].

@@ -19,35 +19,22 @@ _REMEMBERED: Final = 256  # of the commands that have ended, in a checkpoint: it
 
 @dataclass(slots=True)
 class Record:
-    """The state of a command on board.
+    """The state of a command on board."""
 
-    Attributes:
-        stage: the last it has come to.
-        reason: of that stage.
-        attempt: which sending of it was executed.
-        expires_ns: after which it is not to be started or gone on with; -1 for never.
-    """
-
-    stage: Stage
-    reason: str
-    attempt: int
-    expires_ns: int
+    stage: Stage  # the last it has come to
+    reason: str  # of that stage
+    attempt: int  # which sending of it was executed
+    expires_ns: int  # after which it is not to be started or gone on with; -1 for never
 
 
 @dataclass(slots=True)
 class CommandTracker:
-    """Every command that has arrived, by its id.
+    """Every command that has arrived, by its id."""
 
-    Attributes:
-        report: takes each stage at its moment.
-        remind: takes the stage that a command is in when it arrives once more.
-        records: of each id.
-        pending: accepted, and not to be started yet; those that start first are first.
-    """
-
-    report: Callable[[CommandStage], None]
-    remind: Callable[[CommandStage], None]
-    records: dict[int, Record] = field(default_factory=dict)
+    report: Callable[[CommandStage], None]  # takes each stage at its moment
+    remind: Callable[[CommandStage], None]  # takes the stage that a command is in when it arrives once more
+    records: dict[int, Record] = field(default_factory=dict)  # of each id
+    # Accepted, and not to be started yet; those that start first are first
     pending: list[Command] = field(default_factory=list)
     _open: dict[int, None] = field(default_factory=dict)  # ids without a final stage, as they arrived
     _expiries: list[tuple[int, int, int]] = field(default_factory=list)  # a heap: (after which [ns], arrival, id)

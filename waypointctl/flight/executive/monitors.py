@@ -140,14 +140,10 @@ class LinkMonitor:
 
     When the link is restored, a robot that holds because of the loss resumes what was interrupted. One that returned
     home because of it is idle there, or continues home, because its plan has been aborted.
-
-    Attributes:
-        last_ns: when a message last arrived; None before the first.
-        lost: whether that is too long ago.
     """
 
-    last_ns: int | None = None
-    lost: bool = False
+    last_ns: int | None = None  # when a message last arrived; None before the first
+    lost: bool = False  # whether that is too long ago
 
     def on_contact(self, execution: PlanExecution, now_ns: int) -> None:
         """Record that a message has arrived."""
@@ -203,13 +199,9 @@ def _done_on_loss(execution: PlanExecution) -> str:
 
 @dataclass(slots=True)
 class FenceMonitor:
-    """Detects that the robot leaves its geofence. Coming back in from outside has no effect.
+    """Detects that the robot leaves its geofence. Coming back in from outside has no effect."""
 
-    Attributes:
-        outside: whether it was outside when it last moved.
-    """
-
-    outside: bool = False
+    outside: bool = False  # whether it was outside when it last moved
 
     def check(self, execution: PlanExecution, now_ns: int, x_m: float, y_m: float) -> None:
         """Apply the rule for a breach when a moving robot crosses the fence.

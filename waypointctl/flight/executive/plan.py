@@ -30,36 +30,22 @@ def names(waypoints: Sequence[PlannedWaypoint]) -> str:
 
 @dataclass(slots=True)
 class PlanItem:
-    """A waypoint of the plan.
+    """A waypoint of the plan."""
 
-    Attributes:
-        waypoint: as it was commanded, or as it was changed since.
-        command_id: of the command that brought it.
-        on_failure: what that command wants when the leg fails; empty for the robot's own rule.
-        released: whether the robot may drive to it.
-        over: reached and its task done, skipped, or taken back.
-        alone: commanded as a single goal, not as part of a plan.
-    """
-
-    waypoint: PlannedWaypoint
-    command_id: int
-    on_failure: str
-    released: bool
-    over: bool = False
-    alone: bool = False
+    waypoint: PlannedWaypoint  # as it was commanded, or as it was changed since
+    command_id: int  # of the command that brought it
+    on_failure: str  # what that command wants when the leg fails; empty for the robot's own rule
+    released: bool  # whether the robot may drive to it
+    over: bool = False  # reached and its task done, skipped, or taken back
+    alone: bool = False  # commanded as a single goal, not as part of a plan
 
 
 @dataclass(slots=True)
 class Plan:
-    """The plan on board. Items that are over stay, so that counts and places never shift.
+    """The plan on board. Items that are over stay, so that counts and places never shift."""
 
-    Attributes:
-        items: in order.
-        at: the place of the item under way.
-    """
-
-    items: list[PlanItem] = field(default_factory=list)
-    at: int = 0
+    items: list[PlanItem] = field(default_factory=list)  # in order
+    at: int = 0  # the place of the item under way
 
     @property
     def current(self) -> PlanItem | None:
@@ -142,24 +128,15 @@ class LegStatus(Enum):
 
 @dataclass(slots=True)
 class Leg:
-    """The way to one waypoint.
+    """The way to one waypoint."""
 
-    Attributes:
-        waypoint: where to.
-        following: the waypoint after that; the waypoint itself where it is the last.
-        since_ns: when its clock began.
-        tries: how often it has been begun.
-        best_m: the smallest distance that counted as progress.
-        best_ns: when that was, or when its clock began.
-        goals: this waypoint and the next, (1, 2, 2) [m], as the policy's observation takes them.
-    """
-
-    waypoint: PlannedWaypoint
-    following: PlannedWaypoint
-    since_ns: int
-    tries: int = 1
-    best_m: float = math.inf
-    best_ns: int = field(init=False)
+    waypoint: PlannedWaypoint  # where to
+    following: PlannedWaypoint  # the waypoint after that; the waypoint itself where it is the last
+    since_ns: int  # when its clock began
+    tries: int = 1  # how often it has been begun
+    best_m: float = math.inf  # the smallest distance that counted as progress
+    best_ns: int = field(init=False)  # when that was, or when its clock began
+    # This waypoint and the next, (1, 2, 2) [m], as the policy's observation takes them
     goals: FloatArray = field(init=False)
     _acceptance: Acceptance = field(init=False)
 

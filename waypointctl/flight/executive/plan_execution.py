@@ -18,41 +18,24 @@ BY_RULE: Final = -1  # in place of a command's id: a rule sent it home
 
 @dataclass(slots=True)
 class PlanExecution:
-    """What the robot is doing about its plan.
+    """What the robot is doing about its plan."""
 
-    Attributes:
-        rules: what it does by itself.
-        tracker: of its commands.
-        announce: takes every event.
-        machine: its mode.
-        plan: the waypoints on board.
-        ordering: as the ground issued what has arrived.
-        leg: the way to a waypoint, or home, while there is one.
-        stood_ns: when the hold or the observation began.
-        reached: indices in the mission, each once, in the order of reaching them.
-        suspended: the mode to resume after a pause; None where the plan continues with its next waypoint.
-        suspended_ns: when the pause began.
-        cause: the rule or command because of which it is stopped or returning home.
-        home_id: the command that sent it home, or BY_RULE; None while it is not on the way home.
-        home_cause: why a rule sent it home; empty for a command.
-        command_id: the command that was under way last; -1 for none.
-    """
-
-    rules: Rules
-    tracker: CommandTracker
-    announce: Callable[[Event], None]
-    machine: StateMachine = field(default_factory=StateMachine)
-    plan: Plan = field(default_factory=Plan)
-    ordering: CommandOrdering = field(default_factory=CommandOrdering)
-    leg: Leg | None = None
-    stood_ns: int = 0
-    reached: tuple[int, ...] = ()
+    rules: Rules  # what it does by itself
+    tracker: CommandTracker  # of its commands
+    announce: Callable[[Event], None]  # takes every event
+    machine: StateMachine = field(default_factory=StateMachine)  # its mode
+    plan: Plan = field(default_factory=Plan)  # the waypoints on board
+    ordering: CommandOrdering = field(default_factory=CommandOrdering)  # as the ground issued what has arrived
+    leg: Leg | None = None  # the way to a waypoint, or home, while there is one
+    stood_ns: int = 0  # when the hold or the observation began
+    reached: tuple[int, ...] = ()  # indices in the mission, each once, in the order of reaching them
+    # The mode to resume after a pause; None where the plan continues with its next waypoint
     suspended: Mode | None = None
-    suspended_ns: int = 0
-    cause: str = ""
-    home_id: int | None = None
-    home_cause: str = ""
-    command_id: int = -1
+    suspended_ns: int = 0  # when the pause began
+    cause: str = ""  # the rule or command because of which it is stopped or returning home
+    home_id: int | None = None  # the command that sent it home, or BY_RULE; None while it is not on the way home
+    home_cause: str = ""  # why a rule sent it home; empty for a command
+    command_id: int = -1  # the command that was under way last; -1 for none
 
     @property
     def mode(self) -> Mode:

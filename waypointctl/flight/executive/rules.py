@@ -149,34 +149,21 @@ def home_at(x_m: float, y_m: float, home: Home = _HOME) -> PlannedWaypoint:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """What the robot does by itself.
+    """What the robot does by itself."""
 
-    Attributes:
-        home: where it returns to.
-        retries: how often a leg that failed is begun again.
-        then: what follows when a leg has failed for good, unless its command sets it: "abort", "skip", "hold" or
-            "return_home".
-        slip_m: a waypoint at most this far away counts as reached once the robot gets no closer; 0 for never.
-        progress_m: a smaller decrease of the distance is not progress.
-        stall_ns: without progress for this long, the robot gets no closer.
-        stuck_fails: whether a leg fails when the robot gets no closer.
-        link_loss_ns: without anything from the ground for this long, the link is lost; 0 for never.
-        on_link_loss: "finish" what has been released, "hold" or "return_home".
-        fence: where it may be.
-        on_breach: "hold", "return_home" or "abort".
-    """
-
-    home: PlannedWaypoint = field(default_factory=lambda: home_at(0.0, 0.0))
-    retries: int = 0
+    home: PlannedWaypoint = field(default_factory=lambda: home_at(0.0, 0.0))  # where it returns to
+    retries: int = 0  # how often a leg that failed is begun again
+    # What follows when a leg has failed for good, unless its command sets it: "abort", "skip", "hold" or
+    # "return_home"
     then: str = "abort"
-    slip_m: float = 0.0
-    progress_m: float = 0.1
-    stall_ns: int = 5_000_000_000
-    stuck_fails: bool = False
-    link_loss_ns: int = 0
-    on_link_loss: str = "finish"
-    fence: Fence = field(default_factory=Fence)
-    on_breach: str = "hold"
+    slip_m: float = 0.0  # a waypoint at most this far away counts as reached once the robot gets no closer; 0 for never
+    progress_m: float = 0.1  # a smaller decrease of the distance is not progress
+    stall_ns: int = 5_000_000_000  # without progress for this long, the robot gets no closer
+    stuck_fails: bool = False  # whether a leg fails when the robot gets no closer
+    link_loss_ns: int = 0  # without anything from the ground for this long, the link is lost; 0 for never
+    on_link_loss: str = "finish"  # "finish" what has been released, "hold" or "return_home"
+    fence: Fence = field(default_factory=Fence)  # where it may be
+    on_breach: str = "hold"  # "hold", "return_home" or "abort"
 
     @property
     def watches_progress(self) -> bool:

@@ -17,17 +17,11 @@ FOREVER_NS: Final = 1 << 62  # beyond every time of a flight, and within what a 
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """A contact.
+    """A contact."""
 
-    Attributes:
-        begin_ns: the first moment at which something can be sent.
-        end_ns: by when its last bit has to have left.
-        rate_bps: in [bit/s]; None is without limit.
-    """
-
-    begin_ns: int
-    end_ns: int
-    rate_bps: float | None = None
+    begin_ns: int  # the first moment at which something can be sent
+    end_ns: int  # by when its last bit has to have left
+    rate_bps: float | None = None  # in [bit/s]; None is without limit
 
     def __post_init__(self) -> None:
         """Refuse a window that nothing can be sent in."""

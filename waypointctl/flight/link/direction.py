@@ -30,19 +30,12 @@ DEFAULT_QUEUE_BYTES: Final = 1 << 20
 
 
 class Delivery(NamedTuple):
-    """What becomes of a message.
+    """What becomes of a message."""
 
-    Attributes:
-        departs_ns: when its first bit leaves; NEVER if it does not.
-        left_ns: when its last bit has left; NEVER if it does not.
-        arrivals_ns: when it arrives, in order: once, or twice where the link doubles it, or not at all.
-        lost: why it does not arrive; empty if it does.
-    """
-
-    departs_ns: int
-    left_ns: int
-    arrivals_ns: tuple[int, ...]
-    lost: str
+    departs_ns: int  # when its first bit leaves; NEVER if it does not
+    left_ns: int  # when its last bit has left; NEVER if it does not
+    arrivals_ns: tuple[int, ...]  # when it arrives, in order: once, or twice where the link doubles it, or not at all
+    lost: str  # why it does not arrive; empty if it does
 
 
 _NO_CONTACT: Final = Delivery(NEVER, NEVER, (), NO_CONTACT)
@@ -68,25 +61,16 @@ class Duplication:
 
 @dataclass(slots=True)
 class Direction(Generic[T]):
-    """One direction of the link, and what is under way in it.
+    """One direction of the link, and what is under way in it."""
 
-    Attributes:
-        delay: one-way delay [ns] of a message whose last bit left at a time [ns].
-        jitter: what is added to it; a message still never arrives before it has left.
-        keeps_order: whether nothing overtakes what was sent before it.
-        loss: whether a message is lost on the way.
-        duplication: whether a message arrives twice.
-        contacts: when and how fast something can be sent.
-        queue_bytes: how much can wait for it. A message that has to wait and does not fit is lost; the one
-            that is being sent does not wait, so a message larger than the queue goes when it need not wait.
-    """
-
-    delay: Delay = _no_delay
-    jitter: Jitter | None = None
-    keeps_order: bool = True
-    loss: Loss | None = None
-    duplication: Duplication | None = None
-    contacts: Contacts = field(default_factory=always)
+    delay: Delay = _no_delay  # one-way delay [ns] of a message whose last bit left at a time [ns]
+    jitter: Jitter | None = None  # what is added to it; a message still never arrives before it has left
+    keeps_order: bool = True  # whether nothing overtakes what was sent before it
+    loss: Loss | None = None  # whether a message is lost on the way
+    duplication: Duplication | None = None  # whether a message arrives twice
+    contacts: Contacts = field(default_factory=always)  # when and how fast something can be sent
+    # How much can wait for it. A message that has to wait and does not fit is lost; the one that is being sent
+    # does not wait, so a message larger than the queue goes when it need not wait
     queue_bytes: int = DEFAULT_QUEUE_BYTES
     _under_way: list[tuple[int, int, T]] = field(default_factory=list, init=False)  # a heap: (arrival, number, message)
     _waiting: deque[tuple[int, int]] = field(default_factory=deque, init=False)  # (departure, bytes), in order

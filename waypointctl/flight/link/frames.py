@@ -97,17 +97,11 @@ _NUMBERS: Final = ("command_id", "id", "frame", "step")  # what messages are cou
 
 @dataclass(slots=True)
 class LoggedDirection(Generic[T]):
-    """One direction of the link.
+    """One direction of the link."""
 
-    Attributes:
-        direction: decides what becomes of each message.
-        way: "up" or "down".
-        sink: takes a record of each message that is lost or doubled, or has to wait.
-    """
-
-    direction: Direction[T]
-    way: str
-    sink: Callable[[LinkRecord], None]
+    direction: Direction[T]  # decides what becomes of each message
+    way: str  # "up" or "down"
+    sink: Callable[[LinkRecord], None]  # takes a record of each message that is lost or doubled, or has to wait
 
     def send(self, now_ns: int, make: Callable[[int], T]) -> Delivery:
         """Hand over a message at `now_ns` [ns].

@@ -59,15 +59,10 @@ _NEARLY_ALL: Final = 4  # standard deviations; one in thirty thousand messages i
 
 @dataclass(frozen=True, slots=True)
 class Jitter:
-    """What the network adds to a message's delay.
+    """What the network adds to a message's delay."""
 
-    Attributes:
-        draws: it, for one message after the other [ns]; may be negative.
-        most_ns: what it is not more than; one in thirty thousand times, where nothing bounds it.
-    """
-
-    draws: Draws[int]
-    most_ns: int
+    draws: Draws[int]  # it, for one message after the other [ns]; may be negative
+    most_ns: int  # what it is not more than; one in thirty thousand times, where nothing bounds it
 
 
 def fixed_delay(delay_ns: int) -> Delay:

@@ -26,12 +26,9 @@ class LineSource(Protocol):
 
     Lines are taken at moments of the flight, once in each turn of its loop. While physics sleeps a turn may take
     minutes of simulation time, so the source limits how far time may jump.
-
-    Attributes:
-        is_open: whether a console is attached at mission start. Then the flight does not end before a line is QUIT.
     """
 
-    is_open: bool
+    is_open: bool  # whether a console is attached at mission start. Then the flight does not end before a line is QUIT
 
     def lines(self, now_ns: int) -> Iterable[str]:
         """Yield what has been typed by now and was not yet yielded: what `request_from` accepts, or QUIT.

@@ -54,16 +54,11 @@ class _Sent:
 
 @dataclass(slots=True)
 class Dispatcher:
-    """Gives orders their ids, sends them, and sends them again.
+    """Gives orders their ids, sends them, and sends them again."""
 
-    Attributes:
-        uplink: takes a command on its way.
-        retry_policy: when commands are sent again.
-        sink: takes each stage of a command on the ground and on the link, and the events.
-    """
-
-    uplink: Uplink
-    retry_policy: RetryPolicy
+    uplink: Uplink  # takes a command on its way
+    retry_policy: RetryPolicy  # when commands are sent again
+    # Takes each stage of a command on the ground and on the link, and the events
     sink: Callable[[CommandStage | Event], None]
     _issued: int = 0
     _open: dict[int, _Sent] = field(default_factory=dict)  # by id: no final stage is known

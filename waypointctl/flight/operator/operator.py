@@ -29,17 +29,11 @@ from waypointctl.units import ns
 
 @dataclass(slots=True)
 class ReportedState:
-    """What the robot has reported.
+    """What the robot has reported."""
 
-    Attributes:
-        telemetry: the newest frame that has arrived; None before the first.
-        went_home: whether a way home has been reported.
-        ended_ns: when, on the robot's clock, the command ended whose end was reported last; -1 before the first.
-    """
-
-    telemetry: Telemetry | None = None
-    went_home: bool = False
-    ended_ns: int = -1
+    telemetry: Telemetry | None = None  # the newest frame that has arrived; None before the first
+    went_home: bool = False  # whether a way home has been reported
+    ended_ns: int = -1  # when, on the robot's clock, the command ended whose end was reported last; -1 before the first
     _reached: set[int] = field(default_factory=set)
 
     @property

@@ -24,19 +24,12 @@ from waypointctl.units import ns
 
 @dataclass(slots=True)
 class HeartbeatSender:
-    """Beats at a period.
+    """Beats at a period."""
 
-    Attributes:
-        uplink: takes a heartbeat on its way.
-        period_ns: between two of them; 0 for none.
-        next_ns: when the next is due; None for never.
-        beats: number of heartbeats sent.
-    """
-
-    uplink: Uplink
-    period_ns: int
-    next_ns: int | None = field(init=False)
-    beats: int = 0
+    uplink: Uplink  # takes a heartbeat on its way
+    period_ns: int  # between two of them; 0 for none
+    next_ns: int | None = field(init=False)  # when the next is due; None for never
+    beats: int = 0  # number of heartbeats sent
 
     def __post_init__(self) -> None:
         """Begin a period after mission start, when something else is sent."""

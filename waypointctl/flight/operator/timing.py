@@ -26,20 +26,14 @@ ACK_BYTES: Final = 64  # an acknowledgement with a reason of some words
 
 @dataclass(frozen=True, slots=True)
 class RetryPolicy:
-    """When a command is sent again, and how often.
+    """When a command is sent again, and how often."""
 
-    Attributes:
-        acknowledged: whether it waits for acknowledgements at all.
-        retries: how often a command is sent again at most, whatever for.
-        answer_by: maps when a command's last bit leaves [ns] to when it has to be acknowledged [ns]; None for
-            never, where no contact is left.
-        patience_ns: how long after a frame that reports a command's end its acknowledgement may still arrive.
-    """
-
-    acknowledged: bool
-    retries: int
+    acknowledged: bool  # whether it waits for acknowledgements at all
+    retries: int  # how often a command is sent again at most, whatever for
+    # Maps when a command's last bit leaves [ns] to when it has to be acknowledged [ns]; None for never, where no
+    # contact is left
     answer_by: Callable[[int], int | None]
-    patience_ns: int
+    patience_ns: int  # how long after a frame that reports a command's end its acknowledgement may still arrive
 
 
 def answer_time(up: Direction[Any], down: Direction[Any], robot_ns: int, margin_ns: int) -> Callable[[int], int | None]:
@@ -86,17 +80,12 @@ def leaving_time(up: Direction[Any]) -> Callable[[int], int | None]:
 
 @dataclass(slots=True)
 class LegClock:
-    """The clock of the leg under way.
+    """The clock of the leg under way."""
 
-    Attributes:
-        answer_by: by when a command that leaves at a time [ns] is answered; None for never.
-        leaves_ns: when a command that is sent at a time [ns] leaves; None for never.
-        began_ns: when the leg began, on the robot's clock; None while that is unknown.
-    """
-
-    answer_by: Callable[[int], int | None]
+    answer_by: Callable[[int], int | None]  # by when a command that leaves at a time [ns] is answered; None for never
+    # When a command that is sent at a time [ns] leaves; None for never
     leaves_ns: Callable[[int], int | None] = lambda sent_ns: sent_ns
-    began_ns: int | None = None
+    began_ns: int | None = None  # when the leg began, on the robot's clock; None while that is unknown
     _sent_ns: int = 0  # when the leg's first goal is sent
     _reported_ns: int = -1  # the robot's clock, by the newest message of it
     _moved_ns: int = 0  # up to the last stop

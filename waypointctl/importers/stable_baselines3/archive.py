@@ -38,21 +38,13 @@ _HINT: Final = "Give the .zip that stable-baselines3's model.save() wrote."
 
 @dataclass(frozen=True, slots=True)
 class Archive:
-    """A saved model.
+    """A saved model."""
 
-    Attributes:
-        path: of the .zip.
-        sha256: of its bytes.
-        version: of the stable-baselines3 that wrote it.
-        settings: of the algorithm, by name; what was pickled is its readable description.
-        tensors: of the networks, by name.
-    """
-
-    path: Path
-    sha256: str
-    version: str
-    settings: Mapping[str, Any]
-    tensors: Mapping[str, Array]
+    path: Path  # of the .zip
+    sha256: str  # of its bytes
+    version: str  # of the stable-baselines3 that wrote it
+    settings: Mapping[str, Any]  # of the algorithm, by name; what was pickled is its readable description
+    tensors: Mapping[str, Array]  # of the networks, by name
 
     @property
     def policy_class(self) -> str:
@@ -137,23 +129,14 @@ _VEC_NORMALIZE_HINT: Final = "Give the file that VecNormalize.save() wrote besid
 
 @dataclass(frozen=True, slots=True)
 class Normaliser:
-    """`clip((x - mean) / sqrt(variance + epsilon), -clip, clip)` for observations x.
+    """`clip((x - mean) / sqrt(variance + epsilon), -clip, clip)` for observations x."""
 
-    Attributes:
-        mean: (k,) float64.
-        variance: (k,) float64.
-        count: how many observations they come from.
-        clip: bound of the normalised observation; infinity is none.
-        epsilon: added to the variance.
-        sha256: of the file, "" where there is none.
-    """
-
-    mean: FloatArray
-    variance: FloatArray
-    count: float
-    clip: float
-    epsilon: float
-    sha256: str = ""
+    mean: FloatArray  # (k,) float64
+    variance: FloatArray  # (k,) float64
+    count: float  # how many observations they come from
+    clip: float  # bound of the normalised observation; infinity is none
+    epsilon: float  # added to the variance
+    sha256: str = ""  # of the file, "" where there is none
 
     @classmethod
     def identity(cls, size: int) -> Normaliser:

@@ -31,25 +31,15 @@ _KINDS: Final = {ACTOR_CRITIC: "the MlpPolicy of PPO and A2C", SAC: "of SAC", TD
 
 @dataclass(frozen=True, slots=True)
 class SavedNetwork:
-    """What a saved policy computes.
+    """What a saved policy computes."""
 
-    Attributes:
-        algorithm: that trained it: PPO, A2C, SAC, ...
-        policy_class: of stable-baselines3: ACTOR_CRITIC, SAC or TD3.
-        layers: weight (out, in) and bias (out,) of each linear layer from observation to action.
-        activation: between them.
-        squash: whether tanh follows the last.
-        value_sizes: outputs of each layer of the value network, or of each critic but for its last.
-        critics: number of critics; 0 of an actor-critic policy.
-    """
-
-    algorithm: str
-    policy_class: str
-    layers: tuple[Layer, ...]
-    activation: Activation
-    squash: bool
-    value_sizes: tuple[int, ...]
-    critics: int
+    algorithm: str  # that trained it: PPO, A2C, SAC,
+    policy_class: str  # of stable-baselines3: ACTOR_CRITIC, SAC or TD3
+    layers: tuple[Layer, ...]  # weight (out, in) and bias (out,) of each linear layer from observation to action
+    activation: Activation  # between them
+    squash: bool  # whether tanh follows the last
+    value_sizes: tuple[int, ...]  # outputs of each layer of the value network, or of each critic but for its last
+    critics: int  # number of critics; 0 of an actor-critic policy
 
     @property
     def hidden_sizes(self) -> tuple[int, ...]:
