@@ -11,7 +11,7 @@ from waypointctl.flight.link.build import direction
 from waypointctl.flight.link.direction import Direction
 from waypointctl.flight.link.frames import DOWN, UP, BodyFrame, ControlFrame, Heartbeat, LoggedDirection, link_state
 from waypointctl.flight.navigator import Navigator
-from waypointctl.flight.operator.console import QUIT, LineSource, NullConsole, request_from
+from waypointctl.flight.operator.console import QUIT, LineSource, request_from
 from waypointctl.flight.operator.joint import JointOperator
 from waypointctl.flight.operator.station import station_for
 from waypointctl.flight.outcome import EndCondition, FlightResult, result_of
@@ -45,7 +45,7 @@ class Flight:
         plugins: Sequence[Plugin] = (),
     ) -> None:
         """Set the robot at its start; nothing has been sent yet."""
-        self._console = console or NullConsole()
+        self._console = console
         link, files, seed = mission.link, mission.files, mission.seed
         self._mission = mission
         self._sink = sink
@@ -84,14 +84,14 @@ class Flight:
     def begin(self) -> None:
         """Let the operator send what it sends at mission start."""
         self._announce(0, EventKind.MISSION_STARTED, f"mission {self._mission.name} started")
-        if self._console.is_open:
+        if self._console is not None and self._console.is_open:
             self._station.console_is_open = True
             self._announce(0, EventKind.CONSOLE_OPENED, "console opened")
         self._station.begin()
 
     def read_console(self) -> None:
         """Let the ground take what has been typed at its console by now."""
-        for text in self._console.lines(self._now_ns):
+        for text in () if self._console is None else self._console.lines(self._now_ns):
             self._ground_ns = self._now_ns
             self._sink(ConsoleInput(self._now_ns, text))
             if text == QUIT:
@@ -173,9 +173,10 @@ class Flight:
             self._vehicle.next_ns(self._now_ns),
             None if self._limit_ns is None else self._limit_ns + 1,
         )
-        next_ns = min(time_ns for time_ns in times if time_ns is not None)
-        wake_ns = self._first_step(next_ns)
-        self._now_ns = min(wake_ns, self._first_step(self._console.asleep(self._now_ns, wake_ns)))
+        wake_ns = self._first_step(min(time_ns for time_ns in times if time_ns is not None))
+        if self._console is not None:
+            wake_ns = min(wake_ns, self._first_step(self._console.asleep(self._now_ns, wake_ns)))
+        self._now_ns = wake_ns
 
     def _first_step(self, time_ns: int) -> int:
         """Return the next control step at or after a time [ns]."""

@@ -100,19 +100,10 @@ def flight_header(
         setting=setting_of(mission),
         attachments=(
             Attachment(MISSION, "application/yaml", mission_file.source),
-            *(
-                Attachment(f"{MISSION_FOLDER}{name}", "text/plain", data)
-                for name, data in sorted(mission_file.files.items())
-            ),
-            *(
-                Attachment(f"{ROBOT_FOLDER}{name}", _media_type(name), data)
-                for name, data in sorted(robot.files.items())
-            ),
+            *_attached(MISSION_FOLDER, mission_file.files, "text/plain"),
+            *_attached(ROBOT_FOLDER, robot.files),
             Attachment(MJB, "application/octet-stream", mjb),
-            *(
-                Attachment(f"{POLICY_FOLDER}{name}", _media_type(name), data)
-                for name, data in sorted(policy.files.items() if isinstance(policy, LoadedPolicy) else ())
-            ),
+            *_attached(POLICY_FOLDER, policy.files if isinstance(policy, LoadedPolicy) else {}),
         ),
         metadata={
             "mission": mission.name,
@@ -131,14 +122,8 @@ def flight_header(
             **policy_facts(policy),
             **({} if navigator is None else {NAVIGATOR_CLASS: class_name(navigator)}),
             **plugin_facts(policy, plugins),
-            **{
-                f"{MISSION_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
-                for name, data in sorted(mission_file.files.items())
-            },
-            **{
-                f"{ROBOT_FILE_HASH}{name}": hashlib.sha256(data).hexdigest()
-                for name, data in sorted(robot.files.items())
-            },
+            **_hashes(MISSION_FILE_HASH, mission_file.files),
+            **_hashes(ROBOT_FILE_HASH, robot.files),
             **platform_facts(),
         },
     )
@@ -190,5 +175,11 @@ def _processor() -> str:
     return f"{name} ({hashlib.sha256(features.encode()).hexdigest()[:8]})"
 
 
-def _media_type(name: str) -> str:
-    return _MEDIA_TYPES.get(Path(name).suffix.lower(), "application/octet-stream")
+def _attached(folder: str, files: Mapping[str, bytes], kind: str | None = None) -> Iterator[Attachment]:
+    for name, data in sorted(files.items()):
+        media_type = _MEDIA_TYPES.get(Path(name).suffix.lower(), "application/octet-stream")
+        yield Attachment(f"{folder}{name}", kind or media_type, data)
+
+
+def _hashes(prefix: str, files: Mapping[str, bytes]) -> dict[str, str]:
+    return {f"{prefix}{name}": hashlib.sha256(data).hexdigest() for name, data in sorted(files.items())}

@@ -69,8 +69,7 @@ def names_differ(waypoints: tuple[Waypoint, ...]) -> tuple[Waypoint, ...]:
             problem = f"{name!r} is the name of waypoints[{first[name]}] already"
             errors.append(error_at(problem, (index, "name"), name))
         first.setdefault(name, index)
-    if errors:
-        raise ValidationError.from_exception_data("waypoints", errors)
+    _raise("waypoints", errors)
     return waypoints
 
 
@@ -93,7 +92,7 @@ def expected_within(reached: int | str, count: int) -> None:
     """
     if isinstance(reached, int) and reached > count:
         problem = f"{reached} is more than the {count} waypoints of the mission"
-        raise ValidationError.from_exception_data("expect", [error_at(problem, ("reached",), reached)])
+        _raise("expect", [error_at(problem, ("reached",), reached)])
 
 
 def error_at(problem: str, loc: tuple[str | int, ...], value: object) -> InitErrorDetails:
@@ -192,8 +191,7 @@ def possible(mission: Mission) -> None:
     Raises:
         ValidationError: some are, each of them named.
     """
-    if errors := [*_released(mission), *_cancelled(mission)]:
-        raise ValidationError.from_exception_data("mission", errors)
+    _raise("mission", [*_released(mission), *_cancelled(mission)])
 
 
 def _released(mission: Mission) -> Iterator[InitErrorDetails]:

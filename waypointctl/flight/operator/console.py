@@ -43,24 +43,6 @@ class LineSource(Protocol):
         """
 
 
-class NullConsole:
-    """The console of a flight that has none.
-
-    Attributes:
-        is_open: never.
-    """
-
-    is_open = False
-
-    def lines(self, now_ns: int) -> Iterable[str]:
-        """Yield nothing."""
-        return ()
-
-    def asleep(self, now_ns: int, until_ns: int) -> int:
-        """Let time jump."""
-        return until_ns
-
-
 _WORDS: Final = {
     "hold": CommandKind.HOLD,
     "resume": CommandKind.RESUME,
