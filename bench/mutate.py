@@ -89,14 +89,24 @@ class Results:
         self._path = RESULTS / f"{part}.json"
         self.known: dict[str, list[str]] = json.loads(self._path.read_text()) if self._path.exists() else {}
 
+    def _mark(self, path: str, what: str, test: str) -> str:
+        """Return a hash of the module and of what decided: the file of the test that failed, or all of the tests."""
+        file = test.partition("::")[0]
+        return _stamp(path, *([file] if what == "killed" and file in self.tests else self.tests))
+
     def missing(self, mutants: Iterable[Mutant]) -> list[Mutant]:
         """Return the mutants that were not run with the files as they are."""
-        return [it for it in mutants if self.known.get(it.name, [""])[0] != _stamp(it.path, *self.tests)]
+        known = self.known
+        return [
+            it
+            for it in mutants
+            if it.name not in known or known[it.name][0] != self._mark(it.path, *known[it.name][1:])
+        ]
 
     def add(self, outcome: Outcome) -> None:
         """Keep what became of a mutant."""
         mutant, what, test = outcome
-        self.known[mutant.name] = [_stamp(mutant.path, *self.tests), what, test]
+        self.known[mutant.name] = [self._mark(mutant.path, what, test), what, test]
         _write(self._path, self.known)
 
 
