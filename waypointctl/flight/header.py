@@ -32,6 +32,18 @@ from waypointctl.sim.stepping import integration_components
 from waypointctl.task.plugins import Plugin
 from waypointctl.task.reward import RewardFunction
 
+MISSION: Final = "mission.yaml"
+MISSION_FOLDER: Final = "mission/"  # of the files that the mission refers to
+MISSION_FILE_HASH: Final = "sha256_mission/"
+ROBOT_FOLDER: Final = "robot/"  # of robot.yaml, the MJCF and what it names
+ROBOT_FILE_HASH: Final = "sha256_robot/"
+MJB: Final = "model.mjb"
+POLICY_FOLDER: Final = "policy/"
+NAVIGATOR_CLASS: Final = "navigator_class"  # of a navigator of the caller's own: the log does not carry it
+_DECISIVE_PARTS: Final = ("mission", "sim", "robots", "task", "policy", "flight", "log", "seeding.py", "units.py")
+_MEDIA_TYPES: Final = {".json": "application/json", ".xml": "application/xml", ".yaml": "application/yaml"}
+CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
+
 
 def setting_of(mission: Mission) -> MissionSetting:
     """Return what a mission fixes.
@@ -67,19 +79,6 @@ def _windows(contacts: Contacts) -> ContactWindows | None:
     if len(begin_ns) == 1 and (begin_ns[0], end_ns[0]) == (0, FOREVER_NS):
         return None
     return ContactWindows(begin_ns, end_ns, contacts.period_ns)
-
-
-MISSION: Final = "mission.yaml"
-MISSION_FOLDER: Final = "mission/"  # of the files that the mission refers to
-MISSION_FILE_HASH: Final = "sha256_mission/"
-ROBOT_FOLDER: Final = "robot/"  # of robot.yaml, the MJCF and what it names
-ROBOT_FILE_HASH: Final = "sha256_robot/"
-MJB: Final = "model.mjb"
-POLICY_FOLDER: Final = "policy/"
-NAVIGATOR_CLASS: Final = "navigator_class"  # of a navigator of the caller's own: the log does not carry it
-_DECISIVE_PARTS: Final = ("mission", "sim", "robots", "task", "policy", "flight", "log", "seeding.py", "units.py")
-_MEDIA_TYPES: Final = {".json": "application/json", ".xml": "application/xml", ".yaml": "application/yaml"}
-CLOCK: Final = "simulation time in ns, int64, 0 at mission start; publish_time: issued, log_time: arrived"
 
 
 def flight_header(

@@ -27,6 +27,11 @@ from waypointctl.units import ns, seconds
 
 DEAF_AFTER: Final = 1000  # lost frames with the same content: then the next is not awaited
 
+SILENT: Final = "the robot is at rest, and the operator has nothing left to send or to receive"
+NO_COMMAND_FOLLOWED: Final = ", and no command followed"
+_CUT_SHORT: Final = (GEOFENCE, LINK_LOST)  # by these a plan fails of which every waypoint may have been reached
+_NEARLY: Final = 1.5  # times home's tolerance: the robot moves on a little after it stops driving
+
 
 @dataclass(frozen=True, slots=True)
 class EndCondition:
@@ -84,11 +89,6 @@ class EndCondition:
         if not self.down.is_dead(now_ns) and self.changes.newest - self.changes.first < DEAF_AFTER:
             return False
         return not any(isinstance(one, Telemetry) and self.changes.reported_in(one) for _, one in self.down.under_way)
-
-
-SILENT: Final = "the robot is at rest, and the operator has nothing left to send or to receive"
-NO_COMMAND_FOLLOWED: Final = ", and no command followed"
-_CUT_SHORT: Final = (GEOFENCE, LINK_LOST)  # by these a plan fails of which every waypoint may have been reached
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,9 +182,6 @@ def problem_of(mission: Mission, station: Station, *, over: bool, late: bool) ->
     if wanted == total and operator.failure in _CUT_SHORT:
         return operator.failure, ""
     return "", ""
-
-
-_NEARLY: Final = 1.5  # times home's tolerance: the robot moves on a little after it stops driving
 
 
 def standing_reason(mission: Mission, frame: Telemetry | None) -> str:

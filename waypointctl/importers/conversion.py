@@ -20,6 +20,7 @@ from waypointctl.importers.local_frame import BODIES, EARTH, Body, Place, Point
 from waypointctl.importers.placed import Placed, placed
 from waypointctl.importers.qgroundcontrol import QGC_PLAN
 from waypointctl.importers.wpl import WPL
+from waypointctl.mission.fields import DAY_S
 from waypointctl.mission.file_kind import FileKind, kind_of
 from waypointctl.mission.files import parse_mission
 from waypointctl.mission.format import quoted
@@ -33,6 +34,12 @@ _OF_MANY: Final = (".json", ".txt")  # suffixes of several formats
 _READ: Final = (
     "QGroundControl plans, waypoint files (QGC WPL 110), GeoJSON, GPX, KML, and CSV with named columns are read"
 )
+
+_TIMEOUT_S: Final = 30.0
+_HOME_TIMEOUT_S: Final = 300.0
+_SLOWEST_MPS: Final = 1.0
+_WIDTH: Final = 120
+_MOST_NAME: Final = 60  # characters of a waypoint's name
 
 
 def read_imported(path: Path) -> ImportedMission:
@@ -82,14 +89,6 @@ def _unknown(source: bytes, path: Path) -> MissionError:
     text_of(source, Report(str(path)))
     hint = command_for_mission(str(path)) or "See docs/import.md for what each looks like."
     return MissionError(f"is not a file that can be imported: {_READ}", where=str(path), hint=hint)
-
-
-_TIMEOUT_S: Final = 30.0
-_HOME_TIMEOUT_S: Final = 300.0
-_MOST_TIMEOUT_S: Final = 86_400.0
-_SLOWEST_MPS: Final = 1.0
-_WIDTH: Final = 120
-_MOST_NAME: Final = 60  # characters of a waypoint's name
 
 
 def mission_text(
@@ -205,7 +204,7 @@ def _timeout_s(ground: Placed) -> float:
 
 def _leg_timeout_s(way_m: float) -> float:
     """Return one and a half times what a way takes at 1 m/s, in whole tens of seconds."""
-    return min(math.ceil(1.5 * way_m / _SLOWEST_MPS / 10) * 10.0, _MOST_TIMEOUT_S)
+    return min(math.ceil(1.5 * way_m / _SLOWEST_MPS / 10) * 10.0, DAY_S)
 
 
 def _pair(point: Point) -> str:

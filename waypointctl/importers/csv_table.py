@@ -17,6 +17,7 @@ from waypointctl.display_text import counted, shown
 from waypointctl.errors import MissionError
 from waypointctl.importers.importer import MOST_STOPS, ImportedMission, Importer, Report, Stop, number_of, text_of
 from waypointctl.importers.local_frame import Place
+from waypointctl.mission.fields import DAY_S, FURTHEST_M
 from waypointctl.mission.file_kind import kind_of
 
 # What a column is called, in small letters and without a unit at its end.
@@ -35,8 +36,6 @@ _COMMENT: Final = re.compile(r"#|sep=.$")  # Excel takes a first line "sep=;" fo
 _MOST_COLUMNS: Final = 1000
 _MOST_HEADER: Final = 1000  # characters that are looked at to see whether it is one
 _DELIMITERS: Final = ",;\t"
-_DAY_S: Final = 86_400.0
-_MOST_COORDINATE_M: Final = 10_000.0
 _MOST_TOLERANCE_M: Final = 100.0
 
 
@@ -115,7 +114,7 @@ class _Table:
             return None
         one, other = (self._text(row, key) for key in self.keys)
         place = self.report.place(at, one, other) if self.keys[0] == "latitude" else self._point(at, one, other)
-        hold_s = self._number(at, row, "hold", _DAY_S)
+        hold_s = self._number(at, row, "hold", DAY_S)
         radius_m = self._number(at, row, "tolerance", _MOST_TOLERANCE_M)
         if place is None:
             return None
@@ -125,8 +124,8 @@ class _Table:
         x_m, y_m = number_of(x), number_of(y)
         if x_m is None or y_m is None:
             self.report.add_problem(at, f"{shown(x if x_m is None else y)} is not a number of metres", "not metres")
-        elif max(abs(x_m), abs(y_m)) > _MOST_COORDINATE_M:
-            problem = f"({x_m:.10g}, {y_m:.10g}) is not within {_MOST_COORDINATE_M:g} m of (0, 0)"
+        elif max(abs(x_m), abs(y_m)) > FURTHEST_M:
+            problem = f"({x_m:.10g}, {y_m:.10g}) is not within {FURTHEST_M:g} m of (0, 0)"
             self.report.add_problem(at, problem, "too far")
         else:
             return x_m, y_m

@@ -26,6 +26,10 @@ from waypointctl.mission.file_kind import FileKind
 _MOST_ELEMENTS: Final = 300_000
 _MOST_DEPTH: Final = 100
 
+_ORDER: Final = "KML is longitude,latitude"
+_TARGET: Final = re.compile(r"\btarget=(\w+)")  # of the hint that names the body
+_COMMA: Final = re.compile(r"\s{0,9},\s*")  # bounded: long runs of white space stay linear
+
 
 @dataclass(slots=True)
 class Element:
@@ -147,11 +151,6 @@ def _track_points(report: Report, points: Iterable[Element]) -> Iterable[Spot]:
 
 
 GPX: Final = Importer("GPX", (".gpx",), of_kind(FileKind.GPX), _read_gpx)
-
-
-_ORDER: Final = "KML is longitude,latitude"
-_TARGET: Final = re.compile(r"\btarget=(\w+)")  # of the hint that names the body
-_COMMA: Final = re.compile(r"\s{0,9},\s*")  # bounded: long runs of white space stay linear
 
 
 def _read_kml(source: bytes, report: Report) -> ImportedMission:

@@ -21,6 +21,9 @@ _MAX_LATITUDE: Final = 90.0
 _MAX_LONGITUDE: Final = 360.0  # maps of the Moon and Mars count to 360, lines across the antimeridian beyond 180
 _SCALED: Final = 1e7  # MAVLink's integers are degrees times this
 
+MOST_STOPS: Final = 1000  # waypoints of a mission
+MOST_POSITIONS: Final = 20_000  # of a line, which is thinned where it has more than a mission
+
 
 @dataclass(slots=True)
 class _Cause:
@@ -141,10 +144,6 @@ def _with_count(cause: _Cause) -> str:
     if not others:
         return cause.text
     return f"{cause.text} (and {others:,} more of the kind, the last {'is' if others == 1 else 'at'} {cause.last})"
-
-
-MOST_STOPS: Final = 1000  # waypoints of a mission
-MOST_POSITIONS: Final = 20_000  # of a line, which is thinned where it has more than a mission
 
 
 @dataclass(frozen=True, slots=True)

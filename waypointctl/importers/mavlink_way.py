@@ -32,6 +32,7 @@ from waypointctl.importers.mavlink import (
     WAYPOINT,
     other_commands,
 )
+from waypointctl.mission.fields import DAY_S
 
 PARAMETERS: Final = 7
 _HOLD: Final = 0
@@ -44,7 +45,6 @@ LONGITUDE: Final = 5
 _TIMES: Final = 1  # of a jump: how often
 _IMAGES: Final = 2  # of a picture: how many
 _SHOT: Final = 4  # of camera control: 1 to take one
-_DAY_S: Final = 86_400.0
 _MOST_RADIUS_M: Final = 100.0
 _MOST_STEPS: Final = 100_000
 
@@ -217,9 +217,9 @@ class _Way:
     def _hold_s(self, item: Item) -> float | None:
         """Return how long an item holds [s], None where that is out of bounds, which is reported."""
         hold_s = item.params[_HOLD] or 0.0 if item.command in HOLDS else 0.0
-        if 0 <= hold_s <= _DAY_S:
+        if 0 <= hold_s <= DAY_S:
             return hold_s
-        self.report.add_problem(f"{item.at}.params[{_HOLD}]", f"{hold_s:g} s is not within 0 and {_DAY_S:g} s", "hold")
+        self.report.add_problem(f"{item.at}.params[{_HOLD}]", f"{hold_s:g} s is not within 0 and {DAY_S:g} s", "hold")
         return None
 
     def _note_what_is_not_done(self, item: Item) -> None:

@@ -20,6 +20,8 @@ from pydantic_core import CoreSchema, PydanticCustomError
 from waypointctl.mission.quantity import Quantity, bare_values, unit_of, units_of
 from waypointctl.units import NUMBER_PATTERN, bare_name
 
+Schema = dict[str, Any]
+
 
 class FileModel(BaseModel):
     """A part of a file."""
@@ -142,9 +144,6 @@ def _quantities(parts: tuple[Any, ...]) -> list[Quantity]:
 
 def _metadata(part: Any) -> tuple[Any, ...]:
     return tuple(getattr(part, "__metadata__", ()))
-
-
-Schema = dict[str, Any]
 
 
 def model_schema(model: type[FileModel], title: str) -> Schema:

@@ -19,6 +19,8 @@ ABSOLUTE: Final = re.compile(r"[0-9]{4}/[0-9]{1,2}/[0-9]{1,2}-[0-9]{1,2}:[0-9]{1
 ANY_MOMENT: Final = "0001/01/01-00:00:00"  # reference for checking each line, where the right one is not known
 _WORD: Final = re.compile(r"\S+")
 
+MOST_S: Final = 86_400.0
+
 
 @dataclass(frozen=True, slots=True)
 class Word:
@@ -62,9 +64,6 @@ def moment_of(text: str) -> datetime | None:
         return datetime.strptime(text, TIME_FORMAT).replace(tzinfo=UTC) if ABSOLUTE.fullmatch(text) else None
     except ValueError:
         return None
-
-
-MOST_S: Final = 86_400.0
 
 
 def read_jitter(

@@ -24,6 +24,22 @@ _ZENITH: Final = (0.34, 0.55, 0.80)
 _HORIZON: Final = (0.86, 0.90, 0.94)  # where the ground fades into the sky
 _CHECK_M: Final = 1.0  # side of the ground's checks
 
+FloatArray = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+Viewpoint: TypeAlias = Callable[[FloatArray], mujoco.MjvCamera]  # the camera at qpos (nq,)
+FOLLOW_M: Final = 7.0  # the camera that follows, from the base
+FOLLOW_ELEVATION_DEG: Final = -30.0
+POST_M: Final = 1.2  # height of a waypoint's marker
+POST_COLOUR: Final = (1.0, 0.5, 0.05, 1.0)
+POST_RADIUS_M: Final = 0.03
+_KNOB_RADIUS_M: Final = 0.08
+_FOOT_RADIUS_M: Final = 0.2
+_FOOT_HEIGHT_M: Final = 0.01
+_CLEAR_M: Final = 2.0  # a post nearer to the camera would hide the view: only its foot is drawn
+_NAMED_M: Final = 25.0  # names of what is farther away would lie on each other
+_MOST_MARKERS: Final = 200  # the nearest
+_GLOW: Final = 0.4  # of the markers, or those between camera and sun are black
+
 
 def scenery(robot: RobotModel) -> mujoco.MjModel:
     """Return a model with the robot's joints in the robot's order, to be looked at and never stepped.
@@ -63,25 +79,6 @@ def _light(spec: mujoco.MjSpec) -> None:
     visual.map.znear, visual.map.zfar = _NEAR_M, FAR_M
     visual.global_.fovy = FOVY_DEG
     visual.global_.offwidth, visual.global_.offheight = WIDTH, HEIGHT
-
-
-FloatArray = NDArray[np.float64]
-Pixels = NDArray[np.uint8]
-Viewpoint: TypeAlias = Callable[[FloatArray], mujoco.MjvCamera]  # the camera at qpos (nq,)
-
-FOLLOW_M: Final = 7.0  # the camera that follows, from the base
-FOLLOW_ELEVATION_DEG: Final = -30.0
-
-POST_M: Final = 1.2  # height of a waypoint's marker
-POST_COLOUR: Final = (1.0, 0.5, 0.05, 1.0)
-POST_RADIUS_M: Final = 0.03
-_KNOB_RADIUS_M: Final = 0.08
-_FOOT_RADIUS_M: Final = 0.2
-_FOOT_HEIGHT_M: Final = 0.01
-_CLEAR_M: Final = 2.0  # a post nearer to the camera would hide the view: only its foot is drawn
-_NAMED_M: Final = 25.0  # names of what is farther away would lie on each other
-_MOST_MARKERS: Final = 200  # the nearest
-_GLOW: Final = 0.4  # of the markers, or those between camera and sun are black
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,15 @@ from waypointctl.sim.model import RobotModel
 
 FloatArray = NDArray[np.float64]
 
+_KINDS: Final[dict[int, GeomKind]] = {
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
+    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
+    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
+    int(mujoco.mjtGeom.mjGEOM_PLANE): "plane",
+}
+
 
 @dataclass(frozen=True, slots=True)
 class _Link:
@@ -113,16 +122,6 @@ def _turn(axis: FloatArray, angle: FloatArray) -> FloatArray:
     """Return the rotations (n, 3, 3) by angles (n,) about a unit axis (3,)."""
     half = angle[:, np.newaxis] / 2
     return _rotation(np.concatenate([np.cos(half), np.sin(half) * axis], axis=1))
-
-
-_KINDS: Final[dict[int, GeomKind]] = {
-    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
-    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
-    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
-    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
-    int(mujoco.mjtGeom.mjGEOM_PLANE): "plane",
-}
 
 
 class RobotKinematics:

@@ -20,6 +20,8 @@ MOST_THREADS: Final = 8  # by default; a control step of some hundred robots is 
 
 _QUOTA: Final = Path("/sys/fs/cgroup/cpu.max")  # of a container: microseconds of processor time, of each period
 
+_INTEGRATION: Final = mujoco.mjtState.mjSTATE_INTEGRATION
+
 
 def default_threads() -> int:
     """Return the default number of threads for a batch: one for each core that this process may use, 8 at most."""
@@ -86,9 +88,6 @@ class RobotBatch:
         """Let the robots `ids` (k,) fall with gravity_mps2 (k,), straight down."""
         down = np.array([0.0, 0.0, -1.0])
         self._batch.expand("gravity")[ids] = gravity_mps2[:, np.newaxis] * down
-
-
-_INTEGRATION: Final = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 class SingleRobot:

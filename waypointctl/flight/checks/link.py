@@ -21,6 +21,16 @@ from waypointctl.units import seconds
 
 _SOME_NS: Final = 100_000_000_000  # a time like those of a flight, for the sizes of messages
 
+# From this round trip on the ant cannot be balanced remotely: 0 of 20 flights of each route, against 19 and 13 of
+# 20 at 0.02 s (docs/delay.md, "joint, by round trip").
+JOINT_FALLS_FROM_S: Final = 0.04
+_WAYS: Final = ("up", "down")
+_ALL_LOST: Final = {
+    ("up",): "every message up is lost: no command ever arrives",
+    ("down",): "every message down is lost: no telemetry ever arrives",
+    _WAYS: "every message is lost, both ways: no command and no telemetry ever arrives",
+}
+
 
 class Traffic:
     """Both ways of a mission's link with nothing else on them: without jitter, loss and queues.
@@ -84,18 +94,6 @@ def _frame_bytes(mission: Mission) -> int:
 
 def _order_bytes(order: CommandRequest) -> int:
     return size_bytes(order.command(1, 1, _SOME_NS, _SOME_NS))
-
-
-# From this round trip on the ant cannot be balanced remotely: 0 of 20 flights of each route, against 19 and 13 of
-# 20 at 0.02 s (docs/delay.md, "joint, by round trip").
-JOINT_FALLS_FROM_S: Final = 0.04
-
-_WAYS: Final = ("up", "down")
-_ALL_LOST: Final = {
-    ("up",): "every message up is lost: no command ever arrives",
-    ("down",): "every message down is lost: no telemetry ever arrives",
-    _WAYS: "every message is lost, both ways: no command and no telemetry ever arrives",
-}
 
 
 def link_findings(mission: Mission, traffic: Traffic, least_s: float) -> Iterator[Finding]:

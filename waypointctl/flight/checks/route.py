@@ -24,6 +24,8 @@ _REJECTED: Final = {
     "joint": "the robot will stop at the fence",
 }
 
+SETTING_OUT_S: Final = 0.4  # until a standing ant is under way: move and wait in docs/delay.md, less way and round trip
+
 
 def route_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
     """Yield what may go wrong between the start and the last waypoint."""
@@ -137,9 +139,6 @@ def _tolerances(mission: Mission) -> Iterator[Finding]:
                 f"give {SMALLEST_M:g} m or more, or set onboard.stopped_tolerance so that a near miss counts"
             )
             yield Finding("tolerance", path, text)
-
-
-SETTING_OUT_S: Final = 0.4  # until a standing ant is under way: move and wait in docs/delay.md, less way and round trip
 
 
 def rule_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:

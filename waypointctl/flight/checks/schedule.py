@@ -29,6 +29,18 @@ _WITHOUT_EFFECT: Final[dict[tuple[str, str], str]] = {
 _LASTING: Final = ("go_to", "return_home")  # the others are completed as soon as they are executed
 _ENDING: Final = ("go_to", "return_home", "abort", "cancel", "skip")  # these end the plan, or a part of it
 
+_ON_BOARD: Final = ("mission", "waypoint", "short_range_goal")  # the robot computes its own actions
+
+# Keys that only some autonomies use.
+_USED_BY: Final[dict[tuple[str, str], tuple[str, ...]]] = {
+    ("operator", "think_s"): ("waypoint", "short_range_goal"),
+    ("operator", "released"): ("mission",),
+    ("operator", "steering"): ("short_range_goal",),
+    ("operator", "lookahead_m"): ("short_range_goal",),
+    ("operator", "update_rate_hz"): ("short_range_goal",),
+}
+_RULES: Final = (("onboard", "stopped_tolerance_m"), ("onboard", "stuck"))
+
 
 def schedule_findings(mission: Mission, traffic: Traffic) -> Iterator[Finding]:
     """Yield scheduled commands that the robot does not execute, and a plan that is never released to its end."""
@@ -114,19 +126,6 @@ def _release(mission: Mission) -> Iterator[Finding]:
             "robot waits for the rest, and the mission never ends"
         )
         yield Finding("release", ("operator", "released"), text, prevents=True)
-
-
-_ON_BOARD: Final = ("mission", "waypoint", "short_range_goal")  # the robot computes its own actions
-
-# Keys that only some autonomies use.
-_USED_BY: Final[dict[tuple[str, str], tuple[str, ...]]] = {
-    ("operator", "think_s"): ("waypoint", "short_range_goal"),
-    ("operator", "released"): ("mission",),
-    ("operator", "steering"): ("short_range_goal",),
-    ("operator", "lookahead_m"): ("short_range_goal",),
-    ("operator", "update_rate_hz"): ("short_range_goal",),
-}
-_RULES: Final = (("onboard", "stopped_tolerance_m"), ("onboard", "stuck"))
 
 
 def unused_findings(mission: Mission) -> Iterator[Finding]:

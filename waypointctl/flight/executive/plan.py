@@ -20,6 +20,8 @@ from waypointctl.task.progress import reached
 _NAMED: Final = 12  # waypoints that a text names one by one
 SAVED: Final = 256  # items at most in a checkpoint: what all checkpoints take is to grow with the flight's length alone
 
+FloatArray = NDArray[np.float64]
+
 
 def names(waypoints: Sequence[PlannedWaypoint]) -> str:
     """Return the names of some waypoints, for people; of many the first and the last, and how many they are."""
@@ -111,9 +113,6 @@ class Plan:
         saved = self.items[begin : begin + SAVED]
         part = {"begin": begin, "of": len(self.items)} if len(saved) < len(self.items) else {}
         return {"at": self.at, "items": [asdict(item) for item in saved], **part}
-
-
-FloatArray = NDArray[np.float64]
 
 
 class LegStatus(Enum):

@@ -16,6 +16,21 @@ from waypointctl.units import ns, whole_ns
 
 Point: TypeAlias = tuple[float, float]
 
+# Why a command was rejected or has failed: the reason in acknowledgements.
+TIMEOUT: Final = "timeout"
+STUCK: Final = "stuck"
+FALL: Final = "fall"
+GEOFENCE: Final = "geofence"
+LINK_LOST: Final = "link lost"
+FLIGHT_ENDED: Final = "flight ended"
+
+# Why the robot is stopped: the cause in telemetry. Each goes before a code or, for a leg, a waypoint's name and a code.
+AT_HOME: Final = "at home: "
+RETURN_FAILED: Final = "way home given up: "
+LEG_FAILED: Final = "leg failed: "
+HOME_INDEX: Final = -1  # index of the return home, which is not a waypoint of the mission
+_HOME: Final = Home()
+
 
 @dataclass(frozen=True, slots=True)
 class Circle:
@@ -122,23 +137,6 @@ def crosses(breach: str) -> str:
 
 def _between(start: Point, end: Point, at: float) -> Point:
     return start[0] + at * (end[0] - start[0]), start[1] + at * (end[1] - start[1])
-
-
-# Why a command was rejected or has failed: the reason in acknowledgements.
-TIMEOUT: Final = "timeout"
-STUCK: Final = "stuck"
-FALL: Final = "fall"
-GEOFENCE: Final = "geofence"
-LINK_LOST: Final = "link lost"
-FLIGHT_ENDED: Final = "flight ended"
-
-# Why the robot is stopped: the cause in telemetry. Each goes before a code or, for a leg, a waypoint's name and a code.
-AT_HOME: Final = "at home: "
-RETURN_FAILED: Final = "way home given up: "
-LEG_FAILED: Final = "leg failed: "
-
-HOME_INDEX: Final = -1  # index of the return home, which is not a waypoint of the mission
-_HOME: Final = Home()
 
 
 def home_at(x_m: float, y_m: float, home: Home = _HOME) -> PlannedWaypoint:

@@ -54,6 +54,8 @@ _WAYPOINTS: Final = {
 is_coordinate, is_tolerance = bounds_of(Coordinate).fits, bounds_of(Tolerance).fits
 is_timeout, is_hold = bounds_of(Timeout).fits, bounds_of(Hold).fits
 
+SUPERSEDING: Final = frozenset({CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME})
+
 
 def wrong_arguments(command: Command, fence: Fence) -> str:
     """Return what is wrong with a command whatever the robot is doing; empty if nothing is."""
@@ -100,9 +102,6 @@ def _wrong_place(waypoint: PlannedWaypoint, fence: Fence) -> str:
         return f"{name}: the task {waypoint.task!r:.40} is unknown"
     breach = fence.breach(waypoint.x_m, waypoint.y_m)
     return f"{GEOFENCE}: {name} at ({waypoint.x_m:g}, {waypoint.y_m:g}) {breach}" if breach else ""
-
-
-SUPERSEDING: Final = frozenset({CommandKind.UPLOAD_PLAN, CommandKind.GO_TO, CommandKind.RETURN_HOME})
 
 
 def decide(execution: PlanExecution, now_ns: int, command: Command) -> None:

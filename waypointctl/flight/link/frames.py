@@ -15,6 +15,24 @@ from waypointctl.log.topics import BY_KIND
 
 FloatArray = NDArray[np.float64]
 
+HEADER_BYTES: Final = 6
+MOST_DATA_BYTES: Final = 65_536
+NUMBER_BYTES: Final = 8
+_DELAY_BYTES: Final = 9  # of the log's delay_s: a tag and a double
+_RECEIVED: Final = "received_ns"
+
+# Bytes of a mode's name on the wire where they are not the log's: renaming a mode must not move a frame's arrival.
+_MODE_BYTES: Final = {Mode.NAVIGATING: 7, Mode.TELEOPERATED: 7}
+T = TypeVar("T")
+UP: Final = "up"
+DOWN: Final = "down"
+_LOST: Final = {
+    NOISE: DeliveryOutcome.LOST,
+    QUEUE_FULL: DeliveryOutcome.QUEUE_FULL,
+    NO_CONTACT: DeliveryOutcome.NO_CONTACT,
+}
+_NUMBERS: Final = ("command_id", "id", "frame", "step")  # what messages are counted by
+
 
 @dataclass(frozen=True, slots=True)
 class BodyFrame:
@@ -46,17 +64,6 @@ class Heartbeat:
     received_ns: int
 
 
-HEADER_BYTES: Final = 6
-MOST_DATA_BYTES: Final = 65_536
-NUMBER_BYTES: Final = 8
-
-_DELAY_BYTES: Final = 9  # of the log's delay_s: a tag and a double
-_RECEIVED: Final = "received_ns"
-
-# Bytes of a mode's name on the wire where they are not the log's: renaming a mode must not move a frame's arrival.
-_MODE_BYTES: Final = {Mode.NAVIGATING: 7, Mode.TELEOPERATED: 7}
-
-
 def size_bytes(message: Any) -> int:
     """Return the size of a message that travels the link: a record of the log, or another frozen dataclass."""
     return packets_bytes(_logged(message) if isinstance(message, Command | Ack | Telemetry) else _plain(message))
@@ -80,19 +87,6 @@ def _logged(message: Command | Ack | Telemetry) -> int:
 def _plain(message: Any) -> int:
     values = (getattr(message, field.name) for field in fields(message) if field.name != _RECEIVED)
     return sum(value.nbytes if isinstance(value, np.ndarray) else NUMBER_BYTES for value in values)
-
-
-T = TypeVar("T")
-
-UP: Final = "up"
-DOWN: Final = "down"
-
-_LOST: Final = {
-    NOISE: DeliveryOutcome.LOST,
-    QUEUE_FULL: DeliveryOutcome.QUEUE_FULL,
-    NO_CONTACT: DeliveryOutcome.NO_CONTACT,
-}
-_NUMBERS: Final = ("command_id", "id", "frame", "step")  # what messages are counted by
 
 
 @dataclass(slots=True)

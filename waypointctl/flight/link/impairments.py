@@ -13,6 +13,9 @@ T = TypeVar("T")
 
 BLOCK: Final = 256
 
+Delay: TypeAlias = Callable[[int], int]  # the moment a message has left [ns] -> one-way delay [ns]
+_NEARLY_ALL: Final = 4  # standard deviations; one in thirty thousand messages is later
+
 
 class Draws(Generic[T]):
     """What one stream gives, one by one.
@@ -50,11 +53,6 @@ class Draws(Generic[T]):
 def chances(rng: np.random.Generator) -> Draws[float]:
     """Return numbers that lie evenly in [0, 1)."""
     return Draws(rng, lambda stream, count: stream.random(count).tolist())
-
-
-Delay: TypeAlias = Callable[[int], int]  # the moment a message has left [ns] -> one-way delay [ns]
-
-_NEARLY_ALL: Final = 4  # standard deviations; one in thirty thousand messages is later
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,10 @@ from waypointctl.log.messages import (
 from waypointctl.mission.mission import Mission
 from waypointctl.units import ns
 
+# Ended by another command or by the clock: the reason alone names the command or the time, not the stage.
+_BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
+_COMMAND: Final = re.compile(r"\bby command ([0-9]{1,18})$")
+
 
 @dataclass(slots=True)
 class ReportedState:
@@ -60,11 +64,6 @@ class ReportedState:
             self.telemetry = message
             self._reached.update(message.reached[len(self._reached) :])  # what is reached stays so, in its order
         self.went_home = self.went_home or message.mode is Mode.RETURNING or message.cause.startswith(AT_HOME)
-
-
-# Ended by another command or by the clock: the reason alone names the command or the time, not the stage.
-_BY_ANOTHER: Final = frozenset({Stage.CANCELLED, Stage.SUPERSEDED, Stage.EXPIRED, Stage.SKIPPED})
-_COMMAND: Final = re.compile(r"\bby command ([0-9]{1,18})$")
 
 
 class Operator(ABC):

@@ -23,6 +23,8 @@ from waypointctl.mission.fields import FURTHEST_M
 from waypointctl.mission.mission import Mission
 from waypointctl.units import NS_PER_S
 
+_NEAR_GOAL: Final = 0.25  # of its distance: within this the goal counts as reached
+
 
 class MissionOperator(Operator):
     """Sends the whole plan once and waits: autonomy `mission`."""
@@ -91,9 +93,6 @@ class WaypointOperator(Operator):
     def _resume(self, now_ns: int) -> list[CommandRequest]:
         put_off, self._put_off = self._put_off, []
         return put_off
-
-
-_NEAR_GOAL: Final = 0.25  # of its distance: within this the goal counts as reached
 
 
 class ShortRangeGoalOperator(Operator):

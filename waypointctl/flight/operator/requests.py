@@ -15,6 +15,8 @@ from waypointctl.units import ns, whole_ns
 
 T = TypeVar("T")
 
+LOOKAHEAD: Final = -1  # index of a place that is none of the mission's waypoints
+
 
 @dataclass(slots=True)
 class EventQueue(Generic[T]):
@@ -47,9 +49,6 @@ class EventQueue(Generic[T]):
     def entries(self) -> list[tuple[int, T]]:
         """Return what is noted, in order."""
         return [(at_ns, what) for at_ns, _, what in sorted(self._entries, key=lambda entry: entry[:2])]
-
-
-LOOKAHEAD: Final = -1  # index of a place that is none of the mission's waypoints
 
 
 @dataclass(frozen=True, slots=True)

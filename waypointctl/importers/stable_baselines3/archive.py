@@ -35,6 +35,11 @@ _TENSORS: Final = "policy.pth"
 _VERSION: Final = "_stable_baselines3_version"
 _HINT: Final = "Give the .zip that stable-baselines3's model.save() wrote."
 
+FloatArray = NDArray[np.float64]
+_STATISTICS: Final = "RunningMeanStd"
+_LARGEST: Final = 1e38  # what the exported network computes in goes little beyond
+_VEC_NORMALIZE_HINT: Final = "Give the file that VecNormalize.save() wrote beside the model."
+
 
 @dataclass(frozen=True, slots=True)
 class Archive:
@@ -118,13 +123,6 @@ def _tensors(content: bytes, where: str) -> dict[str, Array]:
         return read_tensors(content, limit(LIMIT))
     except ValueError as error:
         raise PolicyError(f"{error}; nothing of it was executed", where=where, hint=_HINT) from error
-
-
-FloatArray = NDArray[np.float64]
-
-_STATISTICS: Final = "RunningMeanStd"
-_LARGEST: Final = 1e38  # what the exported network computes in goes little beyond
-_VEC_NORMALIZE_HINT: Final = "Give the file that VecNormalize.save() wrote beside the model."
 
 
 @dataclass(frozen=True, slots=True)

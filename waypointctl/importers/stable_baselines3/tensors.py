@@ -28,6 +28,14 @@ _ENTRY: Final = b"PK\x01\x02"  # what the central directory has before each part
 _DAMAGE: Final = (zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, NotImplementedError, RuntimeError, OSError,
                   EOFError, OverflowError)  # fmt: skip
 
+Array: TypeAlias = NDArray[np.floating]
+MOST_TENSORS: Final = 1000
+_KINDS: Final = {"torch.FloatStorage": "f4", "torch.DoubleStorage": "f8", "torch.HalfStorage": "f2"}
+_TENSOR: Final = "torch._utils._rebuild_tensor_v2"
+_PARAMETER: Final = "torch._utils._rebuild_parameter"
+_MOST_DIMENSIONS: Final = 8
+_PICKLE: Final = "data.pkl"
+
 
 @contextmanager
 def opened_zip(content: bytes) -> Iterator[zipfile.ZipFile]:
@@ -61,17 +69,6 @@ def read_part(archive: zipfile.ZipFile, name: str, most: int) -> bytes:
     if len(content) > most:
         raise ValueError(f"{name} unpacks to more than the {most:,} bytes that are read")
     return content
-
-
-Array: TypeAlias = NDArray[np.floating]
-
-MOST_TENSORS: Final = 1000
-
-_KINDS: Final = {"torch.FloatStorage": "f4", "torch.DoubleStorage": "f8", "torch.HalfStorage": "f2"}
-_TENSOR: Final = "torch._utils._rebuild_tensor_v2"
-_PARAMETER: Final = "torch._utils._rebuild_parameter"
-_MOST_DIMENSIONS: Final = 8
-_PICKLE: Final = "data.pkl"
 
 
 def read_tensors(content: bytes, most: int) -> dict[str, Array]:
