@@ -2,19 +2,57 @@
 
 from __future__ import annotations
 
+from pathlib import PurePosixPath
 from typing import Annotated, Any, Final, Literal, TypeAlias, cast, get_args
 
-from pydantic import AfterValidator, Field, Strict
+from pydantic import AfterValidator, Field, Strict, ValidationError
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from waypointctl.mission.checks import line_of_text
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
 
 DAY_S: Final = 86_400.0
 FURTHEST_M: Final = 10_000.0  # of a coordinate
 
+
+def line_of_text(text: str) -> str:
+    """Return a text that fits in a line.
+
+    Raises:
+        ValueError: it has line breaks or other control characters.
+    """
+    if not text.isprintable():
+        raise ValueError(f"{text!r} is not one line of text without control characters")
+    return text
+
+
+def file_beside(name: str) -> str:
+    """Return the name of a file that a log can carry: one beside the mission file or below its folder.
+
+    Raises:
+        ValueError: it leads elsewhere.
+    """
+    path = PurePosixPath(name)
+    if path.is_absolute() or ".." in path.parts or "\\" in name or str(path) != name:
+        raise ValueError(f"{name!r} is not a file beside the mission or below its folder: write 'plan.ionrc' or 'a/b'")
+    return name
+
+
+def error_at(problem: str, loc: tuple[str | int, ...], value: object) -> InitErrorDetails:
+    """Return a problem with a value somewhere below what is being checked, for a ValidationError."""
+    kind = PydanticCustomError("mission", "{problem}", {"problem": problem})
+    return InitErrorDetails(type=kind, loc=loc, input=value)
+
+
+def raise_errors(title: str, errors: list[InitErrorDetails]) -> None:
+    """Raise a ValidationError of some problems, if there are any."""
+    if errors:
+        raise ValidationError.from_exception_data(title, errors)
+
+
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=60), AfterValidator(line_of_text)]
 Coordinate: TypeAlias = Annotated[float, Quantity("m", ge=-FURTHEST_M, le=FURTHEST_M)]
+FileName: TypeAlias = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(file_beside)]
 RobotName: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(line_of_text)]
 Position: TypeAlias = tuple[Coordinate, Coordinate]
 AcceptanceShape: TypeAlias = Literal["box", "radius"]

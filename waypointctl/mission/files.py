@@ -11,8 +11,9 @@ from typing import Any, Final, TypeAlias
 from waypointctl.display_text import path_text
 from waypointctl.errors import MissionError
 from waypointctl.input_file import NOT_THERE
-from waypointctl.mission.checks import SCHEMA_VERSION, file_beside
+from waypointctl.mission.checks import SCHEMA_VERSION
 from waypointctl.mission.contact_plan import Passage, read_contact_plan
+from waypointctl.mission.fields import file_beside
 from waypointctl.mission.link import LinkDirection
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.policy_name import from_folder, policy_folder

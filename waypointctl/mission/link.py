@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import AfterValidator, Discriminator, Field, Strict, Tag, ValidationInfo, field_validator, model_validator
 
-from waypointctl.mission.checks import alone, file_beside, in_order, jitter_within, times_rise, windows_within
-from waypointctl.mission.fields import DAY_S
+from waypointctl.mission.fields import DAY_S, FileName, error_at, raise_errors
 from waypointctl.mission.file_model import FileModel
-from waypointctl.mission.presets import PRESETS, PresetName, over_preset
+from waypointctl.mission.presets import PRESETS, PresetName, how_to_write_link, over_preset
 from waypointctl.mission.quantity import Probability, Quantity
 from waypointctl.mission.text_file import moment_of
-from waypointctl.units import SIZE_UNITS_BYTES, number_in
+from waypointctl.units import SIZE_UNITS_BYTES
 
 Delay: TypeAlias = Annotated[float, Quantity("s", ge=0, le=10 * DAY_S)]
 Moment: TypeAlias = Annotated[float, Quantity("s", ge=0, le=1000 * DAY_S)]
-FileName: TypeAlias = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(file_beside)]
 Node: TypeAlias = Annotated[int, Strict(), Field(ge=0, lt=10**18)]
 
 
@@ -79,6 +78,44 @@ class ContactPlan(FileModel):
         return (self.to_node, self.from_node) if self.reverse else (self.from_node, self.to_node)
 
 
+def _alone(name: str, given: object, others: dict[str, object]) -> None:
+    """Refuse a field that is given beside one of the others, by their names and values."""
+    also = [other for other, value in others.items() if value]
+    if given and also:
+        raise ValueError(f"'{name}' and '{also[0]}' are both given: keep one")
+
+
+def _times_rise(rows: tuple[DelayAt, ...]) -> tuple[DelayAt, ...]:
+    """Return the rows of a table; raises a ValidationError for those whose times do not rise."""
+    errors = [
+        error_at(f"{after.at_s:g} s is not after the {before.at_s:g} s of the row before", (index, "at_s"), after.at_s)
+        for index, (before, after) in enumerate(pairwise(rows), 1)
+        if after.at_s <= before.at_s
+    ]
+    raise_errors("delay_table", errors)
+    return rows
+
+
+def _in_order(windows: tuple[Window, ...]) -> tuple[Window, ...]:
+    """Return windows; raises a ValidationError for those that do not begin before they end, after the one before."""
+    errors = [
+        error_at(f"{each.to_s:g} s is not after {each.from_s:g} s", (index, "to_s"), each.to_s)
+        for index, each in enumerate(windows)
+        if each.to_s <= each.from_s
+    ]
+    errors += [
+        error_at(
+            f"{after.from_s:g} s is before the {before.to_s:g} s at which the window before ends",
+            (index, "from_s"),
+            after.from_s,
+        )
+        for index, (before, after) in enumerate(pairwise(windows), 1)
+        if after.from_s < before.to_s
+    ]
+    raise_errors("windows", errors)
+    return windows
+
+
 def _loss_kind(loss: object) -> str:
     return "bursts" if isinstance(loss, dict | Bursts) else "probability"
 
@@ -87,9 +124,9 @@ Loss: TypeAlias = Annotated[
     Annotated[Probability, Tag("probability")] | Annotated[Bursts, Tag("bursts")], Discriminator(_loss_kind)
 ]
 DelayTable: TypeAlias = Annotated[
-    tuple[DelayAt, ...], Field(min_length=1, max_length=10_000), AfterValidator(times_rise)
+    tuple[DelayAt, ...], Field(min_length=1, max_length=10_000), AfterValidator(_times_rise)
 ]
-Windows: TypeAlias = Annotated[tuple[Window, ...], Field(min_length=1, max_length=10_000), AfterValidator(in_order)]
+Windows: TypeAlias = Annotated[tuple[Window, ...], Field(min_length=1, max_length=10_000), AfterValidator(_in_order)]
 
 
 class LinkDirection(FileModel):
@@ -135,34 +172,40 @@ class LinkDirection(FileModel):
     @field_validator("delay_table")
     @classmethod
     def _one_delay(cls, table: DelayTable | None, info: ValidationInfo) -> DelayTable | None:
-        alone("delay_table", table, {"delay": info.data.get("delay_s")})
+        _alone("delay_table", table, {"delay": info.data.get("delay_s")})
         return table
 
     @field_validator("jitter_s")
     @classmethod
     def _jitter_within_delay(cls, jitter_s: float, info: ValidationInfo) -> float:
         delay_s, table = info.data.get("delay_s"), info.data.get("delay_table")
-        if info.data.get("jitter_distribution") != "uniform" or "delay_table" not in info.data:
-            return jitter_s  # the normal distribution has no bounds: what would be too early comes at once
-        return jitter_within(jitter_s, min(row.delay_s for row in table) if table else delay_s)
+        least_s = min(row.delay_s for row in table) if table else delay_s  # None is reported already
+        # The normal distribution has no bounds: what would be too early comes at once.
+        is_bounded = info.data.get("jitter_distribution") == "uniform" and "delay_table" in info.data
+        if is_bounded and least_s is not None and jitter_s > least_s:
+            raise ValueError(f"{jitter_s:g} s is more than the delay of {least_s:g} s")
+        return jitter_s
 
     @field_validator("jitter_file")
     @classmethod
     def _one_jitter(cls, name: str | None, info: ValidationInfo) -> str | None:
-        alone("jitter_file", name, {"jitter": info.data.get("jitter_s")})
+        _alone("jitter_file", name, {"jitter": info.data.get("jitter_s")})
         return name
 
     @field_validator("rate_bps", "windows")
     @classmethod
     def _one_plan(cls, value: object, info: ValidationInfo) -> object:
-        alone(str(info.field_name).removesuffix("_bps"), value, {"contact_plan": info.data.get("contact_plan")})
+        _alone(str(info.field_name).removesuffix("_bps"), value, {"contact_plan": info.data.get("contact_plan")})
         return value
 
     @field_validator("windows_period_s")
     @classmethod
     def _all_windows_in_time(cls, every_s: float | None, info: ValidationInfo) -> float | None:
-        if "windows" in info.data:  # else they are wrong already
-            windows_within(every_s, info.data["windows"])
+        windows = info.data.get("windows")
+        if every_s is not None and windows is None and "windows" in info.data:  # else they are wrong already
+            raise ValueError("needs 'windows'")
+        if every_s is not None and windows and windows[-1].to_s > every_s:
+            raise ValueError(f"{every_s:g} s ends before the last window, which ends at {windows[-1].to_s:g} s")
         return every_s
 
 
@@ -184,7 +227,7 @@ class Link(FileModel):
     def _no_bare_word(cls, given: Any) -> Any:
         """Refuse a bare word, with a hint on how a preset is written."""
         if isinstance(given, str):
-            raise ValueError(f"{given!r} is not a mapping of keys to values; {_hint(given)}")
+            raise ValueError(f"{given!r} is not a mapping of keys to values; {how_to_write_link(given)}")
         return given
 
     @classmethod
@@ -203,16 +246,3 @@ class Link(FileModel):
                 if isinstance(own, dict):
                     data[way] = over_preset(preset, own, LinkDirection.bare_names())
         return data
-
-
-def _hint(word: str) -> str:
-    """Return how to write a value that was given in place of a link's mapping."""
-    import difflib  # 10 ms that a good file need not wait for
-
-    if number_in(word) is not None:
-        return f"write 'link: {{delay: {word}}}' for a one-way delay"
-    near = [word] if word in PRESETS else [name for name in PRESETS if name.startswith(word)]
-    near = near or difflib.get_close_matches(word, PRESETS, n=1, cutoff=0.5)
-    if near:
-        return "write " + " or ".join(f"'link: {{preset: {name}}}'" for name in near)
-    return f"for a preset write 'link: {{preset: {'|'.join(PRESETS)}}}'"

@@ -27,7 +27,6 @@ from waypointctl.mission.checks import (
     expected_within,
     file_name,
     known_version,
-    line_of_text,
     names_differ,
     possible,
 )
@@ -41,6 +40,7 @@ from waypointctl.mission.fields import (
     Start,
     Timeout,
     Tolerance,
+    line_of_text,
 )
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.link import Link
@@ -79,6 +79,11 @@ class Waypoint(FileModel):
     observe: Annotated[bool, Strict()] | None = Field(
         None, description="whether to take a picture there, after the hold"
     )
+
+
+def _named_apart(waypoints: tuple[Waypoint, ...]) -> tuple[Waypoint, ...]:
+    names_differ([name_of(index, waypoint) for index, waypoint in enumerate(waypoints)])
+    return waypoints
 
 
 class Expect(FileModel):
@@ -124,7 +129,7 @@ class Mission(FileModel):
         (), description="commands sent at given times"
     )
     defaults: Defaults = Defaults()
-    waypoints: Annotated[tuple[Waypoint, ...], Field(min_length=1, max_length=1000), AfterValidator(names_differ)] = (
+    waypoints: Annotated[tuple[Waypoint, ...], Field(min_length=1, max_length=1000), AfterValidator(_named_apart)] = (
         Field(description="in the order in which they are to be reached")
     )
     repeat: Annotated[int, Strict(), Field(ge=1, le=1000)] = Field(
@@ -190,7 +195,7 @@ class Mission(FileModel):
 
     @model_validator(mode="after")
     def _asks_for_what_can_be(self) -> Self:
-        possible(self)
+        possible(self.schedule, self.operator.released, self.autonomy, self.num_legs)
         return self
 
     @property

@@ -17,6 +17,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final, Literal, TypeAlias
 
+from waypointctl.units import number_in
+
 PresetName: TypeAlias = Literal["moon", "moon-relay", "mars-near", "mars-far", "iss", "lan"]
 
 # Of each way: none of them is known to be different up and down.
@@ -54,3 +56,16 @@ def over_preset(name: str, given: Mapping[str, Any], bare: Mapping[str, str]) ->
     if "contact_plan" in written:
         replaced.update(_OF_A_CONTACT_PLAN)
     return {key: value for key, value in PRESETS[name].items() if key not in replaced} | dict(given)
+
+
+def how_to_write_link(word: str) -> str:
+    """Return how to write a value that was given in place of a link's mapping."""
+    import difflib  # 10 ms that a good file need not wait for
+
+    if number_in(word) is not None:
+        return f"write 'link: {{delay: {word}}}' for a one-way delay"
+    near = [word] if word in PRESETS else [name for name in PRESETS if name.startswith(word)]
+    near = near or difflib.get_close_matches(word, PRESETS, n=1, cutoff=0.5)
+    if near:
+        return "write " + " or ".join(f"'link: {{preset: {name}}}'" for name in near)
+    return f"for a preset write 'link: {{preset: {'|'.join(PRESETS)}}}'"

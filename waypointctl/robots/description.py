@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal, TypeAlias
 
 from pydantic import AfterValidator, Field, Strict, ValidationInfo, field_validator
 
-from waypointctl.mission.checks import line_of_text
+from waypointctl.mission.fields import line_of_text
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.quantity import Quantity
 
