@@ -13,23 +13,19 @@ were killed. Exit code 1: less than 95 % of the others were killed.
 from __future__ import annotations
 
 import argparse
-import hashlib
 import importlib
-import json
 import os
 import random
 import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from functools import cache
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Final
 
-from bench.mutant_runs import Items, Measured, Outcome, Trace, collected, measure, run_anew, run_in_place
+from bench.mutant_runs import Items, Trace, collected, measure, run_anew, run_in_place
 from bench.mutants import ROOT, Mutant, mutants_of
+from bench.mutation_results import Results
 
-RESULTS: Final = ROOT / "runs" / "mutation"
 EQUIVALENT: Final = ROOT / "bench" / "equivalent_mutants.txt"
 WANTED: Final = 0.95
 _FLIGHT: Final = "waypointctl/flight"
@@ -71,76 +67,20 @@ def _paths(patterns: Iterable[str]) -> list[str]:
     return [str(path.relative_to(ROOT)) for pattern in patterns for path in sorted(ROOT.glob(pattern))]
 
 
-@cache
-def _stamp(*paths: str) -> str:
-    """Return a hash of some files: of a module and its tests, say; with another one all is run again."""
-    digest = hashlib.sha256()
-    for path in paths:
-        digest.update((ROOT / path).read_bytes())
-    return digest.hexdigest()[:12]
-
-
-class Results:
-    """What became of a part's mutants, kept in a file: stamp, end and the test that failed, by the mutant's name."""
-
-    def __init__(self, part: str) -> None:
-        """Read what is kept of a part."""
-        self.tests = _paths(PARTS[part].tests)
-        self._path = RESULTS / f"{part}.json"
-        self.known: dict[str, list[str]] = json.loads(self._path.read_text()) if self._path.exists() else {}
-
-    def _mark(self, path: str, what: str, test: str) -> str:
-        """Return a hash of the module and of what decided: the file of the test that failed, or all of the tests."""
-        file = test.partition("::")[0]
-        return _stamp(path, *([file] if what == "killed" and file in self.tests else self.tests))
-
-    def missing(self, mutants: Iterable[Mutant]) -> list[Mutant]:
-        """Return the mutants that were not run with the files as they are."""
-        known = self.known
-        return [
-            it
-            for it in mutants
-            if it.name not in known or known[it.name][0] != self._mark(it.path, *known[it.name][1:])
-        ]
-
-    def add(self, outcome: Outcome) -> None:
-        """Keep what became of a mutant."""
-        mutant, what, test = outcome
-        self.known[mutant.name] = [self._mark(mutant.path, what, test), what, test]
-        _write(self._path, self.known)
-
-
-def _write(path: Path, content: object) -> None:
-    new = path.with_suffix(".new")
-    new.write_text(json.dumps(content, indent=0))
-    new.replace(path)
-
-
-def _measured(part: str) -> dict[str, Measured] | None:
-    """Return what a part's tests run, if it was measured with the files as they are."""
-    path, mark = RESULTS / f"{part}.tests.json", _stamp(*_paths(PARTS[part].modules), *_paths(PARTS[part].tests))
-    if not path.exists() or (kept := json.loads(path.read_text()))["stamp"] != mark:
-        return None
-    return {test: Measured(**its) for test, its in kept["tests"].items()}
-
-
-def _measure(part: str, items: Items, jobs: int) -> dict[str, Measured]:
-    modules, tests = _paths(PARTS[part].modules), _paths(PARTS[part].tests)
-    measured = measure(items, modules, jobs)
-    kept = {"stamp": _stamp(*modules, *tests), "tests": {test: asdict(its) for test, its in measured.items()}}
-    _write(RESULTS / f"{part}.tests.json", kept)
-    return measured
+def _results(part: str) -> Results:
+    return Results(part, _paths(PARTS[part].modules), _paths(PARTS[part].tests))
 
 
 def _serve(part: str, mutants: Sequence[Mutant], jobs: int) -> int:
     """Collect a part's tests, measure them if need be, and run mutants of what runs after loading; return 0."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    results, trace = Results(part), Trace(_paths(PARTS[part].modules))
+    results = _results(part)
+    trace = Trace(results.modules)
 
     def work(items: Items) -> None:
         at_import = trace.stop()
         later = [it for it in mutants if it.lines.isdisjoint(at_import.get(it.path, ()))]
-        measured = _measured(part) or _measure(part, items, jobs)
+        measured = results.measured() or results.keep(measure(items, results.modules, jobs))
         for count, outcome in enumerate(run_in_place(later, items, measured, jobs), 1):
             results.add(outcome)
             _show(part, count, len(later))
@@ -151,17 +91,18 @@ def _serve(part: str, mutants: Sequence[Mutant], jobs: int) -> int:
 
 def run(part: str, chosen: Sequence[Mutant], jobs: int) -> None:
     """Run those of a part's mutants that were not run with the files as they are."""
-    results = Results(part)
+    results = _results(part)
     missing = results.missing(chosen)
     if not missing:
         return
     server = os.fork()
     if not server:
         os._exit(_serve(part, missing, jobs))
-    measured = _measured(part) if os.waitpid(server, 0)[1] == 0 else None
+    ended = os.waitpid(server, 0)[1]
+    results = _results(part)
+    measured = results.measured() if ended == 0 else None
     if measured is None:
         sys.exit(f"{part}: its tests cannot be run")
-    results = Results(part)
     rest = results.missing(missing)
     for count, outcome in enumerate(run_anew(rest, results.tests, measured, jobs), 1):
         results.add(outcome)
@@ -195,7 +136,7 @@ def report(chosen: Sequence[Mutant], minutes: Mapping[str, float]) -> bool:
     """Print each survivor and a table; return whether enough mutants were killed."""
     table, all_differing, all_killed = [], 0, 0
     for part in minutes:
-        known, names = Results(part).known, [it.name for it in chosen if it.part == part]
+        known, names = _results(part).known, [it.name for it in chosen if it.part == part]
         ends = {name: known.get(name, ["", "survived", ""])[1:] for name in names}
         equivalent = [name for name in names if name in _listed()]
         for name in equivalent:
@@ -235,7 +176,6 @@ def main() -> int:
     for name in sorted(_listed() - {it.name for it in mutants}) if parts == list(PARTS) else ():
         print(f"listed as equivalent, but there is no such mutant: {name}")
     preload()
-    RESULTS.mkdir(parents=True, exist_ok=True)
     minutes = dict[str, float]()
     for part in parts:
         begun_s = time.monotonic()
