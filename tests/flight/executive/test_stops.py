@@ -18,6 +18,15 @@ def last(rig: Rig, kind: EventKind) -> Event:
     return [event for event in rig.events if event.kind is kind][-1]
 
 
+# Nothing
+
+
+def test_a_robot_that_has_done_nothing_has_no_goal_and_no_command(rig: Rig) -> None:
+    assert rig.executive.goals.tolist() == [[[0.0, 0.0], [0.0, 0.0]]]
+    state = rig.executive.state()
+    assert (state["command_id"], state["stood_ns"], state["home_id"]) == (-1, 0, None)
+
+
 # Holds
 
 
@@ -60,6 +69,8 @@ def test_a_way_home_keeps_its_cause_over_a_hold() -> None:
     rig.sense(10.0, (3.0, 0.0))
     started = last(rig, EventKind.RETURN_STARTED)
     assert (started.time_ns, started.text) == (10 * SECOND, "returning home: timeout")
+    state = rig.executive.state()
+    assert (state["command_id"], state["home_id"]) == (-1, -1), "no command sent it"
     rig.send(11.0, CommandKind.HOLD, id=2)
     rig.send(12.0, CommandKind.RESUME, id=3)
     assert (rig.executive.mode, rig.executive.cause) == (Mode.RETURNING, "timeout")

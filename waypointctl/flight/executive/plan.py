@@ -38,8 +38,8 @@ class PlanItem:
     command_id: int  # of the command that brought it
     on_failure: str  # what that command wants when the leg fails; empty for the robot's own rule
     released: bool  # whether the robot may drive to it
-    over: bool = False  # reached and its task done, skipped, or taken back
-    alone: bool = False  # commanded as a single goal, not as part of a plan
+    over: bool = field(default=False, init=False)  # reached and its task done, skipped, or taken back
+    alone: bool  # commanded as a single goal, not as part of a plan
 
 
 @dataclass(slots=True)
@@ -70,7 +70,7 @@ class Plan:
         alone = command.kind is CommandKind.GO_TO
         for place, waypoint in enumerate(command.waypoints):
             released = command.released < 0 or place < command.released
-            self.items.append(PlanItem(waypoint, command.id, command.on_failure, released, alone=alone))
+            self.items.append(PlanItem(waypoint, command.id, command.on_failure, released, alone))
 
     def release(self, count: int) -> None:
         """Release the first `count` waypoints of the plan; -1 for all."""
