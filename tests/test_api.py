@@ -197,6 +197,19 @@ SHORT = waypointctl.Mission.model_validate(
     "call",
     [
         lambda: ANY.fly({"name": "short"}),
+        lambda: ANY.fly(SHORT, sink=3),
+        lambda: ANY.fly(SHORT, log=3),
+        lambda: ANY.fly(SHORT, navigator=3),
+        lambda: ANY.fly(SHORT, plugins=3),
+        lambda: ANY.load_mission(3),
+        lambda: ANY.load_policy(3),
+        lambda: ANY.load_robot(3),
+        lambda: ANY.load_suite(3),
+        lambda: ANY.open_log(3),
+        lambda: ANY.verify(3),
+        lambda: ANY.train(3, "out"),
+        lambda: ANY.evaluate("ant-waypoint", robot=3),
+        lambda: ANY.BatchedWaypointEnv({}, 1, 0),
         lambda: ANY.fly(SHORT, 3),
         lambda: ANY.fly(SHORT, robot=3),
         lambda: ANY.evaluate(3),
@@ -209,3 +222,37 @@ SHORT = waypointctl.Mission.model_validate(
 def test_an_argument_of_a_wrong_type_is_refused(call: Callable[[], object]) -> None:
     with pytest.raises(waypointctl.InputError, match=r"(int|dict) is not allowed; give "):
         call()
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: ANY.evaluate("ant-waypoint", trials=0),
+        lambda: ANY.evaluate("ant-waypoint", trials=1.5),
+        lambda: ANY.evaluate("ant-waypoint", trials=10**9),
+        lambda: ANY.evaluate("ant-waypoint", trials=1, seed="1"),
+        lambda: ANY.evaluate("ant-waypoint", trials=1, threads=-1),
+        lambda: ANY.load_policy("ant-waypoint", threads="1"),
+        lambda: ANY.BatchedWaypointEnv(waypointctl.TaskConfig(), 0, 0),
+        lambda: ANY.BatchedWaypointEnv(waypointctl.TaskConfig(), 1, -1),
+    ],
+)
+def test_a_number_out_of_its_bounds_is_refused(call: Callable[[], object]) -> None:
+    with pytest.raises(waypointctl.InputError, match="is a whole number from "):
+        call()
+
+
+def test_a_policy_is_evaluated_with_a_robot_or_without(tmp_path: Path) -> None:
+    policy, robot = waypointctl.load_policy("ant-waypoint"), waypointctl.load_robot("ant")
+    suite = tmp_path / "near.yaml"
+    suite.write_text("name: near\ncases: [{name: ahead, waypoints: [[0.1, 0]]}]\n")
+    found = [
+        waypointctl.evaluate(given, suite, trials=1, robot=body)
+        for given, body in ((policy, None), ("ant-waypoint", robot), (policy, "ant"))
+    ]
+    assert len({result.model_dump_json() for result in found}) == 1
+    for name, content in robot.files.items():
+        (tmp_path / "ant2").mkdir(exist_ok=True)
+        (tmp_path / "ant2" / name).write_bytes(content.replace(b"name: ant\n", b"name: ant2\n"))
+    with pytest.raises(waypointctl.PolicyError, match="made for the robot 'ant', not 'ant2'"):
+        waypointctl.evaluate(policy, suite, trials=1, robot=tmp_path / "ant2")

@@ -18,7 +18,9 @@ Anything else that is raised is a bug.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar, Final
+from operator import index
+from pathlib import Path
+from typing import ClassVar, Final, SupportsIndex
 
 from waypointctl.display_text import printable
 
@@ -64,6 +66,28 @@ def _line(text: str) -> str:
 def wrong_type(argument: str, value: object, allowed: str) -> InputError:
     """Return the error for an argument of a public function that has a type which is not allowed."""
     return InputError(f"{argument}: {type(value).__name__} is not allowed; give {allowed}")
+
+
+def given_path(argument: str, value: object, what: str) -> Path:
+    """Return the path that an argument of a public function has.
+
+    Raises:
+        InputError: it is neither a Path nor a str.
+    """
+    if not isinstance(value, Path | str):
+        raise wrong_type(argument, value, f"the path of {what}")
+    return Path(value)
+
+
+def given_number(argument: str, value: object, least: int, most: int) -> int:
+    """Return the whole number that an argument of a public function has.
+
+    Raises:
+        InputError: it is not one, or not from `least` to `most`.
+    """
+    if isinstance(value, bool) or not isinstance(value, SupportsIndex) or not least <= index(value) <= most:
+        raise InputError(f"{argument} is a whole number from {least} to {most}, not {value!r}")
+    return index(value)
 
 
 class MissionError(InputError):

@@ -8,10 +8,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TypeAlias
 
-from waypointctl.errors import InputError, PolicyError, wrong_type
+from waypointctl.errors import InputError, PolicyError, given_number, wrong_type
 from waypointctl.evaluation.result import CaseResult, Evaluation, wilson_interval
 from waypointctl.evaluation.rollout import Rollouts, rollout
-from waypointctl.evaluation.suite import Case, RandomPaths, Suite, SuiteCase, load_suite
+from waypointctl.evaluation.suite import MOST_TRIALS, Case, RandomPaths, Suite, SuiteCase, load_suite
 from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.mission.policy_name import policy_folder
 from waypointctl.policy.bundle import LoadedPolicy, policy_of
@@ -67,23 +67,13 @@ def evaluate(
     suite = load_suite(suite) if isinstance(suite, Path | str) else suite
     if not isinstance(suite, Suite):
         raise wrong_type("suite", suite, "a Suite, its file, or its name")
-    trials = suite.trials if trials is None else trials
-    if trials < 1 or seed < 0:
-        raise InputError(f"trials are at least 1 and a seed at least 0, not {trials} and {seed}")
+    trials = suite.trials if trials is None else given_number("trials", trials, 1, MOST_TRIALS)
+    seed, threads = given_number("seed", seed, 0, 2**63 - 1), given_number("threads", threads, 0, 1024)
     if robot is None and isinstance(given, Path | str):
         robot = suite.robot or kept_robot(policy_folder(given) if isinstance(given, str) else given)
     plugins = load_plugins(plugins)
     env = _env(policy, suite, trials, seed, threads, plugins, robot or suite.robot or policy.robot)
-    results = []
-    for case in suite.all_cases:
-        name = f"evaluation/{suite.name}/{case.name}"
-        env.starts = [stream(seed, name, trial) for trial in range(trials)]
-        env.courses = [stream(seed, f"{name}/course", trial) for trial in range(trials)]
-        paths = [case.trial_path(seed, f"{name}/path", trial, suite.start.position_m) for trial in range(trials)]
-        rollouts = rollout(env, policy, paths, partial(progress, case.name) if progress else _ignore, suite.hold)
-        if on_case is not None:
-            on_case(case, rollouts)
-        results.append(case_result(case, rollouts))
+    results = [_case_result(env, policy, suite, case, seed, progress, on_case) for case in suite.all_cases]
     return Evaluation(
         policy=policy.name,
         suite=suite.name,
@@ -97,6 +87,26 @@ def evaluate(
         hold=suite.hold,
         observation=env.layout.name,
     )
+
+
+def _case_result(
+    env: BatchedWaypointEnv,
+    policy: Policy,
+    suite: Suite,
+    case: SuiteCase,
+    seed: int,
+    progress: Progress | None,
+    on_case: OnCase | None,
+) -> CaseResult:
+    """Run the trials of one case."""
+    trials, name = range(env.num_robots), f"evaluation/{suite.name}/{case.name}"
+    env.starts = [stream(seed, name, trial) for trial in trials]
+    env.courses = [stream(seed, f"{name}/course", trial) for trial in trials]
+    paths = [case.trial_path(seed, f"{name}/path", trial, suite.start.position_m) for trial in trials]
+    rollouts = rollout(env, policy, paths, partial(progress, case.name) if progress else _ignore, suite.hold)
+    if on_case is not None:
+        on_case(case, rollouts)
+    return case_result(case, rollouts)
 
 
 def case_result(case: SuiteCase, rollouts: Rollouts) -> CaseResult:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, Strict, model_validator
 
-from waypointctl.errors import SuiteError
+from waypointctl.errors import SuiteError, given_path
 from waypointctl.mission.fields import DAY_S, Acceptance, Name, Position, RobotName, Start, Tolerance
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.policy_name import from_folder
@@ -158,17 +158,19 @@ def load_suite(name_or_file: Path | str) -> Suite:
 
     Raises:
         SuiteError: the suite or file does not exist, or the file is not a suite.
+        InputError: the argument is neither a name nor a path.
     """
+    path = given_path("name_or_file", name_or_file, "a suite's file, or its name")
     if name_or_file in BUILT_IN:
         source = files("waypointctl.evaluation").joinpath("suites", f"{name_or_file}.yaml").read_bytes()
         return read_model(source, f"{name_or_file}.yaml", Suite, SuiteError)
     try:
-        source = read_source(Path(name_or_file), SuiteError)
+        source = read_source(path, SuiteError)
     except SuiteError as error:
         hint = f"give a YAML file, or a suite that comes with waypointctl: {', '.join(BUILT_IN)}"
         raise SuiteError(error.problem, where=error.where, hint=hint) from error
     suite = read_model(source, str(name_or_file), Suite, SuiteError)
-    robot = suite.robot and from_folder(suite.robot, Path(name_or_file).parent)
+    robot = suite.robot and from_folder(suite.robot, path.parent)
     return suite.model_copy(update={"robot": robot})
 
 

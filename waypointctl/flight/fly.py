@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
-from waypointctl.errors import MissionError, RobotError, wrong_type
+from waypointctl.errors import MissionError, RobotError, given_path, wrong_type
 from waypointctl.flight.flight import Flight
 from waypointctl.flight.header import flight_header
 from waypointctl.flight.navigator import Navigator
@@ -68,9 +68,10 @@ def fly(
         OutputError: the log cannot be written.
         InputError: an argument has a wrong type, or a plugin has the name of another one, or fails.
     """
+    _refuse_wrong_types(sink, navigator)
+    log = None if log is None else given_path("log", log, "an MCAP file")
     file = _mission_file(mission, seed, logged=log is not None)
-    policy = file.policy_path if policy is None else policy
-    driver = policy_of(policy)
+    driver = policy_of(file.policy_path if policy is None else policy)
     robot = robot_of(file) if robot is None else given_robot(robot)
     plugins = load_plugins(plugins)
     refuse_misfit(driver, robot, plugins)
@@ -78,15 +79,21 @@ def fly(
     with ExitStack() as stack:
         sinks = [] if sink is None else [sink]
         if log is not None:
-            refuse_other_content(Path(log), MCAP, "a log")
-            sinks.insert(
-                0, stack.enter_context(LogWriter(Path(log), flight_header(file, driver, robot, navigator, plugins)))
-            )
+            refuse_other_content(log, MCAP, "a log")
+            header = flight_header(file, driver, robot, navigator, plugins)
+            sinks.insert(0, stack.enter_context(LogWriter(log, header)))
         camera = stack.enter_context(OnboardCamera(robot, planned_waypoints(file.mission)))
         take = with_pictures(tee(*sinks), camera) if pictures else tee(*sinks)
         result = _to_the_end(Flight(file.mission, driver, take, robot, console, navigator, plugins), interrupted)
     result = replace(result, pictures=camera.taken, no_pictures=camera.trouble)
-    return result if log is None else result.logged(Path(log))
+    return result if log is None else result.logged(log)
+
+
+def _refuse_wrong_types(sink: Sink | None, navigator: Navigator | None) -> None:
+    if sink is not None and not callable(sink):
+        raise wrong_type("sink", sink, "what is called with each message")
+    if navigator is not None and not callable(getattr(navigator, "goals", None)):
+        raise wrong_type("navigator", navigator, "a Navigator")
 
 
 def _to_the_end(flight: Flight, interrupted: Callable[[], bool]) -> FlightResult:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from waypointctl.display_text import path_text
-from waypointctl.errors import MissionError
+from waypointctl.errors import MissionError, given_path
 from waypointctl.input_file import NOT_THERE
 from waypointctl.mission.checks import SCHEMA_VERSION
 from waypointctl.mission.contact_plan import Passage, read_contact_plan
@@ -194,8 +194,9 @@ def load_mission(path: Path | str) -> MissionFile:
 
     Raises:
         MissionError: there is no such file, it is not a mission, or something is wrong with a file that it refers to.
+        InputError: the argument is not a path.
     """
-    path = Path(path)
+    path = given_path("path", path, "a mission file")
     source = read_source(path, MissionError)
     return MissionFile(examine_mission(source, str(path), beside(path)).value(MissionError), source, path)
 

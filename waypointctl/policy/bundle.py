@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from waypointctl.errors import PolicyError, wrong_type
+from waypointctl.errors import PolicyError, given_number, given_path, wrong_type
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
 from waypointctl.mission.policy_name import policies_near, policies_there_are, policy_folder
@@ -82,8 +82,11 @@ def load_policy(folder: Path | str, *, threads: int = 1) -> LoadedPolicy:
 
     Raises:
         PolicyError: a file is missing, damaged or does not fit the manifest.
+        InputError: an argument has a wrong type.
     """
-    folder = policy_folder(folder) if isinstance(folder, str) else folder
+    given = given_path("folder", folder, "a policy's folder, or its name")
+    threads = given_number("threads", threads, 0, 1024)
+    folder = policy_folder(folder) if isinstance(folder, str) else given
     if fault := folder_fault(folder):
         raise PolicyError(fault, where=str(folder), hint=policies_there_are(folder.name))
     files = {}

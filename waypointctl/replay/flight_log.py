@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Final, Self
 
-from waypointctl.errors import MissionError
+from waypointctl.errors import MissionError, given_path
 from waypointctl.flight.header import MISSION, MISSION_FOLDER, files_within, setting_of
 from waypointctl.flight.operator.requests import planned_waypoints
 from waypointctl.log.header import MissionSetting
@@ -89,8 +89,10 @@ def open_log(path: Path | str, *, allow_truncated: bool = False) -> FlightLog:
 
     Raises:
         LogError: as for `FlightLog.open`.
+        InputError: the argument is not a path.
     """
-    return FlightLog.open(path, allow_truncated=allow_truncated or Path(path).suffix == PART)
+    path = given_path("path", path, "a log")
+    return FlightLog.open(path, allow_truncated=allow_truncated or path.suffix == PART)
 
 
 def summary_of_events(log: LogReader) -> FlightSummary:

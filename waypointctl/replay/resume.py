@@ -127,14 +127,9 @@ def go_on(
             audited = RecordedCamera(camera, comparator)
             sink = with_pictures(_passage(comparator, writer, again, watch), _camera(comparator, audited, camera))
             policy = RecordedPolicy(contents.policy, comparator, bitwise=True)
+            robot, plugins = contents.robot, contents.plugins
             result = fly(
-                contents.mission,
-                policy,
-                sink,
-                robot=contents.robot,
-                interrupted=stopped,
-                console=lines,
-                plugins=contents.plugins,
+                contents.mission, policy, sink, robot=robot, interrupted=stopped, console=lines, plugins=plugins
             )
             _require_all_seen(comparator, result)
     except Diverged as error:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Self
 
-from waypointctl.errors import InputError, wrong_type
+from waypointctl.errors import InputError, given_path
 from waypointctl.flight.fly import fly
 from waypointctl.flight.header import POLICY_FOLDER, platform_facts
 from waypointctl.flight.policy_fit import PolicyNotInLog
@@ -38,9 +38,7 @@ def verify(path: Path | str, plugins: Plugins = ()) -> Verification:
         LogError: the log cannot be read.
         InputError: an argument has a wrong type, or a plugin is missing or fails.
     """
-    if not isinstance(path, Path | str):
-        raise wrong_type("path", path, "the path of a log")
-    return verify_log(open_log(Path(path)), load_plugins(plugins))
+    return verify_log(open_log(given_path("path", path, "a log")), load_plugins(plugins))
 
 
 def verify_log(log: LogReader, plugins: Sequence[Plugin] = ()) -> Verification:

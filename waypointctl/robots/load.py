@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 from xml.etree import ElementTree
 
-from waypointctl.errors import InputError, RobotError, wrong_type
+from waypointctl.errors import InputError, RobotError, given_path, wrong_type
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.limits import limit
 from waypointctl.mission.policy_name import is_bare
@@ -120,8 +120,10 @@ def load_robot(named: str | Path) -> Robot:
 
     Raises:
         RobotError: there is no such robot, or its robot.yaml is wrong; everything wrong has its line and column.
-        InputError: its MJCF does not compile, names what is not read, or is not a robot's.
+        InputError: its MJCF does not compile, names what is not read, or is not a robot's; or the argument is neither a
+            name nor a path.
     """
+    given_path("named", named, "a robot's folder, or its name")
     folder = robot_folder(named)
     return _shipped(folder) if folder.parent == SHIPPED else _load(folder)
 

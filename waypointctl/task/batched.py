@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.errors import given_number, wrong_type
 from waypointctl.robots.load import given_robot
 from waypointctl.seeding import stream
 from waypointctl.sim.actions import clip_actions, refuse_bad_action
@@ -83,7 +84,15 @@ class BatchedWaypointEnv:
             threads: physics threads; 0 is one per core, 8 at most.
             max_waypoints: the longest course for `begin`; default: that of the config.
             autoreset: begin a new episode in the step that ends one; without it, ended robots continue to move.
+
+        Raises:
+            RobotError: there is no such robot, or it is wrong.
+            InputError: an argument has a wrong type or is out of bounds, or the task names what there is not.
         """
+        if not isinstance(config, TaskConfig):
+            raise wrong_type("config", config, "a TaskConfig")
+        num_robots = given_number("num_robots", num_robots, 1, 2**20)
+        seed, threads = given_number("seed", seed, 0, 2**63 - 1), given_number("threads", threads, 0, 1024)
         self.config = config
         self.robot = given_robot(config.robot)
         self.layout = layout(config.observation, self.robot, config.plugins)

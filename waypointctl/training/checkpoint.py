@@ -1,8 +1,7 @@
 """Checkpoints: a policy bundle, and all that training needs to continue bit for bit. No pickle.
 
-A run's folder keeps its recipe, so the common part of two recipes is known: they may differ only in phases at the end.
-A run extended by a longer recipe reuses all checkpoints within the common part. The last one of a complete run is not
-among them, because its last update used the learning rate of the shorter recipe.
+A longer recipe, with more phases at the end, reuses the checkpoints of the common part. The last one of a complete run
+is not among them, because its last update used the learning rate of the shorter recipe.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ import json
 import os
 import shutil
 from dataclasses import replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Final
 
@@ -39,7 +39,6 @@ ARRAYS: Final = "training.safetensors"
 FACTS: Final = "training.json"
 
 _LARGEST: Final = 2**30  # [bytes] of the networks and the state of the optimiser and the robots
-_LARGEST_FOUND: Final = 2**26  # [bytes] of what a run has found
 _REMOVE: Final = "Remove the folder to continue from the checkpoint before it."
 # Keys in which two recipes may differ and train in the same way.
 _FREE: Final = ("name", "description", "phases", "checkpoint_steps", "evaluation")
@@ -50,10 +49,8 @@ class Facts(BaseModel):
 
     Attributes:
         recipe_sha256: of the recipe's file.
-        seed: of the run, which can differ from the file's.
-        phase_steps: the lengths of the phases, which can differ from the file's.
+        seed, phase_steps, selection: of the run, which can differ from the file's.
         wall_time_s: spent on training until then.
-        selection: of the run, which can differ from the file's.
         start: the policy of the warm start, whose files may be gone.
         robot_sha256: of the files of its folder.
         plugins: the SHA-256 of each file of the recipe's plugins, by its name.
@@ -111,9 +108,9 @@ def begun_as(recipe_file: RecipeFile, run: Path) -> RecipeFile:
         RecipeError: the run has no checkpoint, or its newest is damaged or of another recipe.
     """
     facts, _ = _read(require_checkpoint(run), recipe_file)
-    recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps)
     began = {"seed": facts.seed, "selection": facts.selection}
-    return replace(recipe_file, recipe=recipe.model_copy(update=began))
+    recipe = recipe_file.recipe.with_phase_steps(facts.phase_steps).model_copy(update=began)
+    return replace(recipe_file, recipe=recipe)
 
 
 def load_checkpoint(state: TrainingState, folder: Path, began: RecipeFile | None = None) -> float:
@@ -177,27 +174,24 @@ def _read(folder: Path, recipe_file: RecipeFile) -> tuple[Facts, bytes]:
         arrays = read_input(folder / ARRAYS, _LARGEST, RecipeError, within=folder)
         facts = Facts.model_validate(content["facts"])
         expected = content["sha256"]
+        fault = "" if _sha256(facts, arrays) == expected else f"is damaged: {FACTS} or {ARRAYS} was changed"
     except RecipeError as error:
-        problem = f"the checkpoint cannot be read: {Path(str(error.where)).name}: {error.problem}"
-        raise RecipeError(problem, where=str(folder), hint=_REMOVE) from error
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
-        problem = f"the checkpoint is damaged: {FACTS} was changed"
-        raise RecipeError(problem, where=str(folder), hint=_REMOVE) from error
-    if _sha256(facts, arrays) != expected:
-        problem = f"the checkpoint is damaged: {FACTS} and {ARRAYS} were changed"
-        raise RecipeError(problem, where=str(folder), hint=_REMOVE)
+        fault = f"cannot be read: {Path(str(error.where)).name}: {error.problem}"
+    except (KeyError, TypeError, ValueError, RecursionError):
+        fault = f"is damaged: {FACTS} was changed"
+    if fault:
+        raise RecipeError(f"the checkpoint {fault}", where=str(folder), hint=_REMOVE)
     if facts.recipe_sha256 != recipe_file.sha256:
-        problem = f"the checkpoint was made by another recipe than {recipe_file.path}"
+        fault = f"the checkpoint was made by another recipe than {recipe_file.path}"
         hint = f"Resume with {folder.parents[1] / RECIPE}, the recipe as it was when the run began, or start a new run."
-        raise RecipeError(problem, where=str(folder), hint=hint)
+        raise RecipeError(fault, where=str(folder), hint=hint)
     return facts, arrays
 
 
 def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -> int:
     """Give a new run the checkpoints that its recipe shares with another run; return the steps it continues from.
 
-    Resumed, with as many threads as `source` had, the run ends in the very weights that it would have ended in,
-    trained from nothing.
+    Resumed with as many threads as `source`, the run ends in the weights of a training from nothing, bit for bit.
 
     Args:
         recipe_file: the longer recipe.
@@ -206,15 +200,14 @@ def extend(recipe_file: RecipeFile, source: Path, run: Path, threads: int = 0) -
         threads: of physics and of torch; 0 is the default, or those of the run that is continued.
 
     Raises:
-        RecipeError: `source` is not a run, or its recipe is not the beginning of this one, or it has no checkpoint
-            in the part that they share.
+        RecipeError: as for `shared_checkpoints`.
         OutputError: `run` cannot be written.
     """
     began, taken = shared_checkpoints(recipe_file, source)
     place_recipe(recipe_file, run)
     for name in (PROGRESS, SELECTION, SUITE):  # resuming leaves out what is later than the last checkpoint
         if (source / name).exists():
-            found = read_input(source / name, _LARGEST_FOUND, RecipeError, within=source)
+            found = read_input(source / name, _LARGEST, RecipeError, within=source)
             write_whole(run / name, found, "what the run has found")
     for folder in taken:
         state = TrainingState(recipe_file, threads)
@@ -226,7 +219,7 @@ def shared_checkpoints(recipe_file: RecipeFile, source: Path) -> tuple[RecipeFil
     """Return the recipe as the run `source` began, and its checkpoints that a longer recipe shares, oldest first.
 
     Raises:
-        RecipeError: as `extend`.
+        RecipeError: `source` is not a run, its recipe is not the beginning of this one, or they share no checkpoint.
     """
     if not checkpoints(source):
         hint = "--extend takes the folder of a run, or its name; a recipe's warm_start begins with a policy's weights."
@@ -247,14 +240,9 @@ def shared_steps(old: Recipe, new: Recipe, source: Path) -> int:
         RecipeError: from the first step on they do not.
     """
     before, after = ({name: value for name, value in recipe if name not in _FREE} for recipe in (old, new))
-    different = [name for name in before if before[name] != after[name]]
-    steps = 0
-    for one, other in zip(old.phases, new.phases, strict=False):
-        if one != other:
-            break
-        steps += one.steps
-    if not different and steps == 0:
-        different = ["phases[0]"]
+    same = takewhile(lambda phases: phases[0] == phases[1], zip(old.phases, new.phases, strict=False))
+    steps = sum(phase.steps for phase, _ in same)
+    different = [name for name in before if before[name] != after[name]] or ([] if steps else ["phases[0]"])
     if different:
         problem = f"was trained by a recipe with another {', '.join(different)}"
         hint = f"Only {', '.join(_FREE[:2])}, {', '.join(_FREE[3:])} and phases at the end may differ."

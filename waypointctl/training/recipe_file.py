@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
-from waypointctl.errors import InputError, OutputError, RecipeError, wrong_type
+from waypointctl.errors import InputError, OutputError, RecipeError, given_path
 from waypointctl.evaluation.suite import Training
 from waypointctl.mission.policy_name import is_bare
 from waypointctl.mission.yaml_source import read_model, read_source
@@ -59,9 +59,7 @@ def load_recipe(path: Path | str) -> RecipeFile:
         RecipeError: the file is missing or not a recipe; every error is listed with line and column.
         InputError: the argument is not a path.
     """
-    if not isinstance(path, Path | str):
-        raise wrong_type("path", path, "the path of a recipe file")
-    path = Path(path)
+    path = given_path("path", path, "a recipe file")
     source = read_source(path, RecipeError)
     recipe = read_model(source, str(path), Recipe, RecipeError)
     return RecipeFile(recipe.read_from(path.parent), source, path)

@@ -186,12 +186,7 @@ def spreads(results: Sequence[SeedResult]) -> dict[str, Spread]:
 
 @dataclass(frozen=True, slots=True)
 class SeedsResult:
-    """The results of the seeds that were trained to the end.
-
-    Attributes:
-        results: a seed each.
-        spread: by quantity, over the seeds.
-    """
+    """The results of the seeds that were trained to the end, and the spread of each quantity over them."""
 
     results: tuple[SeedResult, ...]
     spread: dict[str, Spread]

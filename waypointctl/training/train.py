@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from waypointctl.errors import OutputError, RecipeError
+from waypointctl.errors import OutputError, RecipeError, given_number, given_path
 from waypointctl.evaluation.result import EVALUATION, Evaluation
 from waypointctl.evaluation.saved import remove_outdated
 from waypointctl.evaluation.suite import load_suite
@@ -19,7 +19,7 @@ from waypointctl.training.checkpoint import load_checkpoint, save_checkpoint
 from waypointctl.training.evaluator import CheckpointSelector, Evaluator, final_evaluation, selection_suite
 from waypointctl.training.events import CheckpointSaved, OnEvent, Resumed, Threads, TrainingEvent
 from waypointctl.training.progress import TrainingLog
-from waypointctl.training.recipe_file import RecipeFile, place_recipe, with_plugins
+from waypointctl.training.recipe_file import RecipeFile, load_recipe, place_recipe, with_plugins
 from waypointctl.training.recipe_references import load_recipe_to_train, load_warm_start
 from waypointctl.training.run_folder import checkpoint_at, held, newest_checkpoint, require_checkpoint
 from waypointctl.training.selection import Selection, with_record
@@ -54,8 +54,7 @@ class TrainingResult:
     already_complete: bool
 
 
-def _ignore(event: TrainingEvent) -> None:
-    pass
+def _ignore(event: TrainingEvent) -> None: ...
 
 
 def train(
@@ -90,37 +89,42 @@ def train(
             the training diverged; or the policy to start from does not fit the recipe.
         PolicyError, SuiteError: the policy to start from, or the suite to select by, is missing or damaged.
     """
-    recipe_file = recipe if isinstance(recipe, RecipeFile) else load_recipe_to_train(Path(recipe))
-    if not recipe_file.plugins:
-        recipe_file = with_plugins(recipe_file, allowed=allow_plugins)
-    out = Path(out)
-    run = out if run is None else Path(run)
+    if not isinstance(recipe, RecipeFile):
+        recipe = load_recipe(recipe) if resume else load_recipe_to_train(given_path("recipe", recipe, "a recipe file"))
+    if not recipe.plugins:
+        recipe = with_plugins(recipe, allowed=allow_plugins)
+    out = given_path("out", out, "the policy's folder")
+    run = out if run is None else given_path("run", run, "the run's folder")
+    threads = given_number("threads", threads, 0, 1024)
     refuse_unwritable_folder(out)
     with held(run):
-        state = TrainingState(recipe_file, threads)
-        begun_s = time.monotonic() - _begin(state, run, resume, on_event)
-        on_event(state.threads)
-        evaluator = Evaluator(recipe_file, threads, on_event, interrupted)
-        selector = _selector(state, run, resume, evaluator, begun_s)
-        complete = resume and (
-            state.steps >= state.recipe.last_step or (selector is not None and selector.selection.met)
-        )
-        if resume:
-            on_event(Resumed(state.steps, state.recipe.last_step, complete))
-        loop = _Loop(state, run, begun_s, selector, on_event, interrupted)
-        finished = loop.run_to_end()
-        wall_time_s = time.monotonic() - begun_s
-        folder, policy, steps = _selected(loop, selector, run, finished)
-        evaluation = (
-            final_evaluation(policy, load_suite(FINAL_SUITE), evaluator, out, complete=complete) if finished else None
-        )
-        if evaluation is None:
-            policy = load_policy(folder)
-        else:
-            _finish(policy, recipe_file, evaluation, out)
-            folder = out
-        selection = selector.selection if selector else None
-        return TrainingResult(policy, folder, evaluation, steps, wall_time_s, selection, state.threads, complete)
+        return _trained(TrainingState(recipe, threads), run, out, resume, on_event, interrupted)
+
+
+def _trained(
+    state: TrainingState, run: Path, out: Path, resume: bool, on_event: OnEvent, interrupted: Callable[[], bool]
+) -> TrainingResult:
+    """Train to the end or to an interruption, in a run's folder that is held."""
+    begun_s = time.monotonic() - _begin(state, run, resume, on_event)
+    on_event(state.threads)
+    evaluator = Evaluator(state.recipe_file, state.threads.physics, on_event, interrupted)
+    selector = _selector(state, run, resume, evaluator, begun_s)
+    selection = selector.selection if selector else None
+    complete = resume and (state.steps >= state.recipe.last_step or (selection is not None and selection.met))
+    if resume:
+        on_event(Resumed(state.steps, state.recipe.last_step, complete))
+    loop = _Loop(state, run, begun_s, selector, on_event, interrupted)
+    finished = loop.run_to_end()
+    wall_time_s = time.monotonic() - begun_s
+    folder, policy, steps = _selected(loop, selection, run, finished)
+    suite = load_suite(FINAL_SUITE)
+    evaluation = final_evaluation(policy, suite, evaluator, out, complete=complete) if finished else None
+    if evaluation is None:
+        policy = load_policy(folder)
+    else:
+        _finish(policy, state.recipe_file, evaluation, out)
+        folder = out
+    return TrainingResult(policy, folder, evaluation, steps, wall_time_s, selection, state.threads, complete)
 
 
 @dataclass(slots=True)
@@ -193,11 +197,7 @@ class _Loop:
         return self.selector is not None and self.selector.selection.met
 
     def _refuse_diverged(self) -> None:
-        """End a training whose network has numbers that are not finite: no update recovers from them.
-
-        Raises:
-            RecipeError: the network has diverged; names the step and the last checkpoint before it.
-        """
+        """End a training whose network has numbers that are not finite: no update recovers from them."""
         if self.state.learner.is_finite():
             return
         last = newest_checkpoint(self.run)
@@ -230,17 +230,14 @@ def _selector(
     return CheckpointSelector(Selection(plan, run, state.steps, suite.name), suite, evaluator, begun_s)
 
 
-def _selected(
-    loop: _Loop, selector: CheckpointSelector | None, run: Path, finished: bool
-) -> tuple[Path, LoadedPolicy, int]:
+def _selected(loop: _Loop, selection: Selection | None, run: Path, finished: bool) -> tuple[Path, LoadedPolicy, int]:
     """Return the checkpoint that becomes the policy, the policy, and the steps that training ended at.
 
     It is the last one, unless there is a selection and training is finished.
     """
-    if selector is None or not finished:
+    if selection is None or not finished:
         assert loop.saved is not None, "every training ends with a checkpoint"
         return loop.saved.folder, load_policy(loop.saved.folder), loop.saved.steps
-    selection = selector.selection
     folder = checkpoint_at(run, selection.best.steps)
     return folder, with_record(load_policy(folder), selection.record()), selection.last_steps
 
