@@ -29,7 +29,7 @@ from waypointctl.evaluation.suite import Suite, load_suite
 from waypointctl.training.events import CheckpointEvaluated, CheckpointSaved, TrainingEvent
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
-from waypointctl.training.recipe_parts import SelectionRecipe
+from waypointctl.training.selection import SelectionRecipe
 from waypointctl.training.train import train
 
 RECIPE: Final = Path("policies/ant-waypoint/train.yaml")

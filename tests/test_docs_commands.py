@@ -21,7 +21,7 @@ from waypointctl.evaluation.saved import saved_name
 from waypointctl.evaluation.suite import BUILT_IN
 from waypointctl.policy.bundle import load_policy
 from waypointctl.studies.delay import read_study
-from waypointctl.training.recipe_parts import EvaluationRecipe
+from waypointctl.training.selection import EvaluationRecipe
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))

@@ -50,7 +50,7 @@ def test_it_counts(tmp_path: Path, make_policy: Make) -> None:
 
 @pytest.mark.parametrize(("trials", "seed"), [(0, 0), (1, -1)])
 def test_numbers_that_are_none_are_refused(tmp_path: Path, make_policy: Make, trials: int, seed: int) -> None:
-    with pytest.raises(InputError, match="trials"):
+    with pytest.raises(InputError, match="is a whole number from"):
         evaluate(make_policy(tmp_path / "still"), SUITE, trials, seed)
 
 

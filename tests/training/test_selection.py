@@ -16,9 +16,8 @@ from waypointctl.training.checkpoint import begun_as
 from waypointctl.training.evaluator import SUITE
 from waypointctl.training.events import CheckpointEvaluated, EvaluationProgress, TrainingEvent
 from waypointctl.training.recipe_file import RecipeFile, load_recipe
-from waypointctl.training.recipe_parts import SelectionRecipe
 from waypointctl.training.run_folder import checkpoint_at
-from waypointctl.training.selection import SELECTION, Candidate, Selection
+from waypointctl.training.selection import SELECTION, Candidate, Selection, SelectionRecipe
 from waypointctl.training.train import train
 
 PLAN = SelectionRecipe(suite="region", trials=10, seed=50, every=100)

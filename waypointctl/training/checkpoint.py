@@ -30,9 +30,8 @@ from waypointctl.training.learner import SavedState
 from waypointctl.training.progress import PROGRESS
 from waypointctl.training.recipe import Recipe
 from waypointctl.training.recipe_file import RECIPE, RecipeFile, load_recipe, place_recipe
-from waypointctl.training.recipe_parts import SelectionRecipe
 from waypointctl.training.run_folder import checkpoint_at, checkpoints, require_checkpoint
-from waypointctl.training.selection import SELECTION
+from waypointctl.training.selection import SELECTION, SelectionRecipe
 from waypointctl.training.state import TrainingState
 
 ARRAYS: Final = "training.safetensors"

@@ -18,8 +18,7 @@ from waypointctl.paths import write_whole
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 from waypointctl.training.events import CheckpointEvaluated, CheckpointSaved, EvaluationProgress, OnEvent
 from waypointctl.training.recipe_file import RecipeFile, own_suite
-from waypointctl.training.recipe_parts import EvaluationRecipe, SelectionRecipe
-from waypointctl.training.selection import Candidate, Selection
+from waypointctl.training.selection import Candidate, EvaluationRecipe, Selection, SelectionRecipe
 
 SUITE: Final = "selection-suite.yaml"  # a run's copy of a user's suite
 

@@ -1,4 +1,4 @@
-"""The interface between the training loop and the algorithms.
+"""The interface between the training loop and the algorithms: the blocks of a recipe that they read, and the learner.
 
 An algorithm is a file in `algorithms/`: a model of the block's keys that makes a learner. It is added to the union in
 `algorithms/__init__.py`; no other file names it. What needs torch is imported when the learner is made.
@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import BeforeValidator, Field, Strict
 
 from waypointctl.mission.file_model import FileModel
-from waypointctl.training.recipe_parts import Few, NetworkRecipe, Schedules
+from waypointctl.task.reward import RewardWeights
 
 if TYPE_CHECKING:
     from waypointctl.task.batched import BatchedWaypointEnv, Step
@@ -31,6 +31,47 @@ def prefixed(name: str, arrays: Arrays) -> Arrays:
 def section(arrays: Arrays, name: str) -> Arrays:
     """Return the arrays whose names begin with `name.`, without it."""
     return {key.removeprefix(f"{name}."): array for key, array in arrays.items() if key.startswith(f"{name}.")}
+
+
+Count: TypeAlias = Annotated[int, Strict(), Field(gt=0, le=10**12)]
+Few: TypeAlias = Annotated[int, Strict(), Field(gt=0, le=65_536)]  # of what takes memory
+Fraction: TypeAlias = Annotated[float, Strict(), Field(ge=0, le=1)]
+Rate: TypeAlias = Annotated[float, Strict(), Field(gt=0, le=1)]
+Factor: TypeAlias = Annotated[float, Strict(), Field(gt=0, le=1000, allow_inf_nan=False)]
+
+
+def _both_ends(value: object) -> object:
+    return [value, value] if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+# The value at the beginning and at the end of a phase; a number stands for a constant.
+RateSchedule: TypeAlias = Annotated[
+    tuple[Rate, Rate], BeforeValidator(_both_ends, json_schema_input_type=Rate | tuple[Rate, Rate])
+]
+WeightSchedule: TypeAlias = Annotated[
+    tuple[Fraction, Fraction], BeforeValidator(_both_ends, json_schema_input_type=Fraction | tuple[Fraction, Fraction])
+]
+
+
+class Schedules(FileModel):
+    """Quantities of an algorithm that change along a phase, from the first value to the second, in a straight line."""
+
+    learning_rate: RateSchedule | None = Field(None, description="of the optimiser")
+    entropy: WeightSchedule | None = Field(None, description="weight of the entropy bonus")
+
+
+class NetworkRecipe(FileModel):
+    """The policy's network; a value function has one of the same shape."""
+
+    hidden: Annotated[tuple[Few, ...], Field(min_length=1, max_length=12)] = (128, 128, 128)
+    activation: Literal["elu", "tanh", "relu"] = "elu"
+
+
+class PhaseRecipe(Schedules):
+    """A phase of the training with its own reward weights, and schedules in place of the algorithm's."""
+
+    steps: Count = Field(description="control steps of all robots together")
+    reward: RewardWeights = RewardWeights()
 
 
 class AlgorithmRecipe(FileModel):

@@ -22,9 +22,9 @@ from waypointctl.task.plugins import Plugin
 from waypointctl.task.reward import RewardFunction
 from waypointctl.training.algorithms import Algorithm
 from waypointctl.training.algorithms.ppo import PpoRecipe
-from waypointctl.training.learner import LearnerTask
-from waypointctl.training.recipe_parts import Count, EvaluationRecipe, NetworkRecipe, PhaseRecipe, SelectionRecipe
+from waypointctl.training.learner import Count, LearnerTask, NetworkRecipe, PhaseRecipe
 from waypointctl.training.run_folder import PLUGIN_COPIES, keeps_copies
+from waypointctl.training.selection import EvaluationRecipe, SelectionRecipe
 
 LayoutName: TypeAlias = Literal["state", "state_noise", "state_goal", "egocentric"]
 GroupName: TypeAlias = Annotated[str, Field(max_length=60)]

@@ -20,8 +20,8 @@ from waypointctl.policy.manifest import MANIFEST
 from waypointctl.training.curves import write_curves
 from waypointctl.training.progress import PROGRESS, ProgressRow, read_progress
 from waypointctl.training.recipe_file import RECIPE, RecipeFile, place_recipe
-from waypointctl.training.recipe_parts import SelectionRecipe
 from waypointctl.training.run_folder import GROUP, newest_checkpoint
+from waypointctl.training.selection import SelectionRecipe
 
 RESULTS: Final = "seeds.json"
 

@@ -6,8 +6,17 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
-from waypointctl.training.learner import AlgorithmRecipe, Learner, LearnerTask
-from waypointctl.training.recipe_parts import Factor, Few, Fraction, Rate, RateSchedule, WeightSchedule
+from waypointctl.training.learner import (
+    AlgorithmRecipe,
+    Factor,
+    Few,
+    Fraction,
+    Learner,
+    LearnerTask,
+    Rate,
+    RateSchedule,
+    WeightSchedule,
+)
 
 if TYPE_CHECKING:
     from waypointctl.task.batched import BatchedWaypointEnv
