@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.sim.model import CameraMount, RobotModel
+from waypointctl.sim.model import CameraMount, FloatArray, RobotModel
 from waypointctl.sim.offscreen import NoRendering, OffscreenContext
 
 WIDTH: Final = 640  # of a picture [pixels]
@@ -24,7 +24,6 @@ _ZENITH: Final = (0.34, 0.55, 0.80)
 _HORIZON: Final = (0.86, 0.90, 0.94)  # where the ground fades into the sky
 _CHECK_M: Final = 1.0  # side of the ground's checks
 
-FloatArray = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 Viewpoint: TypeAlias = Callable[[FloatArray], mujoco.MjvCamera]  # the camera at qpos (nq,)
 FOLLOW_M: Final = 7.0  # the camera that follows, from the base

@@ -8,12 +8,9 @@ from typing import Final
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from waypointctl.sim.geometry import WORLD, Geom, GeomKind
-from waypointctl.sim.model import RobotModel
-
-FloatArray = NDArray[np.float64]
+from waypointctl.sim.model import FloatArray, RobotModel
 
 _KINDS: Final[dict[int, GeomKind]] = {
     int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",

@@ -11,9 +11,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from waypointctl.sim.model import RobotModel
+from waypointctl.sim.model import FloatArray, RobotModel
 
-FloatArray = NDArray[np.float64]
 Ids = NDArray[np.intp]
 
 MOST_THREADS: Final = 8  # by default; a control step of some hundred robots is too short to be shared by more

@@ -10,13 +10,10 @@ from collections.abc import Callable, Iterable
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from waypointctl.errors import InputError
 from waypointctl.sim.camera import FOLLOW_ELEVATION_DEG, FOLLOW_M, POST_COLOUR, POST_M, POST_RADIUS_M, Marker, scenery
-from waypointctl.sim.model import RobotModel
-
-FloatArray = NDArray[np.float64]
+from waypointctl.sim.model import FloatArray, RobotModel
 
 _DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 _HINT = "Run it on a desktop, or give render_mode='rgb_array', which needs no display."
