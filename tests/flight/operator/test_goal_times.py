@@ -70,6 +70,17 @@ def test_a_leg_has_its_whole_time_again_after_a_hold() -> None:
     assert operator.failure == "timeout"
 
 
+def test_a_return_home_that_ends_before_its_time_does_not_end_a_hold() -> None:
+    operator, _ = begun("")
+    operator.note_kind(2, CommandKind.RETURN_HOME)
+    operator.on_external_request(0, CommandRequest(CommandKind.RETURN_HOME, not_before_ns=9 * NS_PER_S))
+    operator.on_external_request(0, HOLD)
+    assert operator.on_message(0, ack(Stage.COMPLETED)) == []
+    assert operator.on_message(0, ack(Stage.CANCELLED, 2)) == []
+    assert operator.suspended
+    assert indices(operator.on_external_request(0, RESUME)) == [LOOKAHEAD]
+
+
 # Updates
 
 

@@ -119,3 +119,14 @@ def test_the_ground_leads_no_further_once_its_goals_would_arrive_after_a_return_
     assert not operator.going_home
     operator.yield_to_return(4, lambda _: arrives_ns)
     assert (operator.going_home, operator.suspended) == (yields, yields)
+
+
+def test_a_waypoint_that_a_way_home_kept_back_is_sent_where_the_robot_does_not_go_home() -> None:
+    operator = WaypointOperator(mission_of(""))
+    operator.on_issued(1, operator.begin()[0])
+    operator.note_kind(2, CommandKind.RETURN_HOME)
+    operator.on_external_request(0, CommandRequest(CommandKind.RETURN_HOME))
+    assert operator.on_message(0, ack(Stage.COMPLETED)) == []
+    assert operator.wake(5) == []
+    (request,) = operator.on_message(0, ack(Stage.REJECTED, 2))
+    assert request.waypoints[0].name == "WP2"
