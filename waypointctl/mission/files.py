@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from waypointctl.display_text import path_text
 from waypointctl.errors import MissionError, given_path
 from waypointctl.input_file import NOT_THERE
 from waypointctl.mission.checks import SCHEMA_VERSION
@@ -19,7 +18,7 @@ from waypointctl.mission.mission import Mission
 from waypointctl.mission.policy_name import from_folder, policy_folder
 from waypointctl.mission.problems import Problem
 from waypointctl.mission.text_file import ANY_MOMENT, moment_of, read_jitter
-from waypointctl.mission.yaml_source import Reading, examine_tree, read_source, tree_or_problem
+from waypointctl.mission.yaml_source import Reading, examine_tree, problem_at, read_source, tree_or_problem
 from waypointctl.mission.yaml_tree import DataPath, Tree, read_tree
 from waypointctl.paths import command_for_plan
 
@@ -65,10 +64,8 @@ def examine_mission(source: bytes, where: str, read: ReadFile) -> Reading[Missio
         try:
             files[name] = read(name)
         except MissionError as error:
-            mark = tree.values[path]
-            place = str(Path(where).parent / name)
-            text = f"{place} {'does not exist' if error.problem == NOT_THERE else error.problem}"
-            problems.append(Problem(where, mark.line, mark.column, path_text(path), text))
+            problem = "does not exist" if error.problem == NOT_THERE else error.problem
+            problems.append(problem_at(tree, where, path, f"{Path(where).parent / name} {problem}"))
     problems.sort(key=lambda problem: (problem.line, problem.column))
     inside = _problems_inside(tree, reading.model, files, Path(where).parent)
     problems += [_with_reference(problem, tree, where) for problem in inside]
@@ -84,8 +81,7 @@ def _with_reference(problem: Problem, tree: Tree, where: str) -> Problem:
         return problem
     folder = Path(where).parent
     path = next(path for path, name in _references(tree) if str(folder / name) == problem.where)
-    mark = tree.values[path]
-    return Problem(where, mark.line, mark.column, path_text(path), f"{problem.where} {problem.text}")
+    return problem_at(tree, where, path, f"{problem.where} {problem.text}")
 
 
 def _references(tree: Tree) -> Iterator[tuple[DataPath, str]]:

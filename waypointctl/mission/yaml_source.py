@@ -84,6 +84,12 @@ def tree_or_problem(source: bytes, where: str) -> Tree | Problem:
         return Problem(where, fault.mark.line, fault.mark.column, "", fault.text)
 
 
+def problem_at(tree: Tree, where: str, path: DataPath, text: str) -> Problem:
+    """Return a problem with the value at a path of a file's data."""
+    mark = tree.values[path]
+    return Problem(where, mark.line, mark.column, path_text(path), text)
+
+
 def examine_tree(tree: Tree, where: str, model: type[M]) -> Reading[M]:
     """Return the model that a file's data holds, or everything that is wrong with it in the order of the lines."""
     problems = duplicate_problems(tree, where)
