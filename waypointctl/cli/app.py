@@ -1,27 +1,75 @@
-"""The commands of `waypointctl`."""
+"""The commands of `waypointctl`. Each is loaded when it is used: a command pays for no other one's options."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from typing import Annotated, Any, Final, cast
 
 import typer
+from typer.core import TyperGroup
 
 from waypointctl import __version__
-from waypointctl.cli.eval import evaluate_policy
-from waypointctl.cli.fmt import fmt
-from waypointctl.cli.import_mission import import_mission
-from waypointctl.cli.info import info
-from waypointctl.cli.init import init
-from waypointctl.cli.policies import import_policy, policies
-from waypointctl.cli.replay import replay
-from waypointctl.cli.run import run
-from waypointctl.cli.schema import schema
-from waypointctl.cli.study import study
-from waypointctl.cli.train import train_policy
-from waypointctl.cli.validate import validate
+
+# Module in cli/ and name in it: a function, or a group of commands.
+_COMMANDS: Final = {
+    "run": ("run", "run"),
+    "replay": ("replay", "replay"),
+    "info": ("info", "info"),
+    "validate": ("validate", "validate"),
+    "init": ("init", "init"),
+    "fmt": ("fmt", "fmt"),
+    "import": ("import_mission", "import_mission"),
+    "schema": ("schema", "schema"),
+    "train": ("train", "train_policy"),
+    "eval": ("eval", "evaluate_policy"),
+    "policies": ("policies", "policies"),
+    "study": ("study", "study"),
+}
+
+
+class _Commands(Mapping[str, Any]):
+    """The commands by name, in the order of --help."""
+
+    def __init__(self) -> None:
+        self._loaded: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        module, attribute = _COMMANDS[name]
+        if name not in self._loaded:
+            self._loaded[name] = _command(name, getattr(import_module(f"waypointctl.cli.{module}"), attribute))
+        return self._loaded[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_COMMANDS)
+
+    def __len__(self) -> int:
+        return len(_COMMANDS)
+
+
+def _command(name: str, what: Any) -> Any:
+    """Return the command of a function, or of a group of commands."""
+    around = typer.Typer(add_completion=False, rich_markup_mode=None)
+    around.callback()(lambda: None)  # with it a single command has its name
+    if isinstance(what, typer.Typer):
+        around.add_typer(what, name=name)
+    else:
+        around.command(name)(what)
+    group: Any = typer.main.get_command(around)
+    return group.commands[name]
+
+
+class _Group(TyperGroup):
+    """The command line, with its commands not loaded yet."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.commands = cast(Any, _Commands())
+
 
 app = typer.Typer(
     name="waypointctl",
+    cls=_Group,
     help="Mission control for learned waypoint policies: train a policy, fly it over a slow link, verify the log.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -58,18 +106,3 @@ def _options(
     ] = None,
 ) -> None:
     """Mission control for learned waypoint policies: train a policy, fly it over a slow link, verify the log."""
-
-
-app.command()(run)
-app.command()(replay)
-app.command()(info)
-app.command()(validate)
-app.command()(init)
-app.command()(fmt)
-app.command("import")(import_mission)
-app.command()(schema)
-app.command("train")(train_policy)
-app.command("eval")(evaluate_policy)
-policies.command("import")(import_policy)
-app.add_typer(policies, name="policies")
-app.add_typer(study, name="study")

@@ -57,7 +57,7 @@ def _record(log: LogReader) -> dict[str, Any]:
 
 def _outcome(log: LogReader) -> str | None:
     """Return the outcome of the flight, None if the log has none."""
-    from waypointctl.replay.flight_log import summary_of_events
+    from waypointctl.replay.summary_builder import summary_of_events
 
     events = summary_of_events(log)
     return events.ending if events.has_end else None

@@ -15,6 +15,8 @@ def main() -> None:
     """
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, lambda number, frame: os._exit(INTERRUPTED))
+    # Else pydantic looks for plugins in the metadata of every package there is, for as long as half of `validate`.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     from waypointctl.cli.program import run_program
 
     code = run_program()

@@ -98,6 +98,7 @@ def _of_paper(entry: Entry) -> dict[str, Any] | None:
     return next((evaluation.model_dump(mode="json") for evaluation in found), None)
 
 
+@policies.command("import")
 def import_policy(
     model: Annotated[Path, typer.Argument(metavar="MODEL.zip", help="What model.save() wrote.")],
     out: Annotated[Path, typer.Option(help="The policy's folder.")],

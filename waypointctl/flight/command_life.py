@@ -9,15 +9,18 @@ acknowledgements and frames of telemetry, which the link may lose, duplicate and
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from waypointctl.log.messages import FINAL_STAGES, Stage
+from waypointctl.log.messages import FINAL_STAGES, PlannedWaypoint, Stage
 
 NOT_STARTED: Final = frozenset({Stage.RECEIVED, Stage.ACCEPTED})
 ONBOARD: Final = NOT_STARTED | {Stage.STARTED}  # arrived, and not over
 NEVER_STARTED: Final = NOT_STARTED | {Stage.REJECTED, Stage.SKIPPED}  # none of these follows STARTED
+
+_NAMED: Final = 12  # waypoints that a text names one by one
+FLIGHT_ENDED: Final = "flight ended"  # reason of a command that was still open at the end of the flight
 
 # A command that ends on arrival was never accepted.
 _NEXT: Final[Mapping[Stage, frozenset[Stage]]] = {
@@ -30,6 +33,13 @@ _NEXT: Final[Mapping[Stage, frozenset[Stage]]] = {
 def may_follow(stage: Stage, after: Stage) -> bool:
     """Return whether a command on board may come to a stage after another."""
     return stage in _NEXT.get(after, ())
+
+
+def names(waypoints: Sequence[PlannedWaypoint]) -> str:
+    """Return the names of some waypoints, for people; of many the first and the last, and how many they are."""
+    if len(waypoints) <= _NAMED:
+        return ", ".join(waypoint.name for waypoint in waypoints)
+    return f"{waypoints[0].name} to {waypoints[-1].name}, {len(waypoints):,} waypoints"
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,8 @@ Schema = dict[str, Any]
 class FileModel(BaseModel):
     """A part of a file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", field_title_generator=lambda name, _: name)
+    # A model inside another one is only ever built as its part: building each by itself would double the start-up time.
+    model_config = ConfigDict(frozen=True, extra="forbid", field_title_generator=lambda name, _: name, defer_build=True)
 
     list_shorthand: ClassVar[str | None] = None
     text_shorthand: ClassVar[str | None] = None

@@ -6,29 +6,28 @@ Nothing in a bundle is code, and nothing is used before its hash has been checke
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
 from waypointctl.errors import PolicyError, given_number, given_path, wrong_type
 from waypointctl.input_file import NOT_THERE, read_input
 from waypointctl.mission.file_kind import FileKind, is_lfs_pointer
 from waypointctl.mission.policy_name import policies_near, policies_there_are, policy_folder
 from waypointctl.paths import folder_fault
-from waypointctl.policy.manifest import MANIFEST, NETWORK, SCHEMA_VERSION, WEIGHTS, Manifest
-from waypointctl.policy.network import Network
+from waypointctl.policy.manifest import MANIFEST, NETWORK, WEIGHTS, Manifest
+from waypointctl.policy.manifest_file import COPY_AGAIN, LARGEST_MANIFEST, parse_manifest
 from waypointctl.policy.protocol import Policy
 
+if TYPE_CHECKING:
+    from waypointctl.policy.network import Network
+
 FILES: Final = (MANIFEST, NETWORK, WEIGHTS)
-LARGEST_MANIFEST: Final = 2**20  # [bytes]
 _FILE_LIMIT: Final = "policy-file"
-_COPY_AGAIN: Final = "copy the whole folder again, or train the policy again"
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,26 +125,19 @@ def load_policy_bytes(files: Mapping[str, bytes], where: str, *, threads: int = 
     Raises:
         PolicyError: a file is missing, damaged or does not fit the manifest.
     """
+    from waypointctl.policy.network import Network  # with the audit of what it computes, which a manifest does not need
+
     own = {name: files[name] for name in FILES if name in files}
     if missing := [name for name in FILES if name not in own]:
-        raise PolicyError(_missing(missing), where=where, hint=_COPY_AGAIN)
+        raise PolicyError(_missing(missing), where=where, hint=COPY_AGAIN)
     for name, content in own.items():
         if is_lfs_pointer(content):
             raise PolicyError(FileKind.LFS_POINTER.value, where=f"{where}/{name}")
-    manifest = _manifest(own[MANIFEST], f"{where}/{MANIFEST}")
+    manifest = parse_manifest(own[MANIFEST], f"{where}/{MANIFEST}")
     _refuse_damaged(manifest, own, where)
     network = Network(own[NETWORK], f"{where}/{NETWORK}", threads)
     _refuse_other_sizes(manifest, network, where)
     return LoadedPolicy(manifest, own, hashlib.sha256(own[MANIFEST]).hexdigest(), network)
-
-
-def read_manifest(folder: Path) -> Manifest:
-    """Read the manifest of the bundle in a folder, without the other files.
-
-    Raises:
-        PolicyError: it is missing or damaged.
-    """
-    return _manifest(_read(folder, MANIFEST), f"{folder}/{MANIFEST}")
 
 
 def _read(folder: Path, name: str) -> bytes:
@@ -162,42 +154,8 @@ def _size(path: Path) -> int:
         return 0
 
 
-def _manifest(text: bytes, where: str) -> Manifest:
-    try:
-        content: Any = json.loads(text, object_pairs_hook=_without_doubles)
-    except (ValueError, RecursionError) as error:  # the latter: nested some thousand deep
-        raise PolicyError(f"not JSON: {error}", where=where, hint=_COPY_AGAIN) from error
-    version = content.get("schema_version") if isinstance(content, dict) else None
-    if type(version) is not int:
-        problem = "not a policy's manifest: it must be an object with a whole number as schema_version"
-        raise PolicyError(problem, where=where, hint=_COPY_AGAIN)
-    if version != SCHEMA_VERSION:
-        problem = f"schema_version is {version}; this waypointctl reads {SCHEMA_VERSION}"
-        raise PolicyError(problem, where=where, hint="use the waypointctl that wrote it, or train the policy again")
-    try:
-        return Manifest.model_validate_json(text)
-    except ValidationError as error:
-        raise PolicyError(_found(error), where=where, hint=_COPY_AGAIN) from error
-
-
-def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return a JSON object; a repeated key is refused, since readers differ in which one they use."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        raise ValueError(f"one of the keys {', '.join(found)[:200]} occurs twice")
-    return found
-
-
 def _missing(names: Sequence[str]) -> str:
     return f"no {' and no '.join(names)}; a policy has {', '.join(FILES)}"
-
-
-def _found(error: ValidationError) -> str:
-    lines = []
-    for fault in error.errors(include_url=False):
-        place = ".".join(str(part) for part in fault["loc"])
-        lines.append(f"{place}: {fault['msg']}" if place else fault["msg"])
-    return "; ".join(lines)
 
 
 def _refuse_damaged(manifest: Manifest, files: Mapping[str, bytes], where: str) -> None:
@@ -210,7 +168,7 @@ def _refuse_damaged(manifest: Manifest, files: Mapping[str, bytes], where: str) 
             problem = f"altered: its SHA-256 is not the manifest's {expected.sha256}"
         else:
             continue
-        raise PolicyError(problem, where=f"{where}/{name}", hint=_COPY_AGAIN)
+        raise PolicyError(problem, where=f"{where}/{name}", hint=COPY_AGAIN)
 
 
 def _refuse_other_sizes(manifest: Manifest, network: Network, where: str) -> None:
@@ -220,4 +178,4 @@ def _refuse_other_sizes(manifest: Manifest, network: Network, where: str) -> Non
             f"the network maps {sizes[0]} numbers to {sizes[1]}, but the manifest has "
             f"{manifest.observation.size} observations and {manifest.action.size} actions"
         )
-        raise PolicyError(problem, where=f"{where}/{NETWORK}", hint=_COPY_AGAIN)
+        raise PolicyError(problem, where=f"{where}/{NETWORK}", hint=COPY_AGAIN)

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
-from waypointctl.flight.command_life import StageReport
-from waypointctl.flight.executive.plan import names
+from waypointctl.flight.command_life import StageReport, names
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,

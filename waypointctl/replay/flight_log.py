@@ -95,15 +95,6 @@ def open_log(path: Path | str, *, allow_truncated: bool = False) -> FlightLog:
     return FlightLog.open(path, allow_truncated=allow_truncated or path.suffix == PART)
 
 
-def summary_of_events(log: LogReader) -> FlightSummary:
-    """Return the summary of a log's events alone: outcome, end, console. Quick, and in any log.
-
-    Raises:
-        LogError: an event cannot be read.
-    """
-    return summarize(log.messages(("/event",)))
-
-
 _UNSAFE: Final = re.compile(r"[^\w.-]+")
 _LONGEST: Final = 150  # bytes of a name; a file's may have 255, and some are for its number and for writing it
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Final
 
-from waypointctl.flight.executive.rules import FLIGHT_ENDED
+from waypointctl.flight.command_life import FLIGHT_ENDED
 from waypointctl.log.messages import (
     FINAL_STAGES,
     Ack,

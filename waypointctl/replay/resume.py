@@ -28,9 +28,9 @@ from waypointctl.log.writer import LogWriter
 from waypointctl.paths import lock
 from waypointctl.replay.comparator import Diverged, LogComparator
 from waypointctl.replay.contents import LogContents, contents_of, platform_differences, unverifiable
-from waypointctl.replay.flight_log import summary_of_events
 from waypointctl.replay.recorded import RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.summary import FlightSummary
+from waypointctl.replay.summary_builder import summary_of_events
 from waypointctl.replay.verdict import Divergence
 from waypointctl.task.plugins import Plugin
 

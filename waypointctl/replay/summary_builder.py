@@ -23,6 +23,7 @@ from waypointctl.log.messages import (
     State,
     Telemetry,
 )
+from waypointctl.log.reader import LogReader
 from waypointctl.replay.command_summary import CommandsBuilder, CommandSummary
 from waypointctl.replay.legs import ReturnHome, ReturnsBuilder, WaypointsBuilder, WaypointSummary
 from waypointctl.replay.link_summary import LinkSummaryBuilder
@@ -46,6 +47,15 @@ def summarize(
     for message in messages:
         flight(message)
     return flight.summary()
+
+
+def summary_of_events(log: LogReader) -> FlightSummary:
+    """Return the summary of a log's events alone: outcome, end, console. Quick, and in any log.
+
+    Raises:
+        LogError: an event cannot be read.
+    """
+    return summarize(log.messages(("/event",)))
 
 
 class FlightSummaryBuilder:

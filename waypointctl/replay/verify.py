@@ -19,8 +19,8 @@ from waypointctl.policy.manifest import NETWORK, WEIGHTS
 from waypointctl.policy.network import weights_fault
 from waypointctl.replay.comparator import ROUNDING, Diverged, LogComparator, LogEnded
 from waypointctl.replay.contents import KERNELS, LogContents, contents_of, platform_differences, unverifiable
-from waypointctl.replay.flight_log import summary_of_events
 from waypointctl.replay.recorded import ACTION_TOLERANCE, RecordedCamera, RecordedConsole, RecordedPolicy
+from waypointctl.replay.summary_builder import summary_of_events
 from waypointctl.replay.verdict import Divergence, Verdict, Verification
 from waypointctl.replay.whole_file import WholeFile, whole_file
 from waypointctl.task.plugins import Plugin, Plugins, load_plugins

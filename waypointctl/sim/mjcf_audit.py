@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Final, TypeAlias
 from xml.parsers import expat
-from xml.sax.saxutils import quoteattr
 
 from waypointctl.errors import InputError
 from waypointctl.limits import limit, limit_hint, over_limit
@@ -29,6 +28,10 @@ MOST_FILES: Final = 200
 MOST_JOINTS: Final = 128
 MOST_PIXELS: Final = 2**24  # of all textures and height fields together
 
+# As xml.sax.saxutils.quoteattr, which loads an HTTP client.
+_ENTITIES: Final = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"}
+)
 _LIMIT: Final = "model-elements"
 _FILES_LIMIT: Final = "robot-files"
 
@@ -218,7 +221,7 @@ class _Audit:
 
 
 def _tag(name: str, attributes: Mapping[str, str]) -> str:
-    pairs = "".join(f" {attribute}={quoteattr(value)}" for attribute, value in attributes.items())
+    pairs = "".join(f' {attribute}="{value.translate(_ENTITIES)}"' for attribute, value in attributes.items())
     return f"<{name}{pairs}>"
 
 

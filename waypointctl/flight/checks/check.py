@@ -8,9 +8,10 @@ from typing import Any
 
 from waypointctl.errors import InputError
 from waypointctl.flight.checks import Finding
-from waypointctl.flight.checks.link import Traffic, link_findings
+from waypointctl.flight.checks.link import link_findings
 from waypointctl.flight.checks.route import route_findings, rule_findings, walking_time_s
 from waypointctl.flight.checks.schedule import ends_plan, schedule_findings, unused_findings
+from waypointctl.flight.checks.traffic import Traffic
 from waypointctl.flight.policy_fit import refuse_misfit
 from waypointctl.mission.files import MissionFile
 from waypointctl.mission.mission import Mission
@@ -18,7 +19,7 @@ from waypointctl.mission.policy_name import is_bare, policies_there_are
 from waypointctl.mission.problems import Problem
 from waypointctl.mission.yaml_tree import read_tree
 from waypointctl.paths import folder_fault
-from waypointctl.policy.bundle import load_policy, read_manifest
+from waypointctl.policy.manifest_file import read_manifest
 from waypointctl.robots.load import read_description, shipped_outline
 from waypointctl.task.plugins import load_plugins
 from waypointctl.units import seconds
@@ -131,6 +132,7 @@ def robot_and_policy_problems(file: MissionFile, policy: Path, plugins: Sequence
         return _problems(file, "robot", lambda: shipped_outline(named)) or _problems(
             file, "policy", lambda: refuse_misfit(read_manifest(policy), shipped_outline(named))
         )
+    from waypointctl.policy.bundle import load_policy
     from waypointctl.robots.load import load_robot  # with the simulator, which takes 0.3 s to load
 
     executed = load_plugins(plugins)

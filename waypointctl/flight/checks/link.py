@@ -2,98 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from operator import itemgetter
-from typing import Any, Final
+from typing import Final
 
 from waypointctl.flight.checks import Finding
-from waypointctl.flight.link.build import direction
-from waypointctl.flight.link.contacts import BITS_PER_BYTE, Contacts, airtime_ns
-from waypointctl.flight.link.direction import Direction
-from waypointctl.flight.link.frames import size_bytes
-from waypointctl.flight.operator.requests import CommandRequest, planned_waypoints, request_of
-from waypointctl.flight.operator.timing import ACK_BYTES
-from waypointctl.log.messages import CommandKind, CommandStatus, Mode, Stage, Telemetry
+from waypointctl.flight.checks.traffic import Traffic
+from waypointctl.flight.link.contacts import Contacts, airtime_ns
 from waypointctl.mission.link import Bursts, Link, Loss
 from waypointctl.mission.mission import Mission
-from waypointctl.mission.operator import ScheduledCommand
 from waypointctl.units import seconds
-
-_SOME_NS: Final = 100_000_000_000  # a time like those of a flight, for the sizes of messages
 
 # From this round trip on the ant cannot be balanced remotely: 0 of 20 flights of each route, against 19 and 13 of
 # 20 at 0.02 s (docs/delay.md, "joint, by round trip").
 JOINT_FALLS_FROM_S: Final = 0.04
+
 _WAYS: Final = ("up", "down")
 _ALL_LOST: Final = {
     ("up",): "every message up is lost: no command ever arrives",
     ("down",): "every message down is lost: no telemetry ever arrives",
     _WAYS: "every message is lost, both ways: no command and no telemetry ever arrives",
 }
-
-
-class Traffic:
-    """Both ways of a mission's link with nothing else on them: without jitter, loss and queues.
-
-    Attributes:
-        up: of commands.
-        down: of telemetry and acknowledgements.
-        command_bytes: size of the largest command of the operator.
-        frame_bytes: size of a frame of telemetry near the end of the mission.
-        arrives_ns: when a command that is sent at mission start arrives; None for never.
-        round_trip_ns: when its acknowledgement arrives; None where one of them never does.
-    """
-
-    def __init__(self, mission: Mission) -> None:
-        """Take the link of a mission; raises MissionError where a file that it refers to is wrong."""
-        link, files, seed = mission.link, mission.files, mission.seed
-        self.up: Direction[Any] = direction(link.up, files, seed, "link.up")
-        self.down: Direction[Any] = direction(link.down, files, seed, "link.down")
-        self._mission = mission
-        self.command_bytes = _command_bytes(mission)
-        self.frame_bytes = _frame_bytes(mission)
-        self.arrives_ns = _arrives_ns(self.up, 0, self.command_bytes)
-        self.round_trip_ns = None if self.arrives_ns is None else _arrives_ns(self.down, self.arrives_ns, ACK_BYTES)
-
-    @property
-    def telemetry_bps(self) -> float:
-        """Rate of the robot's telemetry while it moves [bit/s]."""
-        return self.frame_bytes * BITS_PER_BYTE * self._mission.telemetry.rate_hz
-
-    def arrival_ns(self, scheduled: ScheduledCommand, sent_ns: int) -> int | None:
-        """Return when a scheduled command arrives [ns]; None for never."""
-        return _arrives_ns(self.up, sent_ns, _order_bytes(request_of(scheduled, self._mission)))
-
-
-def _arrives_ns(way: Direction[Any], now_ns: int, size: int) -> int | None:
-    placed = way.contacts.place(now_ns, size)
-    if placed is None:
-        return None
-    _, left_ns = placed
-    return left_ns + way.delay(left_ns)
-
-
-def _command_bytes(mission: Mission) -> int:
-    plan = planned_waypoints(mission)
-    if mission.autonomy == "mission":
-        return _order_bytes(CommandRequest(CommandKind.UPLOAD_PLAN, plan))
-    # Of those to single waypoints the one with the longest name is the largest, within some bytes.
-    return _order_bytes(
-        CommandRequest(CommandKind.GO_TO, (max(plan, key=lambda waypoint: len(waypoint.name.encode())),))
-    )
-
-
-def _frame_bytes(mission: Mission) -> int:
-    count = mission.num_legs
-    places = (1.5, 2.5, 0.55, 0.75, 2.0)
-    under_way = (CommandStatus(1, Stage.STARTED),)
-    return size_bytes(
-        Telemetry(1000, Mode.NAVIGATING, *places, count, tuple(range(count)), _SOME_NS, _SOME_NS, under_way)
-    )
-
-
-def _order_bytes(order: CommandRequest) -> int:
-    return size_bytes(order.command(1, 1, _SOME_NS, _SOME_NS))
 
 
 def link_findings(mission: Mission, traffic: Traffic, least_s: float) -> Iterator[Finding]:
@@ -105,13 +34,13 @@ def link_findings(mission: Mission, traffic: Traffic, least_s: float) -> Iterato
         least_s: how long the mission takes at least.
     """
     yield from _losses(mission.link)
-    up = {"the largest command": traffic.command_bytes}
-    down = {"an acknowledgement": ACK_BYTES, "a frame of telemetry": traffic.frame_bytes}
-    yield from _contacts(mission, "up", traffic.up.contacts, up)
-    yield from _contacts(mission, "down", traffic.down.contacts, down)
-    yield from _queue("up", traffic.up, up, is_waiting=_has_gaps(traffic.up.contacts))
-    rated = any(window.rate_bps is not None for window in traffic.down.contacts.windows)
-    yield from _queue("down", traffic.down, down, is_waiting=rated or _has_gaps(traffic.down.contacts))
+    yield from _contacts(mission, "up", traffic)
+    yield from _contacts(mission, "down", traffic)
+    up, down = traffic.up.contacts, traffic.down.contacts
+    if _has_gaps(up):
+        yield from _queue("up", traffic)
+    if down.has_rates or _has_gaps(down):
+        yield from _queue("down", traffic)
     yield from _telemetry_rate(traffic)
     yield from _link_loss(mission, traffic, least_s)
     trip_ns = traffic.round_trip_ns if (mission.autonomy, mission.robot) == ("joint", "ant") else None
@@ -144,8 +73,12 @@ def _losses(link: Link) -> Iterator[Finding]:
         yield Finding("loss", ("link", fading[0], "loss"), text)
 
 
-def _contacts(mission: Mission, way: str, contacts: Contacts, sizes: Mapping[str, int]) -> Iterator[Finding]:
+def _contacts(mission: Mission, way: str, traffic: Traffic) -> Iterator[Finding]:
     """Yield messages that fit in no contact; else the largest one, where some contacts are too short for it."""
+    contacts: Contacts = getattr(traffic, way).contacts
+    if not contacts.has_rates:
+        return
+    sizes = traffic.sizes(way)
     path = ("link", way, "windows" if getattr(mission.link, way).contact_plan is None else "contact_plan")
     if never := [(name, size) for name, size in sizes.items() if contacts.place(0, size) is None]:
         what, size = never[0]
@@ -167,20 +100,20 @@ def _has_gaps(contacts: Contacts) -> bool:
     return bool(contacts.next_open_ns(0)) or contacts.longest_gap_ns > 0
 
 
-def _queue(way: str, direction: Direction[Any], sizes: Mapping[str, int], *, is_waiting: bool) -> Iterator[Finding]:
+def _queue(way: str, traffic: Traffic) -> Iterator[Finding]:
     """Yield a queue that has no room for a message that may have to wait."""
-    too_large = [f"{what} has {size}" for what, size in sizes.items() if size > direction.queue_bytes]
-    if is_waiting and too_large:
+    room: int = getattr(traffic, way).queue_bytes
+    if too_large := [f"{what} has {size}" for what, size in traffic.sizes(way).items() if size > room]:
         text = (
-            f"the queue has room for {direction.queue_bytes} bytes; {', '.join(too_large)}: a message that has "
-            "to wait, for a contact or for another message, is lost"
+            f"the queue has room for {room} bytes; {', '.join(too_large)}: a message that has to wait, for a contact "
+            "or for another message, is lost"
         )
         yield Finding("queue", ("link", way, "queue_bytes"), text)
 
 
 def _telemetry_rate(traffic: Traffic) -> Iterator[Finding]:
-    needed_bps, has_bps = traffic.telemetry_bps, traffic.down.contacts.mean_rate_bps
-    if has_bps is not None and needed_bps > has_bps:
+    has_bps = traffic.down.contacts.mean_rate_bps
+    if has_bps is not None and (needed_bps := traffic.telemetry_bps) > has_bps:
         text = (
             f"telemetry needs {needed_bps:.0f} bit/s, and the link down carries {has_bps:.0f}: telemetry waits, and "
             "acknowledgements behind it; once the queue is full they are lost"

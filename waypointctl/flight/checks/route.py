@@ -8,8 +8,7 @@ from itertools import pairwise
 from typing import Final
 
 from waypointctl.flight.checks import Finding
-from waypointctl.flight.executive.monitors import OBSERVATION_NS
-from waypointctl.flight.executive.rules import Fence, Point, Rules, crosses, fence_of, rules_of
+from waypointctl.flight.executive.rules import OBSERVATION_NS, Fence, Point, Rules, crosses, fence_of, rules_of
 from waypointctl.mission.mission import Leg, Mission
 from waypointctl.units import seconds
 

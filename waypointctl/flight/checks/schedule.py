@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import Final
 
 from waypointctl.flight.checks import Finding
-from waypointctl.flight.checks.link import Traffic, loses_all
+from waypointctl.flight.checks.link import loses_all
+from waypointctl.flight.checks.traffic import Traffic
 from waypointctl.flight.executive.rules import fence_of
 from waypointctl.mission.file_model import FileModel
 from waypointctl.mission.mission import Mission

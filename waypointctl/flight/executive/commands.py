@@ -9,7 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from waypointctl.flight.executive.plan import PlanItem, names
+from waypointctl.flight.command_life import names
+from waypointctl.flight.executive.plan import PlanItem
 from waypointctl.flight.executive.plan_execution import PlanExecution
 from waypointctl.flight.executive.state_machine import UNDER_WAY, Signal
 from waypointctl.log.messages import TELEOPERATION, Command, CommandKind, Mode, Stage

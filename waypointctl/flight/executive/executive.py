@@ -12,11 +12,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from waypointctl.flight.command_life import FLIGHT_ENDED
 from waypointctl.flight.executive.command_tracker import CommandTracker
 from waypointctl.flight.executive.commands import end_command, names_of
-from waypointctl.flight.executive.monitors import OBSERVATION_NS, FenceMonitor, LinkMonitor, update_leg
+from waypointctl.flight.executive.monitors import FenceMonitor, LinkMonitor, update_leg
 from waypointctl.flight.executive.plan_execution import PlanExecution
-from waypointctl.flight.executive.rules import FALL, FLIGHT_ENDED, Rules
+from waypointctl.flight.executive.rules import FALL, OBSERVATION_NS, Rules
 from waypointctl.flight.executive.start import decide, start
 from waypointctl.flight.executive.state_machine import BUSY, POLICY_MODES, TRANSITIONS, Signal
 from waypointctl.log.messages import (

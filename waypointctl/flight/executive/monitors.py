@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from waypointctl.flight.executive.plan import Leg, LegStatus, PlanItem
 from waypointctl.flight.executive.plan_execution import BY_RULE, PlanExecution
-from waypointctl.flight.executive.rules import AT_HOME, GEOFENCE, LEG_FAILED, LINK_LOST, STUCK, TIMEOUT
+from waypointctl.flight.executive.rules import AT_HOME, GEOFENCE, LEG_FAILED, LINK_LOST, OBSERVATION_NS, STUCK, TIMEOUT
 from waypointctl.flight.executive.state_machine import BUSY, POLICY_MODES, TRANSITIONS, Signal
 from waypointctl.log.messages import EventKind, Mode, Severity
-from waypointctl.units import NS_PER_S, seconds
+from waypointctl.units import seconds
 
 FloatArray = NDArray[np.float64]
 
 OBSERVE: Final = "observe"
-OBSERVATION_NS: Final = NS_PER_S  # how long the robot stops for a picture
 
 _CODES: Final = {LegStatus.OUT_OF_TIME: TIMEOUT, LegStatus.STUCK: STUCK}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, replace
 from enum import Enum, auto
 from itertools import islice
@@ -17,17 +17,9 @@ from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
 from waypointctl.mission.fields import Acceptance
 from waypointctl.task.progress import reached
 
-_NAMED: Final = 12  # waypoints that a text names one by one
 SAVED: Final = 256  # items at most in a checkpoint: what all checkpoints take is to grow with the flight's length alone
 
 FloatArray = NDArray[np.float64]
-
-
-def names(waypoints: Sequence[PlannedWaypoint]) -> str:
-    """Return the names of some waypoints, for people; of many the first and the last, and how many they are."""
-    if len(waypoints) <= _NAMED:
-        return ", ".join(waypoint.name for waypoint in waypoints)
-    return f"{waypoints[0].name} to {waypoints[-1].name}, {len(waypoints):,} waypoints"
 
 
 @dataclass(slots=True)

@@ -12,7 +12,7 @@ from waypointctl.log.messages import PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.onboard import Area as AreaModel
 from waypointctl.mission.onboard import Home
-from waypointctl.units import ns, whole_ns
+from waypointctl.units import NS_PER_S, ns, whole_ns
 
 Point: TypeAlias = tuple[float, float]
 
@@ -22,12 +22,13 @@ STUCK: Final = "stuck"
 FALL: Final = "fall"
 GEOFENCE: Final = "geofence"
 LINK_LOST: Final = "link lost"
-FLIGHT_ENDED: Final = "flight ended"
 
 # Why the robot is stopped: the cause in telemetry. Each goes before a code or, for a leg, a waypoint's name and a code.
 AT_HOME: Final = "at home: "
 RETURN_FAILED: Final = "way home given up: "
 LEG_FAILED: Final = "leg failed: "
+
+OBSERVATION_NS: Final = NS_PER_S  # how long the robot stops for a picture
 HOME_INDEX: Final = -1  # index of the return home, which is not a waypoint of the mission
 _HOME: Final = Home()
 

@@ -55,6 +55,12 @@ def direction(way: LinkDirection, files: Mapping[str, bytes], seed: int, name: s
     )
 
 
+def contacts_and_delay(way: LinkDirection, files: Mapping[str, bytes]) -> tuple[Contacts, Delay]:
+    """Return when, and how fast, something can be sent one way, and its delay; raises MissionError as `direction`."""
+    passage = _passage(way, files)
+    return _contacts(way, passage), _delay(way, passage)
+
+
 def contacts_of(way: LinkDirection, files: Mapping[str, bytes]) -> Contacts:
     """Return when, and how fast, something can be sent one way; raises MissionError as `direction` does."""
     return _contacts(way, _passage(way, files))

@@ -81,6 +81,11 @@ class Contacts:
         return None if placed is None else placed[0]
 
     @property
+    def has_rates(self) -> bool:
+        """Whether sending takes time: whether a window has a rate."""
+        return any(window.rate_bps is not None for window in self.windows)
+
+    @property
     def longest_gap_ns(self) -> int:
         """The longest time between two contacts [ns]; what follows the last of them is none."""
         gaps = [after.begin_ns - before.end_ns for before, after in pairwise(self.windows)]

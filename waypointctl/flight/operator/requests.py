@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, Generic, TypeVar
 
-from waypointctl.flight.executive.plan import names
+from waypointctl.flight.command_life import names
 from waypointctl.log.messages import Command, CommandKind, PlannedWaypoint
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.operator import ScheduledCommand
