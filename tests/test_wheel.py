@@ -14,6 +14,22 @@ import pytest
 ROOT = Path(__file__).parents[1]
 NAME = "ant-waypoint"
 
+# Runs commands one after the other in one process and prints what each came to.
+PROGRAM = """
+import io, json, sys
+from waypointctl.cli.main import main
+own, found = sys.stdout, []
+for arguments in json.loads(sys.argv[1]):
+    sys.argv = ["waypointctl", *arguments]
+    sys.stdout, sys.stderr = io.StringIO(), io.StringIO()
+    out, err = sys.stdout, sys.stderr
+    try:
+        main()
+    except SystemExit as end:
+        found.append({"code": end.code or 0, "out": out.getvalue(), "err": err.getvalue()})
+print(json.dumps(found), file=own)
+"""
+
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -43,20 +59,23 @@ def test_the_wheel_holds_the_flagship_policy_and_no_other(installed: Path) -> No
 
 
 def test_an_installed_waypointctl_has_all_it_needs_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
-    def waypointctl(*arguments: str) -> tuple[int, str, str]:
-        command = [sys.executable, "-m", "waypointctl", *arguments]
-        environment = os.environ | {"PYTHONPATH": str(installed), "PYTHONSAFEPATH": "1"}
-        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-        return done.returncode, done.stdout, done.stderr
-
-    (listed,) = json.loads(waypointctl("policies", "--json")[1])["policies"]
+    commands = (
+        ("policies", "--json"),
+        ("init", "."),
+        ("run", "mission.yaml", "--json"),
+        ("eval", NAME, "--suite", "suite.yaml", "--trials", "2", "--json"),
+        ("eval", NAME, "--trials", "1", "--save"),
+    )
+    environment = os.environ | {"PYTHONPATH": str(installed), "PYTHONSAFEPATH": "1"}
+    command = [sys.executable, "-c", PROGRAM, json.dumps(commands)]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+    listing, init, flight, evaluation, saving = json.loads(done.stdout)
+    (listed,) = json.loads(listing["out"])["policies"]
     assert listed["folder"] == str(installed / "waypointctl" / "policies" / NAME)
     assert (listed["name"], listed["shipped"], len(listed["evaluations"])) == (NAME, True, 5)
-    assert waypointctl("init", ".")[0] == 0
-    code, out, err = waypointctl("run", "mission.yaml", "--json")
-    assert (code, json.loads(out)["outcome"]) == (0, "success"), err
-    code, out, err = waypointctl("eval", NAME, "--suite", "suite.yaml", "--trials", "2", "--json")
-    assert (code, json.loads(out)["policy_sha256"]) == (0, listed["policy_sha256"]), err
-    code, _, err = waypointctl("eval", NAME, "--trials", "1", "--save")
-    assert code == 2
-    assert "part of the installed waypointctl" in err
+    assert init["code"] == 0
+    assert (flight["code"], json.loads(flight["out"])["outcome"]) == (0, "success"), flight["err"]
+    assert evaluation["code"] == 0, evaluation["err"]
+    assert json.loads(evaluation["out"])["policy_sha256"] == listed["policy_sha256"]
+    assert saving["code"] == 2
+    assert "part of the installed waypointctl" in saving["err"]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
+
+from tests.forked import ForkedProgram
 
 Program = Callable[..., tuple[int, str, str]]
 
@@ -42,14 +42,6 @@ def start(
     stdout: int | None = None,
     stderr: int | None = None,
     **environment: str,
-) -> subprocess.Popen[bytes]:
+) -> ForkedProgram:
     """Start waypointctl as a process of its own."""
-    code = "from waypointctl.cli.main import main; main()"
-    return subprocess.Popen(
-        [sys.executable, "-c", code, *arguments],
-        cwd=folder,
-        env={**os.environ, **environment},
-        stdin=stdin,
-        stdout=stdout,
-        stderr=stderr,
-    )
+    return ForkedProgram(arguments, folder, {**os.environ, **environment}, (stdin, stdout, stderr))

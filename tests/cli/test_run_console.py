@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.flying import Program, start
+from tests.forked import ForkedProgram
 from waypointctl.log.messages import Command, CommandKind, ConsoleInput
 from waypointctl.log.reader import open_log
 from waypointctl.replay.verdict import Verdict
@@ -29,7 +30,7 @@ def typed(path: Path) -> list[str]:
     return [message.text for message in open_log(path).messages() if isinstance(message, ConsoleInput)]
 
 
-def fly(yard: Path, *more: str, mission: str = "easy.yaml") -> subprocess.Popen[bytes]:
+def fly(yard: Path, *more: str, mission: str = "easy.yaml") -> ForkedProgram:
     arguments = ("run", mission, "--console", "--out", "log.mcap", *more)
     return start(yard, *arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
@@ -38,10 +39,10 @@ def session(yard: Path, lines: str, *more: str) -> tuple[int, str, str]:
     """Fly with all lines typed beforehand."""
     flight = fly(yard, *more)
     out, err = flight.communicate(lines.encode(), timeout=LIMIT_S)
-    return flight.returncode, out.decode(), err.decode()
+    return flight.wait(0), out.decode(), err.decode()
 
 
-def wait_for(flight: subprocess.Popen[bytes], words: bytes) -> bytes:
+def wait_for(flight: ForkedProgram, words: bytes) -> bytes:
     """Read stderr up to a line with these words, and return that line."""
     assert flight.stderr is not None
     limit = threading.Timer(LIMIT_S, flight.kill)  # words that never come end the flight, and the test
@@ -56,7 +57,7 @@ def wait_for(flight: subprocess.Popen[bytes], words: bytes) -> bytes:
         limit.cancel()
 
 
-def say(flight: subprocess.Popen[bytes], line: str) -> None:
+def say(flight: ForkedProgram, line: str) -> None:
     assert flight.stdin is not None
     flight.stdin.write(f"{line}\n".encode())
     flight.stdin.flush()

@@ -10,13 +10,14 @@ from pathlib import Path
 import pytest
 
 from tests.cli.flying import start
+from tests.forked import ForkedProgram
 from waypointctl.log.messages import Event, EventKind
 from waypointctl.replay.flight_log import FlightLog
 
 LIMIT_S = 60.0
 
 
-def fly(yard: Path, *more: str, stdout: int = subprocess.PIPE) -> subprocess.Popen[bytes]:
+def fly(yard: Path, *more: str, stdout: int = subprocess.PIPE) -> ForkedProgram:
     """Start a long flight and return when the robot has begun to hold."""
     arguments = ("run", "long.yaml", "--out", "log.mcap", *more)
     flight = start(yard, *arguments, stdout=stdout, stderr=subprocess.PIPE)

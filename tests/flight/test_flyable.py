@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.budget import examples
-from waypointctl.flight.executive.plan import names
+from waypointctl.flight.command_life import names
 from waypointctl.flight.executive.rules import Fence, rules_of
 from waypointctl.flight.executive.start import wrong_arguments
 from waypointctl.flight.link.frames import size_bytes

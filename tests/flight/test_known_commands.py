@@ -25,14 +25,13 @@ def over(up: dict[str, Any], down: dict[str, Any], retries: int, seed: int, **ch
 @pytest.mark.parametrize("down", [{"loss": 0.8}, {"loss": BURSTS}, {"loss": 0.6, "jitter_s": 0.4, "keep_order": False}])
 @pytest.mark.parametrize("retries", [0, 2])
 def test_whatever_of_the_answers_is_lost_the_mission_goes_on(autonomy: str, down: dict[str, Any], retries: int) -> None:
-    for seed in range(2):
-        mission = over({}, down, retries, seed, autonomy=autonomy)
-        result, messages = flown(mission)
-        assert (result.outcome, faults(mission, result, messages)) == ("success", [])
+    mission = over({}, down, retries, 0, autonomy=autonomy)
+    result, messages = flown(mission)
+    assert (result.outcome, faults(mission, result, messages)) == ("success", [])
 
 
 @pytest.mark.parametrize("autonomy", ["mission", "waypoint", "short_range_goal"])
-@pytest.mark.parametrize("retries", [0, 1, 3])
+@pytest.mark.parametrize("retries", [0, 3])
 def test_no_command_is_sent_more_often_than_it_may_be(autonomy: str, retries: int) -> None:
     for seed in range(2):
         schedule = [{"at_s": 2.0, "do": "hold"}, {"at_s": 4.0, "do": "resume"}]

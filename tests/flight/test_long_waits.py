@@ -35,10 +35,9 @@ def waiting(kind: str, wait_s: float) -> dict[str, Any]:
 
 
 CASES = [
-    *((kind, wait_s) for kind in ("hold", "think") for wait_s in (1.0, 400.0, DAY_S)),
-    *((kind, wait_s) for kind in ("late resume", "kept resume") for wait_s in (1.0, 400.0, 3 * DAY_S)),
-    *((kind, wait_s) for kind in ("contact up", "contact down") for wait_s in (1800.0, 3 * DAY_S)),
-    ("delay", 3 * DAY_S),
+    *((kind, wait_s) for kind in ("hold", "think") for wait_s in (1.0, DAY_S)),
+    *((kind, wait_s) for kind in ("late resume", "kept resume") for wait_s in (1.0, 3 * DAY_S)),
+    *((kind, 3 * DAY_S) for kind in ("contact up", "contact down", "delay")),
 ]
 IN_ADVANCE = ("contact up", "think")  # nothing of a mission waits for these, whose plan has been sent before
 
@@ -75,7 +74,7 @@ def test_so_it_is_when_steering_continuously(kind: str) -> None:
     assert result.sim_time_ns >= DAY_S * NS_PER_S
 
 
-@pytest.mark.parametrize("wait_s", [1.0, 400.0, DAY_S])
+@pytest.mark.parametrize("wait_s", [1.0, DAY_S])
 def test_a_pilot_goes_on_after_a_hold(wait_s: float) -> None:
     held = UNDER_FOOT | {"hold_s": wait_s}
     result, _ = flown(mission_of(held, UNDER_FOOT, autonomy="joint", telemetry={"beacon_s": 3600.0}))

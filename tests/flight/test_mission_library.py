@@ -2,40 +2,28 @@
 
 from __future__ import annotations
 
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.shipped import shipped_messages
 from waypointctl.flight.executive.rules import rules_of
-from waypointctl.flight.fly import fly
-from waypointctl.log.messages import CommandStage, Event, EventKind, GroundControl, Message, Stage, State, Telemetry
+from waypointctl.log.messages import CommandStage, Event, EventKind, GroundControl, Stage, State, Telemetry
 from waypointctl.mission.files import load_mission
-from waypointctl.policy.bundle import LoadedPolicy, load_policy
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 
-@cache
-def policy() -> LoadedPolicy:
-    return load_policy(MISSIONS.parent / "policies" / "ant-waypoint")
-
-
-@cache
-def flown(name: str) -> tuple[Message, ...]:
-    messages: list[Message] = []
-    assert fly(load_mission(MISSIONS / f"{name}.yaml").mission, policy(), messages.append).outcome == "success"
-    return tuple(messages)
-
-
 def events(name: str, kind: EventKind) -> list[Event]:
-    return [message for message in flown(name) if isinstance(message, Event) and message.kind is kind]
+    return [message for message in shipped_messages(name) if isinstance(message, Event) and message.kind is kind]
 
 
 def stages(name: str, stage: Stage) -> list[CommandStage]:
-    return [message for message in flown(name) if isinstance(message, CommandStage) and message.stage is stage]
+    return [
+        message for message in shipped_messages(name) if isinstance(message, CommandStage) and message.stage is stage
+    ]
 
 
 def test_there_are_enough() -> None:
@@ -45,7 +33,7 @@ def test_there_are_enough() -> None:
 def test_the_detour_keeps_out_of_the_crater_and_the_straight_way_would_not() -> None:
     mission = load_mission(MISSIONS / "crater-detour.yaml").mission
     fence = rules_of(mission).fence
-    states = [message for message in flown("crater-detour") if isinstance(message, State)]
+    states = [message for message in shipped_messages("crater-detour") if isinstance(message, State)]
     assert not any(fence.breach(float(state.qpos[0]), float(state.qpos[1])) for state in states)
     assert fence.breach_between(mission.start.position_m, mission.waypoints[-1].position_m)
 
@@ -76,7 +64,7 @@ def test_the_schedule_stops_the_robot_twice() -> None:
 
 
 def test_steering_stands_most_of_the_time() -> None:
-    states = np.array([state.qpos[:2] for state in flown("steered") if isinstance(state, State)])
+    states = np.array([state.qpos[:2] for state in shipped_messages("steered") if isinstance(state, State)])
     speeds = np.linalg.norm(np.diff(states, axis=0), axis=1) / 0.02
     assert np.mean(speeds < 0.3) > 0.5
     assert len(stages("steered", Stage.COMPLETED)) > 5
@@ -92,7 +80,7 @@ def test_each_observation_is_taken_once() -> None:
 
 
 def test_the_plan_for_mars_costs_the_steps_of_its_walk_alone() -> None:
-    steps = sum(isinstance(message, State) for message in flown("mars-plan"))
+    steps = sum(isinstance(message, State) for message in shipped_messages("mars-plan"))
     (ended,) = events("mars-plan", EventKind.MISSION_ENDED)
     assert ended.time_ns > 2 * 182_000_000_000
     assert steps * 0.02 < 60
@@ -122,7 +110,7 @@ def test_the_third_waypoint_is_reached_between_two_passes_and_heard_of_in_the_se
 
 
 def test_frames_overtake_each_other_where_the_jitter_has_a_long_tail() -> None:
-    frames = [message for message in flown("long-tail") if isinstance(message, Telemetry)]
+    frames = [message for message in shipped_messages("long-tail") if isinstance(message, Telemetry)]
     issued = [frame.issued_ns for frame in frames]
     assert [frame.received_ns for frame in frames] == sorted(frame.received_ns for frame in frames)
     assert sum(later < earlier for earlier, later in pairwise(issued)) > 5
@@ -130,6 +118,6 @@ def test_frames_overtake_each_other_where_the_jitter_has_a_long_tail() -> None:
 
 
 def test_over_a_local_network_every_action_comes_from_the_ground() -> None:
-    controls = [message for message in flown("lan-joint") if isinstance(message, GroundControl)]
+    controls = [message for message in shipped_messages("lan-joint") if isinstance(message, GroundControl)]
     assert len(controls) > 200
     assert [stage.command_id for stage in stages("lan-joint", Stage.COMPLETED)] == [1]  # the hold at the end

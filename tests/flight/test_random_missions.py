@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.budget import examples
 from tests.flight.random_missions import judged
 from waypointctl.policy.bundle import LoadedPolicy, load_policy
 
@@ -21,7 +22,7 @@ def policy() -> LoadedPolicy:
     return load_policy(POLICY)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(examples(64)))
 def test_a_random_mission_has_no_fault(seed: int, tmp_path: Path) -> None:
     flight = judged(seed, policy(), tmp_path, proved=seed % 4 == 0)
     assert flight.faults == (), flight.result.reason

@@ -106,15 +106,16 @@ def _numbers(message: Message) -> tuple[Any, ...]:
     return ()
 
 
-def flight(name: str) -> dict[str, object]:
-    """Fly a shipped mission; return the hash of each of its streams, and its result."""
+def flight(name: str, log: Path | None = None) -> dict[str, object]:
+    """Fly a shipped mission; return the hash of each of its streams, and its result. `log` keeps the flight."""
     streams = {kind: Digest() for kind in ("state", "observation", "action", "reward", "delivery", "lost")}
 
     def sink(message: Message) -> None:
         if numbers := _numbers(message):
             streams[numbers[0]].add(*numbers[1:])
 
-    result = fly(load_mission(ROOT / "missions" / f"{name}.yaml").mission, policy("ant-waypoint"), sink)
+    mission = load_mission(ROOT / "missions" / f"{name}.yaml")
+    result = fly(mission, policy("ant-waypoint"), sink, log=log, pictures=log is not None)
     hashes: dict[str, object] = {kind: str(digest) for kind, digest in streams.items()}
     return hashes | {
         "outcome": result.outcome,

@@ -25,14 +25,15 @@ def time_ns(message: Message) -> int:
     return BY_KIND[type(message)].times_ns(message)[0]
 
 
-@pytest.fixture(params=[0, 3, 350, 700], ids=lambda count: f"after {count}")
-def killed(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, list[Message]]:
+@pytest.fixture(scope="module", params=[0, 3, 350, 700], ids=lambda count: f"after {count}")
+def killed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Message]]:
     """The .part of a flight that was killed after so many messages, and those messages."""
-    command = [sys.executable, "-m", "tests.log.fake_flight", str(tmp_path / "flight.mcap")]
+    folder = tmp_path_factory.mktemp("killed")
+    command = [sys.executable, "-m", "tests.log.fake_flight", str(folder / "flight.mcap")]
     process = subprocess.run([*command, "--die-after", str(request.param)], cwd=ROOT, check=False)
     assert process.returncode == -signal.SIGKILL
-    assert [it.name for it in tmp_path.iterdir()] == ["flight.mcap.part"]
-    return tmp_path / "flight.mcap.part", list(flight())[: request.param]
+    assert [it.name for it in folder.iterdir()] == ["flight.mcap.part"]
+    return folder / "flight.mcap.part", list(flight())[: request.param]
 
 
 def test_less_than_a_simulated_second_is_lost(killed: tuple[Path, list[Message]]) -> None:

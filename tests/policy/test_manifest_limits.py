@@ -12,8 +12,9 @@ import pytest
 from pydantic import ValidationError
 
 from waypointctl.errors import InputError, PolicyError
-from waypointctl.policy.bundle import LARGEST_MANIFEST, LoadedPolicy, load_policy, policy_of, read_manifest
+from waypointctl.policy.bundle import LoadedPolicy, load_policy, policy_of
 from waypointctl.policy.manifest import Manifest
+from waypointctl.policy.manifest_file import LARGEST_MANIFEST, read_manifest
 
 Change = Callable[[dict[str, Any]], object]
 SHA256 = "0" * 64

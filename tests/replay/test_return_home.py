@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.replay.hand_made import event, frame, stage
-from waypointctl.flight.executive.rules import FLIGHT_ENDED
+from waypointctl.flight.command_life import FLIGHT_ENDED
 from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Ack, Command, CommandKind, EventKind, Message, Mode, Stage
 from waypointctl.mission.files import MissionFile, parse_mission

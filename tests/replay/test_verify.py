@@ -12,7 +12,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from tests.golden.recording import MISSIONS
 from tests.replay.rewriting import MISSION, Flown, fly_once
+from tests.shipped import shipped_flight
 from tests.sim.bare import BareWorld
 from waypointctl.flight.fly import fly
 from waypointctl.flight.header import MJB
@@ -29,7 +31,6 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.log.reader import open_log
-from waypointctl.mission.files import load_mission
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.verdict import Verdict
 from waypointctl.replay.verify import verify
@@ -132,13 +133,21 @@ def test_the_log_is_enough(tmp_path: Path, make_policy: Callable[..., LoadedPoli
     assert [path.name for path in kept.iterdir()] == ["only.mcap"], "and it leaves nothing behind"
 
 
-@pytest.mark.parametrize("path", sorted((REPOSITORY / "missions").glob("*.yaml")), ids=lambda path: path.stem)
-def test_every_shipped_mission_succeeds_and_is_replayed_exactly(tmp_path: Path, path: Path) -> None:
-    mission_file = load_mission(path)
-    result = fly(mission_file, log=tmp_path / "flight.mcap", pictures=True)
-    assert result.outcome == "success", result.reason
-    found = verify(tmp_path / "flight.mcap")
+# Of each autonomy one, and what else a replay does otherwise: pictures, a console's kind of commands, losses, contacts.
+QUICK = ("contact-plan", "hold-and-resume", "lan-joint", "lossy-link", "observe-stops", "steered")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in MISSIONS]
+)
+def test_every_shipped_mission_is_replayed_exactly(name: str) -> None:
+    found = verify(shipped_flight(name)[1])
     assert found.verdict is Verdict.EXACT, found.reason
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+def test_every_shipped_mission_succeeds(name: str) -> None:
+    assert shipped_flight(name)[0]["outcome"] == "success"
 
 
 def test_what_there_was_one_of_is_said_as_one(flown: Flown) -> None:

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.flight.executive.rig import A, Rig
+from waypointctl.flight.command_life import names
 from waypointctl.flight.executive.command_tracker import CommandTracker
-from waypointctl.flight.executive.plan import names
 from waypointctl.log.messages import Command, CommandKind, Stage
 
 
