@@ -11,9 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from numpy.typing import NDArray
 from safetensors.numpy import save
+from xdist.scheduler import LoadFileScheduling
 
+from tests.budget import examples
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import (
     ActionSpec,
@@ -33,6 +36,39 @@ with contextlib.suppress(ImportError):
     importlib.import_module("triton")
 
 FloatArray = NDArray[np.float64]
+
+settings.register_profile("tests", max_examples=examples(100), deadline=None)
+settings.load_profile("tests")
+
+# Files whose tests take longest in all begin first, so that no process is left alone with one of them at the end.
+_FIRST = (
+    "tests/golden/test_golden.py",
+    "tests/cli/test_train_command.py",
+    "tests/test_examples.py",
+    "tests/replay/test_resume.py",
+)
+_SHARING = ("tests/golden/test_golden.py", "tests/replay/test_verify.py", "tests/flight/test_mission_library.py")
+
+
+class ByFile(LoadFileScheduling):  # type: ignore[misc]
+    """The tests of a file run in one process, which makes their fixtures once; so do files that share flights."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = nodeid.partition("::")[0]
+        return _SHARING[0] if file in _SHARING else file
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> ByFile:
+    """Let files run in the order in which they are collected: see `pytest_collection_modifyitems`."""
+    config.option.loadscopereorder = False
+    return ByFile(config, log)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the slowest files first."""
+    order = {file: number for number, file in enumerate(_FIRST)}
+    items.sort(key=lambda item: order.get(item.nodeid.partition("::")[0], len(order)))
 
 
 @dataclass(frozen=True)

@@ -4,33 +4,42 @@ import json
 import os
 import pty
 import re
-import shutil
 import signal
 import struct
 import subprocess
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.cli.flying import Program, start
+from tests.cli.flying import EASY, Program, start
+from waypointctl.flight.fly import fly
 from waypointctl.flight.header import platform_facts
 from waypointctl.log.messages import Action, Message
 from waypointctl.log.writer import LogWriter
+from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay import contents
 
 
+@pytest.fixture(scope="module")
+def easy_log(tmp_path_factory: pytest.TempPathFactory, make_policy: Callable[..., LoadedPolicy]) -> bytes:
+    """The log of the mission easy.yaml."""
+    folder = tmp_path_factory.mktemp("easy")
+    make_policy(folder / "still", gain=0.0)
+    (folder / "easy.yaml").write_text(EASY)
+    fly(folder / "easy.yaml", log=folder / "log.mcap")
+    return (folder / "log.mcap").read_bytes()
+
+
 @pytest.fixture
-def alone(yard: Path, program: Program, monkeypatch: pytest.MonkeyPatch) -> Path:
+def alone(tmp_path: Path, easy_log: bytes, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with nothing in it but a log."""
-    assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
-    folder = yard / "alone"
-    folder.mkdir()
-    shutil.move(yard / "log.mcap", folder / "log.mcap")
-    shutil.rmtree(yard / "still")
-    monkeypatch.chdir(folder)
-    return folder
+    (tmp_path / "log.mcap").write_bytes(easy_log)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("COLUMNS", raising=False)
+    return tmp_path
 
 
 def test_a_log_alone_is_proved_and_told(alone: Path, program: Program) -> None:

@@ -15,12 +15,13 @@ import pytest
 
 from tests.cli.flying import Program
 from tests.replay.rewriting import Flown, fly_once
+from waypointctl.cli.flight_view import json_text
 from waypointctl.flight.header import MISSION
 from waypointctl.log.messages import Action, Command, Message, Reward, State, Telemetry
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.flight_log import FlightLog
 from waypointctl.replay.picture.page import draw
-from waypointctl.replay.summary_json import json_text, summary_json
+from waypointctl.replay.summary import summary_json
 
 Alter = Callable[[Any], Any]
 

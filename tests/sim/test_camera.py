@@ -93,7 +93,7 @@ def test_the_robot_sees_its_own_front_legs(bare: MountedCamera) -> None:
 
 
 @pytest.mark.parametrize("pose", POSES[1:3])
-@pytest.mark.parametrize("place", [(3.0, 0.0), (4.0, 1.2), (5.0, -2.0), (9.0, 3.0)])
+@pytest.mark.parametrize("place", [(3.0, 0.0), (5.0, -2.0)])
 def test_a_marker_is_where_a_pinhole_camera_would_see_it(
     pose: tuple[float, float, float], place: tuple[float, float]
 ) -> None:
