@@ -48,7 +48,6 @@ PARTS: Final = {
         ("waypointctl/replay/verify.py", "waypointctl/replay/comparator.py"),
         (
             "tests/replay/test_difference.py",
-            "tests/replay/test_verify.py",
             "tests/replay/test_verify_[ack]*.py",
             "tests/replay/test_comparator.py",
             "tests/replay/test_verify_words.py",
