@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NoReturn
 
 import numpy as np
 import pytest
 
+from tests.flight.flying import STILL, Scripted
 from tests.flight.operator.channel import ROUND_TRIP_NS, Channel, ground
 from tests.flight.operator.missions import ack, frame, mission_of
-from waypointctl.flight.link.direction import Delivery, Direction
-from waypointctl.flight.link.frames import UP, BodyFrame, Heartbeat, LoggedDirection
-from waypointctl.flight.link.impairments import fixed_delay
+from waypointctl.flight.link.direction import Delivery
+from waypointctl.flight.link.frames import BodyFrame, Heartbeat
 from waypointctl.flight.operator.joint import JointOperator
-from waypointctl.flight.operator.operator import Operator
-from waypointctl.flight.operator.planner import MissionOperator, ShortRangeGoalOperator, WaypointOperator
+from waypointctl.flight.operator.planner import ShortRangeGoalOperator, WaypointOperator
 from waypointctl.flight.operator.requests import CommandRequest, scheduled_requests
-from waypointctl.flight.operator.station import HeartbeatSender, Station, station_for
+from waypointctl.flight.operator.station import HeartbeatSender, Station
 from waypointctl.log.messages import CommandKind, CommandStatus, Stage
+from waypointctl.robots.load import load_robot
 from waypointctl.units import NS_PER_S
 
 
@@ -145,11 +146,70 @@ def test_heartbeats_are_numbered_and_come_a_period_apart() -> None:
 
 
 def test_an_end_is_reported_to_the_operator_once() -> None:
-    once, channel = station()
+    once, channel = station("operator: {think: 5 s}")
     once.begin()
-    for _ in range(2):
-        once.on_message(10, ack(Stage.COMPLETED))
+    for stage in (Stage.RECEIVED, Stage.COMPLETED, Stage.COMPLETED):
+        once.on_message(10, ack(stage))
+    once.wake(6 * NS_PER_S)
     assert sent(channel) == [CommandKind.GO_TO] * 2
+    once.on_message(7 * NS_PER_S, ack(Stage.COMPLETED, 2))
+    assert once.operator.finished, "what was thought of is the operator's own"
+
+
+def test_a_goal_that_a_hold_kept_back_is_the_operators_own() -> None:
+    mission = mission_of("autonomy: short_range_goal\nschedule: [{at: 1 s, do: hold}, {at: 2 s, do: resume}]")
+    dispatcher, _ = ground(Channel())
+    operator = ShortRangeGoalOperator(mission)
+    heartbeats = HeartbeatSender(no_uplink, 0)
+    led = Station(operator, scheduled_requests(mission), dispatcher, heartbeats, lambda sent_ns: sent_ns)
+    led.begin()
+    led.wake(NS_PER_S)
+    led.on_message(NS_PER_S, ack(Stage.COMPLETED))
+    led.wake(2 * NS_PER_S)
+    assert operator.newest == (4,)
+
+
+def piloted(channel: Channel, arrival_ns: Callable[[int], int]) -> Station:
+    mission = mission_of("autonomy: joint", "[{position_m: [4, 0], hold: 2 s}, [4, 3]]")
+    pilot = JointOperator(mission, Scripted(STILL), load_robot("ant"), np.zeros(4), (), lambda _: None)
+    dispatcher, _ = ground(channel)
+    return Station(pilot, scheduled_requests(mission), dispatcher, HeartbeatSender(channel, 0), arrival_ns)
+
+
+def body(x_m: float, issued_ns: int) -> BodyFrame:
+    return BodyFrame(1, np.array([x_m, 0.0, 0.5, 1.0, *[0.0] * 11]), np.zeros(14), issued_ns, issued_ns)
+
+
+def test_what_a_state_makes_the_pilot_send_is_its_own() -> None:
+    channel = Channel()
+    flown = piloted(channel, lambda sent_ns: sent_ns)
+    assert flown.on_state(NS_PER_S, body(0.0, NS_PER_S)) is not None
+    assert flown.on_state(2 * NS_PER_S, body(4.0, 2 * NS_PER_S)) is None
+    assert sent(channel) == [CommandKind.HOLD]
+    assert (flown.operator.newest, flown.operator.suspended) == ((1,), False)
+
+
+@pytest.mark.parametrize("how", ["message", "state", "wake"])
+def test_it_leads_no_further_once_what_it_sends_would_arrive_after_a_return_home_begins(how: str) -> None:
+    led = piloted(Channel(), lambda sent_ns: sent_ns + 50)
+    led.issue(0, [CommandRequest(CommandKind.RETURN_HOME, not_before_ns=100)])
+    for now_ns in (49, 50):
+        assert not led.operator.going_home
+        if how == "message":
+            led.on_message(now_ns, frame())
+        elif how == "state":
+            led.on_state(now_ns, body(0.0, now_ns))
+        else:
+            led.wake(now_ns)
+    assert led.operator.going_home
+
+
+def test_a_heartbeat_is_sent_when_it_is_due() -> None:
+    beating, channel = station(period_ns=100)
+    beating.wake(99)
+    assert channel.arrived == []
+    beating.wake(100)
+    assert len(channel.arrived) == 1
 
 
 def test_an_end_that_telemetry_reported_is_one() -> None:
@@ -208,55 +268,3 @@ def test_its_state_has_what_it_will_send() -> None:
         "scheduled": [[9 * NS_PER_S, "release 2"]],
         "heartbeats": 0,
     }
-
-
-def test_a_request_leaves_open_what_its_kind_does_not_need() -> None:
-    command = CommandRequest(CommandKind.HOLD).command(4, 2, 10, 20)
-    assert (command.id, command.attempt, command.issued_ns, command.received_ns) == (4, 2, 10, 20)
-    assert (command.released, command.target_id, command.value) == (-1, -1, 0.0)
-    assert (command.not_before_ns, command.expires_ns) == (-1, -1)
-
-
-@pytest.mark.parametrize(
-    ("request_", "words"),
-    [
-        (CommandRequest(CommandKind.RELEASE), "release all"),
-        (CommandRequest(CommandKind.RELEASE, released=0), "release 0"),
-        (CommandRequest(CommandKind.CANCEL, target_id=7), "cancel command 7"),
-        (CommandRequest(CommandKind.SET_TOLERANCE, value=0.5), "set_tolerance 0.5 m"),
-        (CommandRequest(CommandKind.SET_TIMEOUT, value=30.0), "set_timeout 30 s"),
-        (CommandRequest(CommandKind.HOLD), "hold"),
-    ],
-)
-def test_a_request_is_described_by_what_it_changes(request_: CommandRequest, words: str) -> None:
-    assert request_.words == words
-
-
-# From the mission file
-
-
-@pytest.mark.parametrize(
-    ("autonomy", "kind"),
-    [
-        ("mission", MissionOperator),
-        ("waypoint", WaypointOperator),
-        ("short_range_goal", ShortRangeGoalOperator),
-        ("joint", JointOperator),
-    ],
-)
-def test_the_autonomy_decides_who_commands(autonomy: str, kind: type[Operator]) -> None:
-    pilot = JointOperator.__new__(JointOperator)
-    text = f"autonomy: {autonomy}\noperator: {{heartbeat: 250 ms}}\ncommands: {{margin: 3 us}}"
-    uplink: LoggedDirection[Any] = LoggedDirection(Direction(delay=fixed_delay(1000)), UP, lambda _: None)
-    made = station_for(mission_of(text), lambda: pilot, lambda _: None, uplink, Direction(delay=fixed_delay(500)), 20)
-    assert type(made.operator) is kind
-    assert (made.operator is pilot) is (autonomy == "joint")
-    assert made.heartbeats.next_ns == NS_PER_S // 4
-    command_id = made.dispatcher.issue(0, CommandRequest(CommandKind.HOLD))
-    assert made.dispatcher.state()["open"] == [[command_id, 1, "queued", 1000 + 20 + 500 + 3000]]
-
-
-def test_without_a_period_no_heartbeat_is_sent() -> None:
-    uplink: LoggedDirection[Any] = LoggedDirection(Direction(), UP, lambda _: None)
-    made = station_for(mission_of(""), no_uplink, lambda _: None, uplink, Direction(), 20)  # type: ignore[arg-type]
-    assert made.heartbeats.next_ns is None
