@@ -31,7 +31,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     robot.mkdir(parents=True)
     (robot / "rover.xml").write_text(mjcf)
     (robot / "robot.yaml").write_text(textwrap.dedent(description))
-    small = recipe.replace("trials: 20", "trials: 1") + "algorithm: {name: ppo, robots: 8, minibatch: 64}\n"
+    small = recipe.replace("trials: 20", "trials: 1").replace("robots: 64", "robots: 16")
     (tmp_path / "rover-train.yaml").write_text(small)
     (tmp_path / "rover.yaml").write_text(mission)
     return tmp_path
