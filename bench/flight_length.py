@@ -27,8 +27,7 @@ from waypointctl.mission.files import MissionFile, load_mission  # noqa: E402
 from waypointctl.policy.bundle import LoadedPolicy, load_policy  # noqa: E402
 from waypointctl.replay.resume import go_on, unfinished  # noqa: E402
 from waypointctl.replay.summary_builder import summarize  # noqa: E402
-from waypointctl.replay.verdict import Verdict  # noqa: E402
-from waypointctl.replay.verify import verify_log  # noqa: E402
+from waypointctl.replay.verify import Verdict, verify_log  # noqa: E402
 
 POLICY: Final = Path(__file__).parents[1] / "policies" / "ant-waypoint"
 SQUARE: Final = "[[3, 0], [3, 3], [0, 3], [0, 0]]"

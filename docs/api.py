@@ -102,9 +102,9 @@ def _class(kind: type) -> str:
 
 
 def _fields(kind: type) -> str:
-    """Return the fields of a record as they stand in the source, comments with units among them."""
+    """Return the fields of a record as they stand in the source, and the comments on them."""
     lines = inspect.getsource(kind).splitlines()
-    return "\n".join(line.strip() for line in lines if re.match(r"    \w+: ", line))
+    return "\n".join(line.strip() for line in lines if re.match(r"    (\w+:|#) ", line))
 
 
 def _members(kind: type) -> Iterator[str]:

@@ -48,8 +48,7 @@ if TYPE_CHECKING:
     from waypointctl.replay.link_summary import LinkSummary
     from waypointctl.replay.summary import FlightSummary
     from waypointctl.replay.track import Effort, Track
-    from waypointctl.replay.verdict import Verdict, Verification
-    from waypointctl.replay.verify import verify
+    from waypointctl.replay.verify import Verdict, Verification, verify
     from waypointctl.robots.load import load_robot
     from waypointctl.robots.robot import Robot
     from waypointctl.task.batched import BatchedWaypointEnv, Step
@@ -159,8 +158,7 @@ _MODULES: Final = {
     "replay.link_summary": ("LinkSummary",),
     "replay.summary": ("FlightSummary",),
     "replay.track": ("Effort", "Track"),
-    "replay.verdict": ("Verdict", "Verification"),
-    "replay.verify": ("verify",),
+    "replay.verify": ("Verdict", "Verification", "verify"),
     "robots.load": ("load_robot",),
     "robots.robot": ("Robot",),
     "task.batched": ("BatchedWaypointEnv", "Step"),

@@ -20,8 +20,7 @@ from tests.cli.flying import Program, start
 from tests.forked import ForkedProgram
 from waypointctl.log.messages import Command, CommandKind, ConsoleInput
 from waypointctl.log.reader import open_log
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 LIMIT_S = 120.0
 

@@ -112,14 +112,14 @@ def test_plain_lines_come_now_and_then_and_none_before_a_checkpoint_is_lost(
 ) -> None:
     clock = [100.0]
     monkeypatch.setattr("waypointctl.cli.tui.training.time.monotonic", lambda: clock[0])
-    with PlainLines(TINY) as lines:
-        for second in range(25):
-            clock[0] = 100.0 + second
-            lines(status(second + 1))
-        lines(CheckpointSaved(25, Path("runs/tiny/step")))
-        lines(EvaluationProgress("region", False, "region", 5, 5))
-        lines(EvaluationProgress("paper", True, "to-6-6", 0, 5))
-        lines(EvaluationProgress("paper", True, "to-6-6", 5, 5))
+    lines = PlainLines(TINY)
+    for second in range(25):
+        clock[0] = 100.0 + second
+        lines(status(second + 1))
+    lines(CheckpointSaved(25, Path("runs/tiny/step")))
+    lines(EvaluationProgress("region", False, "region", 5, 5))
+    lines(EvaluationProgress("paper", True, "to-6-6", 0, 5))
+    lines(EvaluationProgress("paper", True, "to-6-6", 5, 5))
     said = capsys.readouterr().err.splitlines()
     assert [text.split()[1] for text in said[:4]] == ["1", "11", "21", "25"]
     announced = "evaluating on the suite paper, 5 trials of each case"

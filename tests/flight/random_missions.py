@@ -19,8 +19,7 @@ from waypointctl.log.messages import Event, EventKind, Message
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 Content: TypeAlias = dict[str, Any]
 

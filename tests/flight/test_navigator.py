@@ -14,8 +14,7 @@ from tests.flight.flying import STILL, Scripted, flown, mission_of, only
 from waypointctl.errors import InputError
 from waypointctl.flight.fly import fly
 from waypointctl.log.messages import Checkpoint, Message, Observation
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 from waypointctl.task.view import Body
 
 AHEAD = {"position_m": [5.0, 0.0], "timeout_s": 0.2}

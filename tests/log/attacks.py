@@ -25,9 +25,9 @@ def hidden_chunk(forged: Forgery) -> None:
     found: list[mcap.ChunkIndex] = []
 
     def hide(offset: int) -> bytes:
-        sealed = seal(decoy, offset + HEAD_BYTES)
-        found[:] = [sealed.index]
-        return Record(0, PRIVATE, sealed.data).raw
+        data, index, _ = seal(decoy, offset + HEAD_BYTES)
+        found[:] = [index]
+        return Record(0, PRIVATE, data).raw
 
     forged.data.insert(forged.data.index(forged.chunks[1]), hide)
     forged.summary = lambda listed: _with(listed, mcap.ChunkIndex, found[0])

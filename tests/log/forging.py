@@ -16,7 +16,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
 from waypointctl.log.channels import Summary
-from waypointctl.log.chunk import SealedChunk, encoded
+from waypointctl.log.chunk import encoded
 from waypointctl.log.opening import MAGIC
 from waypointctl.log.records import Record, body_stream, chunk_bytes, inner_records, raw_message, records
 
@@ -118,14 +118,14 @@ class Forgery:
             case _ if callable(part):
                 out += part(offset)
             case Chunk():
-                sealed = seal(part, offset)
-                out += sealed.data
+                data, chunk_index, counts = seal(part, offset)
+                out += data
                 for opcode, body in part.inner:
                     with suppress(McapError, ValueError, struct.error):  # one that is damaged is listed nowhere
                         _list(summary, opcode, body)
                 if part.is_indexed:
-                    summary.chunks.append(replace(sealed.index, **part.index_lies))
-                    summary.counts.update(sealed.counts)
+                    summary.chunks.append(replace(chunk_index, **part.index_lies))
+                    summary.counts.update(counts)
             case mcap.Attachment():
                 out += encoded(part)
                 times = {"log_time": part.log_time, "create_time": part.create_time}
@@ -170,8 +170,8 @@ SUMMARY_TYPES: dict[int, Any] = {
 }
 
 
-def seal(chunk: Chunk, offset: int) -> SealedChunk:
-    """Return a chunk's record and its message indexes, for byte `offset` of a file."""
+def seal(chunk: Chunk, offset: int) -> tuple[bytes, mcap.ChunkIndex, dict[int, int]]:
+    """Return a chunk's record with its message indexes, for byte `offset` of a file; its index; messages by channel."""
     data = b"".join(Record(0, opcode, body).raw for opcode, body in chunk.inner)
     entries: dict[int, list[tuple[int, int]]] = {}
     at = 0
@@ -206,7 +206,7 @@ def seal(chunk: Chunk, offset: int) -> SealedChunk:
         compressed_size=len(record.data),
         uncompressed_size=record.uncompressed_size,
     )
-    return SealedChunk(out, index, {channel: len(found) for channel, found in entries.items()})
+    return out, index, {channel: len(found) for channel, found in entries.items()}
 
 
 def compressed(data: bytes, compression: str) -> bytes:

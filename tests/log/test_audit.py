@@ -12,7 +12,7 @@ from tests.log.fake_flight import header
 from tests.log.forging import Forgery
 from waypointctl.errors import LogError
 from waypointctl.log.audit import audit
-from waypointctl.log.comparison import FileDiffers
+from waypointctl.log.comparison import Diverged
 from waypointctl.log.reader import LogReader, open_log
 from waypointctl.log.same_records import compare_readers, compare_records
 
@@ -68,10 +68,10 @@ def test_what_is_hidden_doubled_out_of_place_or_not_as_the_index_says_is_found(
     except LogError as error:
         assert "is damaged at byte" in str(error)  # noqa: PT017 - most attacks are found by the check below
         return
-    with pytest.raises(FileDiffers) as caught:
+    with pytest.raises(Diverged) as caught:
         check(log)
-    difference = caught.value.difference
-    assert difference.found != difference.expected
+    difference = caught.value.where
+    assert difference.logged != difference.replayed
     assert difference.topic.startswith("/") or difference.topic in ("file", "metadata", "attachment")
     if difference.topic == "file":
         assert any(word in difference.component for word in (" at byte ", "schema of ", "channel of ", "attachment "))

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from waypointctl.log.comparison import Diverged
 from waypointctl.log.messages import Clock, Event, EventKind, Message, Mode, Severity, State, Telemetry
 from waypointctl.log.reader import EncodedMessage
 from waypointctl.log.records import RawMessage
 from waypointctl.log.topics import BY_KIND
-from waypointctl.replay.comparator import Diverged, LogComparator, LogEnded
+from waypointctl.replay.comparator import LogComparator, LogEnded
 
 STATE = State(20, 1, np.arange(3.0), np.zeros(2), np.zeros(2))
 FRAME = Telemetry(5, Mode.PAUSED, 1.0, 2.0, 0.5, 0.1, 1.5, 0, (0, 1), 7, 9)

@@ -24,8 +24,7 @@ from waypointctl.log.reader import open_log
 from waypointctl.paths import lock
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.resume import Interrupted, go_on, unfinished
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 CUTS = 5
 

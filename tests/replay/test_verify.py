@@ -32,8 +32,7 @@ from waypointctl.log.messages import (
 )
 from waypointctl.log.reader import open_log
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 REPOSITORY = Path(__file__).parents[2]
 LONG = MISSION.replace(b"timeout: 600 ms", b"timeout: 10.5 s")

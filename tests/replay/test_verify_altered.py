@@ -10,6 +10,7 @@ import pytest
 
 from tests.replay.rewriting import Flown, altered, bit_flipped, step_under_way
 from waypointctl.flight import header
+from waypointctl.log.comparison import Divergence
 from waypointctl.log.messages import (
     Ack,
     Action,
@@ -24,8 +25,7 @@ from waypointctl.log.messages import (
     Telemetry,
 )
 from waypointctl.replay import contents
-from waypointctl.replay.verdict import Divergence, Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 
 def nth(messages: list[Message], number: int, of: type[Any], /, **wanted: object) -> int:

@@ -14,8 +14,7 @@ from waypointctl.flight.fly import fly
 from waypointctl.log.messages import ConsoleInput, Message
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 from waypointctl.units import NS_PER_S
 
 MISSION = b"""\

@@ -11,8 +11,7 @@ import pytest
 from tests.replay.rewriting import Flown
 from waypointctl.flight import header
 from waypointctl.log.reader import open_log
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 from waypointctl.robots.load import load_robot
 
 

@@ -10,8 +10,7 @@ from tests.log.attacks import ATTACKS
 from tests.log.forging import Forgery
 from tests.replay.rewriting import Flown
 from waypointctl.errors import LogError
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 ELSEWHERE = {"source": "0" * 12}
 

@@ -14,8 +14,7 @@ from waypointctl.log.messages import Ack, Checkpoint, Command, DeliveryOutcome, 
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import load_mission
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 PLAN = b"""\
 a contact +0 +2 1 2 500

@@ -16,8 +16,7 @@ from waypointctl.log.reader import open_log
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.protocol import Policy
 from waypointctl.replay.resume import unfinished
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 SOURCE = b"""
 name: own

@@ -18,8 +18,7 @@ from waypointctl.log.png import to_png
 from waypointctl.log.reader import open_log
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.replay.flight_log import names_of, pictures_in
-from waypointctl.replay.verdict import Verdict, Verification
-from waypointctl.replay.verify import verify, verify_log
+from waypointctl.replay.verify import Verdict, Verification, verify, verify_log
 
 Change = Callable[[Picture], list[Message]]
 

@@ -16,8 +16,7 @@ from waypointctl.log.reader import open_log
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.protocol import Policy
 from waypointctl.replay.resume import Unfinished, unfinished
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 from waypointctl.task.plugins import load_plugins, observation_group
 
 PLUGIN = """

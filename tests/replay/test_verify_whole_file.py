@@ -16,8 +16,7 @@ from waypointctl.flight.header import platform_facts
 from waypointctl.log.foxglove.view import FoxgloveView, Frame
 from waypointctl.log.messages import Action, Message, Observation, Telemetry
 from waypointctl.replay.contents import PROGRAM
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 SHIPPED_MISSION = Path(__file__).parents[2] / "missions" / "yard-loop.yaml"
 

@@ -12,8 +12,7 @@ from tests.replay.rewriting import Flown
 from waypointctl.flight import header
 from waypointctl.policy.network import Network
 from waypointctl.replay import contents
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 
 
 def test_commands_their_stages_and_what_was_heard_are_counted(flown: Flown) -> None:

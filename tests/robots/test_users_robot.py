@@ -19,8 +19,7 @@ from waypointctl.flight.fly import fly
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import load_mission
 from waypointctl.policy.bundle import LoadedPolicy
-from waypointctl.replay.verdict import Verdict
-from waypointctl.replay.verify import verify
+from waypointctl.replay.verify import Verdict, verify
 from waypointctl.robots.load import load_robot
 from waypointctl.robots.robot import Robot, stance_action
 from waypointctl.sim.stepping import SingleRobot

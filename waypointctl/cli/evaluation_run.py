@@ -46,17 +46,11 @@ class Evaluated:
 
 @dataclass(frozen=True, slots=True)
 class ChosenSuite:
-    """A suite, and the suite that policies are evaluated on: with another acceptance region, maybe.
+    """A suite, and the suite that policies are evaluated on: with another acceptance region, maybe."""
 
-    Attributes:
-        given: the given name or file.
-        own: as it is.
-        used: as the policies are to be evaluated on it.
-    """
-
-    given: str
-    own: Suite
-    used: Suite
+    given: str  # the given name or file
+    own: Suite  # as it is
+    used: Suite  # as the policies are to be evaluated on it
 
     @property
     def other_acceptance(self) -> Acceptance | None:
@@ -155,25 +149,15 @@ def _is_suite_of(record: SelectionRecord, suite: ChosenSuite) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class EvaluationFiles:
-    """The output files: refused before the work, written after it.
+    """The output files: refused before the work, written after it."""
 
-    Attributes:
-        folders: of the policies.
-        suite: that is evaluated.
-        out: for the JSON.
-        markdown: for the tables.
-        plot: for the picture.
-        save: write each evaluation into its policy's folder.
-        force: replace files of another kind.
-    """
-
-    folders: tuple[Path, ...]
-    suite: ChosenSuite
-    out: Path | None = None
-    markdown: Path | None = None
-    plot: Path | None = None
-    save: bool = False
-    force: bool = False
+    folders: tuple[Path, ...]  # of the policies
+    suite: ChosenSuite  # that is evaluated
+    out: Path | None = None  # for the JSON
+    markdown: Path | None = None  # for the tables
+    plot: Path | None = None  # for the picture
+    save: bool = False  # write each evaluation into its policy's folder
+    force: bool = False  # replace files of another kind
 
     def refuse_unwritable(self) -> None:
         """Refuse what could not be written, would replace something else, or could not be named or drawn."""

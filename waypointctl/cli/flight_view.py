@@ -10,38 +10,43 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import typer
 
+from waypointctl.cli.console import console as people
+from waypointctl.cli.console import is_live
+from waypointctl.cli.log_place import say_missing
+from waypointctl.cli.program import interruption
+from waypointctl.cli.tui.playback import Watch, paced, watch
+from waypointctl.cli.tui.prompt import Prompt
+from waypointctl.cli.tui.screens import ConsoleScreen
+from waypointctl.cli.tui.summary import print_flight
+from waypointctl.cli.tui.terminal import TypedLines
 from waypointctl.display_text import printable
+from waypointctl.flight.header import setting_of
+from waypointctl.flight.operator.console import LineSource
+from waypointctl.flight.operator.requests import planned_waypoints
+from waypointctl.flight.outcome import FlightResult
+from waypointctl.flight.sink import Sink
+from waypointctl.log.opening import PART
+from waypointctl.mission.mission import Mission
+from waypointctl.replay.contents import platform_differences
+from waypointctl.replay.flight_log import FlightLog
+from waypointctl.replay.resume import Interrupted, Unfinished, go_on, unfinished
 from waypointctl.replay.summary import FlightSummary, Plain, summary_json
+from waypointctl.task.plugins import load_plugins
 from waypointctl.units import seconds
-
-if TYPE_CHECKING:
-    from waypointctl.cli.tui.playback import Watch
-    from waypointctl.flight.operator.console import LineSource
-    from waypointctl.flight.outcome import FlightResult
-    from waypointctl.flight.sink import Sink
-    from waypointctl.mission.mission import Mission
-    from waypointctl.replay.resume import Unfinished
 
 
 @dataclass(frozen=True, slots=True)
 class FlightView:
-    """What a flight is connected to.
+    """What a flight is connected to."""
 
-    Attributes:
-        watch: what shows it.
-        sink: takes each message as it happens, no sooner than it is time for it.
-        learn: takes messages that were shown before, without a word.
-        console: where a person's commands come from, if there is a person.
-    """
-
-    watch: Watch
-    sink: Sink
-    learn: Sink
-    console: LineSource | None
+    watch: Watch  # what shows it
+    sink: Sink  # takes each message as it happens, no sooner than it is time for it
+    learn: Sink  # takes messages that were shown before, without a word
+    console: LineSource | None  # where a person's commands come from, if there is a person
 
 
 @contextmanager
@@ -56,18 +61,8 @@ def flight_view(
         interrupted: whether the end was requested.
         console: whether a person commands too.
     """
-    from waypointctl.cli.tui.playback import paced, watch
-    from waypointctl.flight.header import setting_of
-    from waypointctl.flight.operator.requests import planned_waypoints
-
     plan = planned_waypoints(mission)
     if console:
-        from waypointctl.cli.console import console as people
-        from waypointctl.cli.console import is_live
-        from waypointctl.cli.tui.prompt import Prompt
-        from waypointctl.cli.tui.screens import ConsoleScreen
-        from waypointctl.cli.tui.terminal import TypedLines
-
         shown_on = people(stderr=True)
         typed = TypedLines(echo=is_live(shown_on))
         setting = setting_of(mission)
@@ -97,9 +92,6 @@ def report_flight(
         wall_s: the wall time that it took; None for one that was flown before, of which only the object is printed.
         json: print the object on stdout, and the rest on stderr.
     """
-    from waypointctl.cli.log_place import say_missing
-    from waypointctl.cli.tui.summary import print_flight
-
     if wall_s is not None:
         say_missing(result)
         print_flight(summary, result, wall_s, stderr=json)
@@ -141,9 +133,6 @@ def resume_flight(path: Path, rate: float | None, plugins: Sequence[Path], *, co
         console: whether a person types commands, from where the log ends.
         json: whether the answer is one JSON object.
     """
-    from waypointctl.replay.resume import unfinished
-    from waypointctl.task.plugins import load_plugins
-
     with unfinished(path, load_plugins(plugins)) as flight:
         if flight is None:
             return _say_complete(path, json=json)
@@ -151,9 +140,6 @@ def resume_flight(path: Path, rate: float | None, plugins: Sequence[Path], *, co
 
 
 def _continue(flight: Unfinished, rate: float | None, *, console: bool, json: bool) -> int:
-    from waypointctl.cli.program import interruption
-    from waypointctl.replay.contents import platform_differences
-    from waypointctl.replay.resume import Interrupted, go_on
 
     mission, log = flight.contents.mission, printable(flight.log.path)
     if console and not flight.events.had_console:
@@ -177,10 +163,6 @@ def _continue(flight: Unfinished, rate: float | None, *, console: bool, json: bo
 
 def _say_complete(path: Path, *, json: bool) -> int:
     """Say that there is nothing to do; return the exit code of the flight, as when it was flown."""
-    from waypointctl.flight.outcome import FlightResult
-    from waypointctl.log.opening import PART
-    from waypointctl.replay.flight_log import FlightLog
-
     path = path.with_name(path.name.removesuffix(PART))
     log = FlightLog.open(path)
     summary = log.summary

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from waypointctl.display_text import printable
+from waypointctl.evaluation.grid import Column, Grid
 
 if TYPE_CHECKING:
-    from waypointctl.cli.tui.tables import GridView
-    from waypointctl.evaluation.grid import Column
-    from waypointctl.log.header import TopicSummary
     from waypointctl.log.reader import LogReader
+
+_TOPICS: Final = (
+    Column("topic", is_text=True),
+    Column("schema", is_text=True, spare=4),
+    Column("messages"),
+    Column("rate [Hz]", spare=3),
+    Column("first [s]", spare=2),
+    Column("last [s]", spare=1),
+)
 
 
 def info(
@@ -49,7 +56,7 @@ def _record(log: LogReader) -> dict[str, Any]:
         "end_ns": log.end_ns,
         "duration_s": log.duration_s,
         "outcome": _outcome(log),
-        "topics": [_topic_record(topic) for topic in log.topics.values()],
+        "topics": [asdict(topic) | {"rate_hz": topic.rate_hz} for topic in log.topics.values()],
         "attachments": [{"name": name, "size_bytes": len(data)} for name, data in log.attachments.items()],
         "metadata": dict(log.metadata),
     }
@@ -63,19 +70,9 @@ def _outcome(log: LogReader) -> str | None:
     return events.ending if events.has_end else None
 
 
-def _topic_record(topic: TopicSummary) -> dict[str, Any]:
-    return {
-        "name": topic.name,
-        "schema": topic.schema,
-        "count": topic.count,
-        "first_ns": topic.first_ns,
-        "last_ns": topic.last_ns,
-        "rate_hz": topic.rate_hz,
-    }
-
-
 def _show(log: LogReader) -> None:
     from waypointctl.cli.console import console
+    from waypointctl.cli.tui.tables import GridView
 
     out = console()
     unbroken = not out.is_terminal  # for programs that look for a line
@@ -89,7 +86,7 @@ def _show(log: LogReader) -> None:
     out.print(written, soft_wrap=unbroken)
     for table in (_topic_table(log), _attachment_table(log), _metadata_table(log)):
         out.print()
-        out.print(table)
+        out.print(GridView(table))
 
 
 def _ending(log: LogReader) -> tuple[str, str]:
@@ -106,42 +103,21 @@ def _ending(log: LogReader) -> tuple[str, str]:
     )
 
 
-def _topic_table(log: LogReader) -> GridView:
-    from waypointctl.evaluation.grid import Column
+def _topic_table(log: LogReader) -> Grid:
     from waypointctl.units import seconds
 
-    columns = (
-        Column("topic", is_text=True),
-        Column("schema", is_text=True, spare=4),
-        Column("messages"),
-        Column("rate [Hz]", spare=3),
-        Column("first [s]", spare=2),
-        Column("last [s]", spare=1),
-    )
     rows = []
     for topic in log.topics.values():
         rate = "" if topic.rate_hz is None else f"{topic.rate_hz:.1f}"
         times = ("" if time is None else f"{seconds(time):.3f}" for time in (topic.first_ns, topic.last_ns))
         rows.append((topic.name, topic.schema, str(topic.count), rate, *times))
-    return _view(columns, rows)
+    return Grid("", _TOPICS, tuple(rows))
 
 
-def _attachment_table(log: LogReader) -> GridView:
-    from waypointctl.evaluation.grid import Column
-
-    rows = [(name, f"{len(data):,}") for name, data in log.attachments.items()]
-    return _view((Column("attachment", is_text=True), Column("bytes")), rows)
+def _attachment_table(log: LogReader) -> Grid:
+    rows = ((name, f"{len(data):,}") for name, data in log.attachments.items())
+    return Grid("", (Column("attachment", is_text=True), Column("bytes")), tuple(rows))
 
 
-def _metadata_table(log: LogReader) -> GridView:
-    from waypointctl.evaluation.grid import Column
-
-    rows = [(name, text) for name, text in log.metadata.items()]
-    return _view((Column("metadata", is_text=True), Column("value", is_text=True)), rows)
-
-
-def _view(columns: tuple[Column, ...], rows: Sequence[tuple[str, ...]]) -> GridView:
-    from waypointctl.cli.tui.tables import GridView
-    from waypointctl.evaluation.grid import Grid
-
-    return GridView(Grid("", columns, tuple(rows)))
+def _metadata_table(log: LogReader) -> Grid:
+    return Grid("", (Column("metadata", is_text=True), Column("value", is_text=True)), tuple(log.metadata.items()))

@@ -9,17 +9,23 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Final
+from typing import IO, Final
 
 from waypointctl.display_text import printable
 from waypointctl.errors import OutputError
-from waypointctl.paths import MCAP, begins, is_being_written, lock
-
-if TYPE_CHECKING:
-    from waypointctl.flight.outcome import FlightResult
-    from waypointctl.log.reader import LogReader
-    from waypointctl.replay.flight_log import PictureFile
-
+from waypointctl.flight.outcome import FlightResult
+from waypointctl.log.reader import LogReader
+from waypointctl.paths import (
+    MCAP,
+    PNG,
+    begins,
+    is_being_written,
+    lock,
+    refuse_other_content,
+    refuse_unwritable_folder,
+    write_whole,
+)
+from waypointctl.replay.flight_log import PictureFile, pictures_in
 
 FOLDER: Final = Path("logs")
 
@@ -122,9 +128,6 @@ def _part(path: Path) -> Path:
     return path.with_name(f"{path.name}.part")
 
 
-_PNG: Final = b"\x89PNG"
-
-
 def say_missing(result: FlightResult) -> None:
     """Say on stderr why a flight that observed has no pictures, if that is so."""
     if result.no_pictures:
@@ -137,13 +140,10 @@ def picture_files(log: LogReader, folder: Path) -> list[PictureFile]:
     Raises:
         OutputError: the folder cannot be written, or a name is taken by a file that is not a picture.
     """
-    from waypointctl.paths import refuse_other_content, refuse_unwritable_folder
-    from waypointctl.replay.flight_log import pictures_in
-
     refuse_unwritable_folder(folder)
     files = pictures_in(log)
     for file in files:
-        refuse_other_content(folder / file.name, _PNG, "a PNG")
+        refuse_other_content(folder / file.name, PNG, "a PNG")
     return files
 
 
@@ -153,9 +153,6 @@ def write_pictures(files: list[PictureFile], folder: Path) -> None:
     Raises:
         OutputError: they cannot be written.
     """
-    from waypointctl.errors import OutputError
-    from waypointctl.paths import write_whole
-
     if not files:
         why = "there was no observation, or no renderer was available"
         print(f"the log has no pictures: {why}", file=sys.stderr)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -10,12 +11,12 @@ import typer
 from typer.core import TyperGroup
 
 from waypointctl.cli.options import policy_named
-from waypointctl.display_text import printable
+from waypointctl.display_text import printable, shell_word
+from waypointctl.evaluation.grid import Column, Grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from waypointctl.evaluation.grid import Grid
     from waypointctl.evaluation.result import CaseResult, Evaluation
     from waypointctl.evaluation.saved import Entry
     from waypointctl.training.sb3_import import Imported
@@ -74,8 +75,6 @@ def show_policy(
 
 
 def _print_json(entries: list[Entry]) -> None:
-    import json
-
     found = [
         {
             "folder": str(entry.folder),
@@ -89,7 +88,7 @@ def _print_json(entries: list[Entry]) -> None:
         }
         for entry in entries
     ]
-    sys.stdout.write(f"{json.dumps({'policies': found}, indent=2)}\n")
+    sys.stdout.write(f"{dumps({'policies': found}, indent=2)}\n")
 
 
 def _of_paper(entry: Entry) -> dict[str, Any] | None:
@@ -134,7 +133,6 @@ def import_policy(
 
 
 def _lines(imported: Imported, out: Path, vecnormalize: Path | None) -> list[str]:
-    from waypointctl.display_text import shell_word
     from waypointctl.training.sb3_import import CHECKED
 
     manifest, network = imported.policy.manifest, imported.network
@@ -157,8 +155,6 @@ def _lines(imported: Imported, out: Path, vecnormalize: Path | None) -> list[str
 
 
 def _json(imported: Imported, out: Path) -> str:
-    import json
-
     manifest, network = imported.policy.manifest, imported.network
     found = {
         "policy": str(out),
@@ -173,7 +169,7 @@ def _json(imported: Imported, out: Path) -> str:
         "vecnormalize_sha256": imported.normaliser.sha256 or None,
         "largest_difference": imported.difference,
     }
-    return f"{json.dumps(found, indent=2)}\n"
+    return f"{dumps(found, indent=2)}\n"
 
 
 _LONG: Final = 4  # waypoints; of longer paths the legs are shown, too
@@ -181,8 +177,6 @@ _LONG: Final = 4  # waypoints; of longer paths the legs are shown, too
 
 def policies_grid(entries: Sequence[Entry]) -> Grid:
     """Return a row for each policy, with a column for each suite that any of them has been evaluated in."""
-    from waypointctl.evaluation.grid import Column, Grid
-
     suites = list(dict.fromkeys(evaluation.conditions for entry in entries for evaluation in entry.evaluations))
     columns = (
         Column("policy", is_text=True),
@@ -213,14 +207,10 @@ def _legs_text(case: CaseResult) -> str:
 
 def _row(entry: Entry, suites: Sequence[str]) -> tuple[str, ...]:
     where = f"{entry.name} (shipped)" if entry.shipped else str(entry.folder)
+    none = [""] * max(0, len(suites) - 1)
     if entry.policy is None:
-        return (where, "", "", "", *_padded("damaged", suites))
+        return (where, "", "", "", "damaged", *none)
     manifest = entry.policy.manifest
     found = {evaluation.conditions: result_text(evaluation) for evaluation in entry.evaluations}
-    results = [found.get(suite, "") for suite in suites] if found else _padded("not evaluated", suites)
-    steps = f"{manifest.training.steps:,}"
-    return (where, manifest.robot, manifest.observation.layout, steps, *results)
-
-
-def _padded(word: str, suites: Sequence[str]) -> list[str]:
-    return [word, *([""] * (len(suites) - 1))]
+    results = [found.get(suite, "") for suite in suites] if found else ["not evaluated", *none]
+    return (where, manifest.robot, manifest.observation.layout, f"{manifest.training.steps:,}", *results)

@@ -6,17 +6,20 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Final, TypeAlias
 
 import typer
 
+from waypointctl.cli.console import console, is_live
+from waypointctl.cli.main import INTERRUPTED
+from waypointctl.cli.program import interruption
+from waypointctl.cli.tui.formatting import MESSAGE_KINDS
 from waypointctl.display_text import printable
 from waypointctl.errors import InputError
-
-if TYPE_CHECKING:
-    from waypointctl.mission.files import MissionFile
-    from waypointctl.mission.mission import Mission
-    from waypointctl.studies.rehearsal import Rehearsal
+from waypointctl.mission.files import MissionFile
+from waypointctl.mission.mission import Mission
+from waypointctl.policy.bundle import load_policy
+from waypointctl.studies.rehearsal import AUTONOMIES, Rehearsal, rehearse
 
 
 def rehearse_files(
@@ -35,11 +38,6 @@ def rehearse_files(
         jobs: flights at a time; 0 for one a core.
         plugins: Python files, which are executed.
     """
-    from waypointctl.cli.main import INTERRUPTED
-    from waypointctl.cli.program import interruption
-    from waypointctl.policy.bundle import load_policy
-    from waypointctl.studies.rehearsal import rehearse
-
     others = _autonomies(autonomies)
     policies = {folder: load_policy(folder) for folder in dict.fromkeys(folder for _, folder in files)}
     missions = [(file.mission, policies[folder]) for file, folder in files]
@@ -81,8 +79,6 @@ def dry_run(files: Sequence[MissionFile], policy: Path | None, plugins: tuple[Pa
 
 def rehearsal_lines(rehearsals: Sequence[Rehearsal]) -> Iterator[str]:
     """Yield the rehearsals of a mission as lines."""
-    from waypointctl.cli.tui.formatting import MESSAGE_KINDS
-
     width = max(len(rehearsal.autonomy) for rehearsal in rehearsals)
     for rehearsal in rehearsals:
         count, (low, high) = len(rehearsal.flights), rehearsal.wilson95
@@ -117,8 +113,6 @@ def _autonomies(given: str | None) -> tuple[str, ...]:
     Raises:
         InputError: there is none of a name.
     """
-    from waypointctl.studies.rehearsal import AUTONOMIES
-
     if given is None or given == "all":
         return () if given is None else AUTONOMIES
     names = tuple(part.strip() for part in given.split(","))
@@ -136,8 +130,6 @@ _LINES: Final = 10  # in all, where nothing can be drawn over
 @contextmanager
 def flights_progress() -> Iterator[Show]:
     """Yield a function that shows on stderr how many flights have ended."""
-    from waypointctl.cli.console import console, is_live
-
     people = console(stderr=True)
     if not is_live(people):
         yield _by_lines(people.print)

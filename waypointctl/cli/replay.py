@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 import sys
 from contextlib import nullcontext
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,9 +18,7 @@ if TYPE_CHECKING:
 
     from waypointctl.cli.tui.playback import Playback
     from waypointctl.replay.flight_log import FlightLog
-    from waypointctl.replay.verdict import Verification
-
-_PNG: Final = b"\x89PNG"
+    from waypointctl.replay.verify import Verification
 
 
 def replay(
@@ -64,46 +61,38 @@ def replay(
             )
         _play(FlightLog.open(log), Playback(rate or 1.0, start_offset or 0.0, loop, start_paused))
         return
-    verification = _replay(log, _Outputs(summary=not verify, png=png, pictures=pictures, json=json), plugin or ())
+    verification = _replay(log, plugin or (), summary=not verify, png=png, pictures=pictures, json=json)
     accepted = verification.verdict == "exact" if strict else verification.verdict.is_reproduced
     raise typer.Exit(0 if accepted else 1)
 
 
-@dataclass(frozen=True, slots=True)
-class _Outputs:
-    """The outputs of a replay besides its verdict."""
-
-    summary: bool
-    png: Path | None
-    pictures: Path | None
-    json: bool
-
-
-def _replay(path: Path, outputs: _Outputs, plugins: Sequence[Path]) -> Verification:
+def _replay(
+    path: Path, plugins: Sequence[Path], *, summary: bool, png: Path | None, pictures: Path | None, json: bool
+) -> Verification:
     """Verify a log and write the outputs; refuse files that cannot be written before the replay starts."""
     from waypointctl.cli.flight_view import json_text
     from waypointctl.cli.log_place import picture_files, write_pictures
     from waypointctl.cli.tui.summary import print_summary
-    from waypointctl.paths import refuse_other_content, refuse_unwritable_file
+    from waypointctl.paths import PNG, refuse_other_content, refuse_unwritable_file
     from waypointctl.replay.flight_log import FlightLog
     from waypointctl.replay.summary import summary_json
-    from waypointctl.replay.verdict import verification_json
+    from waypointctl.replay.verify import verification_json
 
-    if outputs.png is not None:
-        refuse_unwritable_file(outputs.png, "the picture")
-        refuse_other_content(outputs.png, _PNG, "a PNG")
+    if png is not None:
+        refuse_unwritable_file(png, "the picture")
+        refuse_other_content(png, PNG, "a PNG")
     log = FlightLog.open(path)
-    files = None if outputs.pictures is None else picture_files(log, outputs.pictures)
-    verification = _verify(log, plugins, stderr=outputs.json)
+    files = None if pictures is None else picture_files(log, pictures)
+    verification = _verify(log, plugins, stderr=json)
     found = verification_json(verification)
-    if outputs.summary:
-        print_summary(log.summary, log.mission_name, stderr=outputs.json)
+    if summary:
+        print_summary(log.summary, log.mission_name, stderr=json)
         found["summary"] = summary_json(log.summary, log.mission_name)
-    if outputs.png is not None:
-        _draw(log, verification, outputs.png)
-    if outputs.pictures is not None and files is not None:
-        write_pictures(files, outputs.pictures)
-    if outputs.json:
+    if png is not None:
+        _draw(log, verification, png)
+    if pictures is not None and files is not None:
+        write_pictures(files, pictures)
+    if json:
         sys.stdout.write(f"{json_text(found)}\n")
     return verification
 

@@ -11,19 +11,27 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 from xml.etree import ElementTree
 
+from waypointctl.cli.console import console
+from waypointctl.cli.flight_view import facts, json_text
+from waypointctl.cli.log_place import claimed, say_missing
+from waypointctl.cli.program import interruption
+from waypointctl.cli.tui.tables import flights_table
 from waypointctl.display_text import printable, printable_lines
 from waypointctl.errors import InputError
+from waypointctl.flight.fly import fly
+from waypointctl.flight.header import setting_of
+from waypointctl.flight.operator.requests import planned_waypoints
+from waypointctl.flight.outcome import FlightResult
+from waypointctl.mission.files import MissionFile
+from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
+from waypointctl.policy.bundle import LoadedPolicy, load_policy
+from waypointctl.replay.summary import Plain
+from waypointctl.replay.summary_builder import FlightSummaryBuilder
+from waypointctl.task.plugins import Plugin, load_plugins
 from waypointctl.units import seconds
-
-if TYPE_CHECKING:
-    from waypointctl.flight.outcome import FlightResult
-    from waypointctl.mission.files import MissionFile
-    from waypointctl.policy.bundle import LoadedPolicy
-    from waypointctl.replay.summary import Plain
-    from waypointctl.task.plugins import Plugin
 
 SUITE: Final = "waypointctl run"
 _WORDS: Final = {
@@ -39,23 +47,14 @@ LoadMission = Callable[[Path], "MissionFile"]
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """The result of a mission file.
+    """The result of a mission file."""
 
-    Attributes:
-        path: of the file.
-        verdict: of its flight; "error" if it could not be flown, "skipped" if the run was interrupted before.
-        reason: why.
-        mission: its name.
-        result: of its flight, if there was one.
-        facts: of its flight, as --json has them.
-    """
-
-    path: Path
-    verdict: str
-    reason: str
-    mission: str = ""
-    result: FlightResult | None = None
-    facts: Plain = field(default_factory=dict)
+    path: Path  # of the file
+    verdict: str  # of its flight; "error" if it could not be flown, "skipped" if the run was interrupted before
+    reason: str  # why
+    mission: str = ""  # its name
+    result: FlightResult | None = None  # of its flight, if there was one
+    facts: Plain = field(default_factory=dict)  # of its flight, as --json has them
 
     @property
     def word(self) -> str:
@@ -86,11 +85,6 @@ def run_many(
         junit: where the JUnit report goes.
         as_json: print one JSON object.
     """
-    from waypointctl.cli.flight_view import json_text
-    from waypointctl.cli.program import interruption
-    from waypointctl.paths import refuse_other_content, refuse_unwritable_file, write_whole
-    from waypointctl.task.plugins import load_plugins
-
     if junit is not None:
         refuse_unwritable_file(junit, "the report")
         refuse_other_content(junit, b"<?xml", "an XML file")  # such as the next mission
@@ -129,13 +123,6 @@ def _fly(
     *,
     force: bool,
 ) -> Outcome:
-    from waypointctl.cli.flight_view import facts
-    from waypointctl.cli.log_place import claimed, say_missing
-    from waypointctl.flight.fly import fly
-    from waypointctl.flight.header import setting_of
-    from waypointctl.flight.operator.requests import planned_waypoints
-    from waypointctl.policy.bundle import load_policy
-    from waypointctl.replay.summary_builder import FlightSummaryBuilder
 
     name, flight = file.mission.name, FlightSummaryBuilder(planned_waypoints(file.mission), setting_of(file.mission))
     folder = policy or file.policy_path.resolve()
@@ -159,8 +146,6 @@ def _exit_code(verdicts: set[str]) -> int:
 
 
 def _print_table(outcomes: Sequence[Outcome], *, stderr: bool) -> None:
-    from waypointctl.cli.console import console
-    from waypointctl.cli.tui.tables import flights_table
 
     people = console(stderr=stderr)
     people.print()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,16 +22,6 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class _Warning:
-    """A finding, and its place in the file: "file:line:column", or the file alone."""
-
-    kind: str
-    place: str
-    path: str
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
 class _Checked:
     """What checking a file has found: problems, or a mission with warnings."""
 
@@ -39,7 +29,7 @@ class _Checked:
     file: MissionFile | None
     problems: tuple[Problem, ...]
     policy: Path | None = None  # that flies it
-    warnings: tuple[_Warning, ...] = ()
+    warnings: tuple[dict[str, str], ...] = ()  # as --json has them
     prevented: bool = False  # whether the mission cannot succeed
     rehearsals: tuple[Rehearsal, ...] = ()  # the first under the mission's own autonomy
 
@@ -144,7 +134,7 @@ def _check(path: Path, policy: Path | None, plugins: tuple[Path, ...]) -> _Check
     return _Checked(path, file, problems, flown_by, tuple(_warnings(file, findings)), prevented)
 
 
-def _warnings(file: MissionFile, findings: tuple[Finding, ...]) -> Iterator[_Warning]:
+def _warnings(file: MissionFile, findings: tuple[Finding, ...]) -> Iterator[dict[str, str]]:
     """Yield the findings with their places, in the order of the file's lines."""
     from waypointctl.mission.yaml_source import written_at
     from waypointctl.mission.yaml_tree import read_tree
@@ -152,7 +142,8 @@ def _warnings(file: MissionFile, findings: tuple[Finding, ...]) -> Iterator[_War
     tree = read_tree(file.source)
     placed = [(written_at(tree, finding.path), finding) for finding in findings]
     for (path, mark), finding in sorted(placed, key=lambda each: (each[0][1].line, each[0][1].column)):
-        yield _Warning(finding.kind, f"{file.path}:{mark.line}:{mark.column}", path, finding.text)
+        place = f"{file.path}:{mark.line}:{mark.column}"
+        yield {"kind": finding.kind, "place": place, "path": path, "text": finding.text}
 
 
 def _show(result: _Checked) -> None:
@@ -172,7 +163,7 @@ def _show(result: _Checked) -> None:
         for line in rehearsal_lines(result.rehearsals):
             typer.echo(f"   {printable(line)}")
     for warning in result.warnings:
-        typer.echo(f"warning: {printable(f'{warning.place}: {warning.path}: {warning.text}')}", err=True)
+        typer.echo(f"warning: {printable('{place}: {path}: {text}'.format(**warning))}", err=True)
 
 
 def _record(result: _Checked) -> dict[str, Any]:
@@ -181,14 +172,8 @@ def _record(result: _Checked) -> dict[str, Any]:
         "file": str(result.path),
         "ok": result.is_good,
         "problems": [
-            {
-                "file": problem.where,
-                "line": problem.line,
-                "column": problem.column,
-                "path": problem.path,
-                "problem": problem.text,
-            }
-            for problem in result.problems
+            {"file": it.where, "line": it.line, "column": it.column, "path": it.path, "problem": it.text}
+            for it in result.problems
         ],
     }
     if result.file is None:
@@ -202,6 +187,6 @@ def _record(result: _Checked) -> dict[str, Any]:
         "autonomy": mission.autonomy,
         "policy": str(result.policy),
         "fails": result.fails,
-        "warnings": [asdict(warning) for warning in result.warnings],
+        "warnings": list(result.warnings),
         "rehearsals": [rehearsal.record() for rehearsal in result.rehearsals],
     }

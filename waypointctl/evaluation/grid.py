@@ -4,25 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 
 from waypointctl.display_text import printable
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of a table.
+    """A column of a table."""
 
-    Attributes:
-        heading: what stands above it.
-        is_text: text, which may be wrapped; a number may not.
-        spare: which columns to leave out first if the table is too wide, the highest first; 0 stays.
-        of: whose, where other columns have the same heading.
-    """
-
-    heading: str
-    is_text: bool = False
-    spare: int = 0
-    of: str = ""
+    heading: str  # what stands above it
+    is_text: bool = False  # text, which may be wrapped; a number may not
+    spare: int = 0  # which columns to leave out first if the table is too wide, the highest first; 0 stays
+    of: str = ""  # whose, where other columns have the same heading
 
     @property
     def called(self) -> str:
@@ -32,29 +26,18 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """A table.
+    """A table."""
 
-    Attributes:
-        title: what it is.
-        columns: from left to right.
-        rows: each as many cells as there are columns.
-        notes: lines to stand below it.
-    """
-
-    title: str
-    columns: tuple[Column, ...]
-    rows: tuple[tuple[str, ...], ...]
-    notes: tuple[str, ...] = ()
+    title: str  # what it is
+    columns: tuple[Column, ...]  # from left to right
+    rows: tuple[tuple[str, ...], ...]  # each as many cells as there are columns
+    notes: tuple[str, ...] = ()  # lines to stand below it
 
     def without_empty_columns(self) -> Grid:
         """Return the table without the columns that no row has anything in."""
-        full = [index for index in range(len(self.columns)) if any(row[index] for row in self.rows)]
-        return self.with_columns(full)
-
-    def with_columns(self, kept: Sequence[int]) -> Grid:
-        """Return the table with some of its columns, by index."""
-        rows = tuple(tuple(row[index] for index in kept) for row in self.rows)
-        return Grid(self.title, tuple(self.columns[index] for index in kept), rows, self.notes)
+        full = [any(row[index] for row in self.rows) for index in range(len(self.columns))]
+        rows = tuple(tuple(compress(row, full)) for row in self.rows)
+        return replace(self, columns=tuple(compress(self.columns, full)), rows=rows)
 
     def printable(self) -> Grid:
         """Return the table with each of its texts on one line, fit to show."""

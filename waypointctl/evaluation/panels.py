@@ -35,23 +35,14 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """A panel of the picture.
+    """A panel of the picture."""
 
-    Attributes:
-        title: whose trials they are.
-        subtitle: how many there were, how many succeeded, and how many are shown where that is not all.
-        group: panels of one group are drawn to one scale.
-        given: the paths (m, 2) [m] of all trials; none where each had its own.
-        trials: those that are shown.
-        is_sample: there were more.
-    """
-
-    title: str
-    subtitle: str
-    group: str
-    given: tuple[FloatArray, ...]
-    trials: tuple[Trial, ...]
-    is_sample: bool = False
+    title: str  # whose trials they are
+    subtitle: str  # how many there were, how many succeeded, and how many are shown where that is not all
+    group: str  # panels of one group are drawn to one scale
+    given: tuple[FloatArray, ...]  # the paths (m, 2) [m] of all trials; none where each had its own
+    trials: tuple[Trial, ...]  # those that are shown
+    is_sample: bool = False  # there were more
 
 
 def refuse_too_many(suite: Suite, num_policies: int) -> None:
@@ -75,12 +66,7 @@ def panels(
     """Return a panel for each table and policy, of a suite without tables or one policy for each case and policy.
 
     One policy is shown in all cases, as its table lists them: the suite's tables may have it in some of them alone.
-
-    Args:
-        suite: that they were evaluated on.
-        evaluations: of each policy.
-        rollouts: of each policy, by case.
-        names: what each policy is called; None: as `names_of` has it.
+    The rollouts are of each policy, by case. Without `names` policies are called as `names_of` has it.
     """
     names = names_of(evaluations) if names is None else names
     by_name = dict(zip(names, rollouts, strict=True))

@@ -58,11 +58,7 @@ def paper_tables(suite: Suite, evaluations: Sequence[Evaluation], names: Sequenc
 
     A policy that is none of the paper's has a row, or a column, of its own. Of the paper's policies a table shows
     those that it has in the paper, whether they were evaluated or not.
-
-    Args:
-        suite: with the tables.
-        evaluations: what was found.
-        names: what each policy is called; None: as `names_of` has it.
+    Without `names` policies are called as `names_of` has it.
     """
     names = names_of(evaluations) if names is None else names
     return [_table(suite, table, evaluations, names) for table in suite.tables]

@@ -186,15 +186,10 @@ HOLD_STYLE: Final[dict[str, Any]] = {
 
 @dataclass(frozen=True, slots=True)
 class Regions:
-    """What is drawn around waypoints.
+    """What is drawn around waypoints."""
 
-    Attributes:
-        acceptance: around each.
-        hold: around the last one, where it is to be held.
-    """
-
-    acceptance: Acceptance
-    hold: Hold | None
+    acceptance: Acceptance  # around each
+    hold: Hold | None  # around the last one, where it is to be held
 
 
 def legend_of(panels: Sequence[Panel], regions: Regions) -> list[Handle]:

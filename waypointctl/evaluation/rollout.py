@@ -22,38 +22,22 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class Rollouts:
-    """How n trials went, each an array (n,). A trial ends in exactly one of success, fell, timed_out and strayed.
+    """How n trials went, each an array (n,). A trial ends in exactly one of success, fell, timed_out and strayed."""
 
-    Attributes:
-        success: all waypoints were reached, and the last one was held if the suite has `hold`.
-        fell: it ended in a fall, also in one at the last waypoint.
-        timed_out: it ended at the deadline.
-        strayed: the last waypoint was reached, but the robot did not stay there.
-        orbiting: of the time-outs, the robot circled its waypoint.
-        stuck: of the time-outs, the robot had stopped making way.
-        time_s: from the start until the last waypoint was reached, or the trial ended before [s].
-        walked_m: length of the base's path over the ground in that time [m].
-        straight_m: length of the straight lines from the start through the waypoints [m].
-        legs: waypoints of the path.
-        legs_reached: how many of them were reached.
-        legs_time_s: from the start until the last of those [s].
-        paths: each the waypoints (m, 2) [m].
-        trajectories: each the positions of the base, ten times a second, (k, 2) [m]; of the first TRACED trials.
-    """
-
-    success: BoolArray
-    fell: BoolArray
-    timed_out: BoolArray
-    strayed: BoolArray
-    orbiting: BoolArray
-    stuck: BoolArray
-    time_s: FloatArray
-    walked_m: FloatArray
-    straight_m: FloatArray
-    legs: IntArray
-    legs_reached: IntArray
-    legs_time_s: FloatArray
-    paths: tuple[FloatArray, ...]
+    success: BoolArray  # all waypoints were reached, and the last one was held if the suite has `hold`
+    fell: BoolArray  # it ended in a fall, also in one at the last waypoint
+    timed_out: BoolArray  # it ended at the deadline
+    strayed: BoolArray  # the last waypoint was reached, but the robot did not stay there
+    orbiting: BoolArray  # of the time-outs, the robot circled its waypoint
+    stuck: BoolArray  # of the time-outs, the robot had stopped making way
+    time_s: FloatArray  # from the start until the last waypoint was reached, or the trial ended before [s]
+    walked_m: FloatArray  # length of the base's path over the ground in that time [m]
+    straight_m: FloatArray  # length of the straight lines from the start through the waypoints [m]
+    legs: IntArray  # waypoints of the path
+    legs_reached: IntArray  # how many of them were reached
+    legs_time_s: FloatArray  # from the start until the last of those [s]
+    paths: tuple[FloatArray, ...]  # each the waypoints (m, 2) [m]
+    # each the positions of the base, ten times a second, (k, 2) [m]; of the first TRACED trials
     trajectories: tuple[FloatArray, ...]
 
     @property
@@ -91,7 +75,7 @@ def rollout(
         observation = step.observation
         if trials.take(step):
             env.batch.stepped = trials.going  # robots whose trial has ended are not simulated further
-            ended(trials.num_ended)
+            ended(int((~trials.going).sum()))
     env.batch.stepped = None
     return trials.rollouts()
 
@@ -102,25 +86,18 @@ class _Trials:
     def __init__(self, env: BatchedWaypointEnv, paths: Sequence[FloatArray], hold: Hold | None) -> None:
         n = env.num_robots
         self._env, self._paths, self._hold = env, tuple(paths), hold
-        self._position: FloatArray = env.batch.qpos[:, :2].copy()
-        self._start = self._position
-        self._end = self._position.copy()
+        self._start: FloatArray = env.batch.qpos[:, :2].copy()
+        self._position, self._end = self._start, self._start.copy()
         self._track = Track(self._position, env.robot.control_period_ns)
         self._moving: BoolArray = np.ones(n, bool)
-        self._holding: BoolArray = np.zeros(n, bool)
-        self._success, self._fell, self._timed_out, self._strayed, self._orbiting, self._stuck = (
-            np.zeros(n, bool) for _ in range(6)
-        )
+        self._holding, self._success, self._fell, self._timed_out = (np.zeros(n, bool) for _ in range(4))
+        self._strayed, self._orbiting, self._stuck = (np.zeros(n, bool) for _ in range(3))
         self._steps, self._legs_reached, self._legs_steps, self._held = (np.zeros(n, np.int64) for _ in range(4))
         self._walked_m: FloatArray = np.zeros(n)
 
     @property
     def going(self) -> BoolArray:
         return self._moving | self._holding
-
-    @property
-    def num_ended(self) -> int:
-        return int((~self.going).sum())
 
     def actions(self, policy: Policy, observation: FloatArray) -> FloatArray:
         """Return the actions (n, nu) of all robots; a row does not depend on which others still move."""
@@ -140,13 +117,13 @@ class _Trials:
         self._steps += self._moving
         self._walked_m += self._moving * np.linalg.norm(self._position - before, axis=1)
         self._track.add(self._position)
-
         self._fell |= going & step.terminated
-        self._count_legs(self._moving & step.reached & ~step.terminated)
+        reached = self._moving & step.reached & ~step.terminated
+        self._legs_reached += reached
+        self._legs_steps[reached] = self._steps[reached]
         self._hold_on(self._holding & ~step.terminated)
         self._time_out(self._moving & step.truncated & ~step.success)
         self._arrive(self._moving & step.success)
-
         done = going & (self._success | self._fell | self._timed_out | self._strayed)
         self._moving &= ~done
         self._holding &= ~done
@@ -155,8 +132,8 @@ class _Trials:
 
     def rollouts(self) -> Rollouts:
         period_s = seconds(self._env.robot.control_period_ns)
-        traced = range(min(TRACED, self._env.num_robots))
-        steps = self._steps + self._held
+        ways = map(np.vstack, zip(self._start, self._paths, strict=True))
+        traced = zip(range(TRACED), self._steps + self._held, self._end, strict=False)
         return Rollouts(
             success=self._success,
             fell=self._fell,
@@ -166,17 +143,13 @@ class _Trials:
             stuck=self._stuck,
             time_s=self._steps.astype(np.float64) * period_s,
             walked_m=self._walked_m,
-            straight_m=np.array([_length(*ends) for ends in zip(self._start, self._paths, strict=True)]),
+            straight_m=np.array([np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]),
             legs=np.array([len(path) for path in self._paths]),
             legs_reached=self._legs_reached,
             legs_time_s=self._legs_steps.astype(np.float64) * period_s,
             paths=self._paths,
-            trajectories=tuple(self._track.trajectory(i, int(steps[i]), self._end[i]) for i in traced),
+            trajectories=tuple(self._track.trajectory(robot, int(steps), end) for robot, steps, end in traced),
         )
-
-    def _count_legs(self, reached: BoolArray) -> None:
-        self._legs_reached += reached
-        self._legs_steps[reached] = self._steps[reached]
 
     def _arrive(self, arrived: BoolArray) -> None:
         if self._hold is None:
@@ -191,12 +164,12 @@ class _Trials:
             return
         self._held += holding
         self._strayed |= holding & self._is_off(self._hold)
-        period_ns = self._env.robot.control_period_ns
-        self._success |= holding & ~self._strayed & (self._held * period_ns >= ns(self._hold.time_s))
+        held_ns = self._held * self._env.robot.control_period_ns
+        self._success |= holding & ~self._strayed & (held_ns >= ns(self._hold.time_s))
 
     def _is_off(self, hold: Hold) -> BoolArray:
-        distance_m = np.linalg.norm(self._position - self._env.progress.goals[:, 0], axis=1)
-        return np.asarray(distance_m > hold.within_m)
+        offset_m = self._position - self._env.progress.goals[:, 0]
+        return np.asarray(np.linalg.norm(offset_m, axis=1) > hold.within_m)
 
     def _time_out(self, timed_out: BoolArray) -> None:
         self._timed_out |= timed_out
@@ -205,11 +178,6 @@ class _Trials:
             window = self._track.window(robots, self._position[robots])
             self._orbiting[robots] = is_orbiting(window, self._env.progress.goals[robots, 0])
             self._stuck[robots] = is_stuck(window) & ~self._orbiting[robots]
-
-
-def _length(start: FloatArray, path: FloatArray) -> float:
-    """Return the length of the straight lines from start (2,) through path (m, 2)."""
-    return float(np.linalg.norm(np.diff(path, axis=0, prepend=start[np.newaxis]), axis=1).sum())
 
 
 SAMPLES_PER_S: Final = 10

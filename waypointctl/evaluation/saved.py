@@ -116,17 +116,13 @@ def is_evaluations(text: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A folder with a policy, its evaluations, and the errors in any of these files.
-
-    Attributes:
-        shipped: it comes with waypointctl, and is found by its name unless ./policies has one of that name.
-    """
+    """A folder with a policy, its evaluations, and the errors in any of these files."""
 
     folder: Path
     policy: LoadedPolicy | None
     evaluations: tuple[Evaluation, ...]  # the paper's first, then the suites that come with waypointctl, then others
     faults: tuple[str, ...]
-    shipped: bool = False
+    shipped: bool = False  # it comes with waypointctl, and is found by its name unless ./policies has one of that name
 
     @property
     def name(self) -> str:

@@ -33,12 +33,8 @@ _COLUMNS: Final = (
 def tables(suite: Suite, evaluations: Sequence[Evaluation], names: Sequence[str] | None = None) -> list[Grid]:
     """Return the paper's tables if several policies were evaluated on its suite, else one table of all results.
 
-    Below the last one it is said whose figures the paper's are, and which policies could be taken for one another.
-
-    Args:
-        suite: of the evaluations.
-        evaluations: of each policy.
-        names: what each policy is called; None: as `names_of` has it.
+    Notes below the last one say whose figures the paper's are, and which policies have equal names or contents.
+    Without `names` policies are called as `names_of` has it.
     """
     names = names_of(evaluations) if names is None else names
     notes = list(notes_on_names(evaluations, names))
@@ -51,12 +47,7 @@ def tables(suite: Suite, evaluations: Sequence[Evaluation], names: Sequence[str]
 
 
 def results_grid(evaluations: Sequence[Evaluation], names: Sequence[str] | None = None) -> Grid:
-    """Return a table of evaluations in one suite, with a line for each on how its trials failed.
-
-    Args:
-        evaluations: what was found.
-        names: what each policy is called; None: as `names_of` has it.
-    """
+    """Return a table of evaluations in one suite, with a line for each on how its trials failed."""
     names = names_of(evaluations) if names is None else names
     several = len(evaluations) > 1
     rows = [

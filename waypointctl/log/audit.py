@@ -10,8 +10,8 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 
 from waypointctl.log.channels import Summary, attachment_index
-from waypointctl.log.chunk import encoded
-from waypointctl.log.comparison import FileDifference, FileDiffers, brief, kind_of
+from waypointctl.log.chunk import chunk_index, encoded
+from waypointctl.log.comparison import Diverged, Divergence, brief, kind_of
 from waypointctl.log.opening import DAMAGE, MAGIC, open_file
 from waypointctl.log.reader import LogReader
 from waypointctl.log.records import Record, body_stream, chunk_bytes, inner_records, raw_message, records, shown
@@ -42,7 +42,7 @@ def audit(log: LogReader) -> None:
     summary that lists exactly these, a footer. How they are chunked and compressed is free.
 
     Raises:
-        FileDiffers: at the first record that is hidden, unknown, misplaced, duplicated, redefined, not in the index, or
+        Diverged: at the first record that is hidden, unknown, misplaced, duplicated, redefined, not in the index, or
             not as in the index.
     """
     found = _Audit()
@@ -53,7 +53,7 @@ def audit(log: LogReader) -> None:
             except DAMAGE as error:
                 where = f"{kind_of(record.opcode)} at byte {record.offset}"
                 expected = f"{kind_of(record.opcode)} that can be read"
-                raise FileDiffers(FileDifference(0, "file", where, str(error), expected)) from error
+                raise Diverged(Divergence(-1, 0, "file", where, str(error), expected)) from error
 
 
 class _Audit:
@@ -129,18 +129,7 @@ class _Audit:
         said = (chunk.message_start_time, chunk.message_end_time, chunk.uncompressed_size, chunk.uncompressed_crc != 0)
         true = (min(times, default=0), max(times, default=0), len(data), True)
         self._require(said == true, f"times and size {said[:3]}", f"{true[:3]} and a checksum")
-        index = mcap.ChunkIndex(
-            chunk_length=len(record.raw),
-            chunk_start_offset=record.offset,
-            compression=chunk.compression,
-            compressed_size=len(chunk.data),
-            message_end_time=chunk.message_end_time,
-            message_index_length=0,
-            message_index_offsets={},
-            message_start_time=chunk.message_start_time,
-            uncompressed_size=chunk.uncompressed_size,
-        )
-        self._summary.chunks.append(index)
+        self._summary.chunks.append(chunk_index(chunk, record.offset, len(record.raw)))
 
     def _define(self, opcode: int, body: bytes) -> None:
         where = f"{kind_of(opcode)}, {shown(body)}"
@@ -205,7 +194,7 @@ class _Audit:
 
     def _refuse(self, found: str, expected: str) -> NoReturn:
         where = f"{kind_of(self._record.opcode)} at byte {self._record.offset}"
-        raise FileDiffers(FileDifference(0, "file", where, found, expected))
+        raise Diverged(Divergence(-1, 0, "file", where, found, expected))
 
 
 def _sorted(record: Any) -> Any:

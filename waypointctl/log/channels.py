@@ -105,11 +105,13 @@ class ChannelWriter:
         return self._schemas[schema]
 
     def _seal(self) -> None:
-        chunk = self._chunk.seal(self._offset)
-        if chunk is not None:
-            self._summary.chunks.append(chunk.index)
-            self._summary.counts.update(chunk.counts)
-            self._put(chunk.data)
+        sealed = self._chunk.seal(self._offset)
+        if sealed is not None:
+            data, index = sealed
+            self._summary.chunks.append(index)
+            for channel_id in index.message_index_offsets:
+                self._summary.counts[channel_id] = self._channels[channel_id - 1].sequence
+            self._put(data)
 
     def _put(self, data: bytes) -> None:
         self._stream.write(data)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import zstandard
@@ -35,15 +34,6 @@ class Channel:
         self.id = id
         self.sequence = 0
         self.entries: list[int] = []  # of the open chunk: log time and offset of each message, by turns
-
-
-@dataclass(frozen=True, slots=True)
-class SealedChunk:
-    """A chunk with its message indexes, as they go into the file."""
-
-    data: bytes
-    index: ChunkIndex
-    counts: dict[int, int]  # messages by channel
 
 
 def encoded(record: McapRecord) -> bytes:
@@ -80,8 +70,11 @@ class OpenChunk:
         records += data
         channel.sequence += 1
 
-    def seal(self, offset: int) -> SealedChunk | None:
-        """End the chunk, which will stand at byte `offset` of the file; None if it has no message."""
+    def seal(self, offset: int) -> tuple[bytes, ChunkIndex] | None:
+        """End the chunk, which will stand at byte `offset` of the file; None if it has no message.
+
+        Return it with its message indexes, and its own index.
+        """
         # In the order in which they first appear, as mcap's writer has them.
         used = sorted((channel for channel in self._channels if channel.entries), key=lambda it: it.entries[1])
         if not used:
@@ -95,28 +88,30 @@ class OpenChunk:
             uncompressed_crc=zlib.crc32(records),
             uncompressed_size=len(records),
         )
-        parts = [encoded(chunk)]
-        counts, offsets = {}, {}
-        end = offset + len(parts[0])
+        data = encoded(chunk)
+        index = chunk_index(chunk, offset, len(data))
         for channel in used:
-            parts.append(_message_index(channel))
-            counts[channel.id] = len(channel.entries) // 2
-            offsets[channel.id] = end
-            end += len(parts[-1])
+            index.message_index_offsets[channel.id] = offset + len(data)
+            data += _message_index(channel)
             channel.entries.clear()
+        index.message_index_length = len(data) - index.chunk_length
         self._records.clear()
-        index = ChunkIndex(
-            message_start_time=chunk.message_start_time,
-            message_end_time=chunk.message_end_time,
-            chunk_start_offset=offset,
-            chunk_length=len(parts[0]),
-            message_index_offsets=offsets,
-            message_index_length=end - offset - len(parts[0]),
-            compression=chunk.compression,
-            compressed_size=len(chunk.data),
-            uncompressed_size=chunk.uncompressed_size,
-        )
-        return SealedChunk(b"".join(parts), index, counts)
+        return data, index
+
+
+def chunk_index(chunk: Chunk, offset: int, length: int) -> ChunkIndex:
+    """Return the index of a chunk whose record of `length` bytes stands at byte `offset`, without message indexes."""
+    return ChunkIndex(
+        message_start_time=chunk.message_start_time,
+        message_end_time=chunk.message_end_time,
+        chunk_start_offset=offset,
+        chunk_length=length,
+        message_index_offsets={},
+        message_index_length=0,
+        compression=chunk.compression,
+        compressed_size=len(chunk.data),
+        uncompressed_size=chunk.uncompressed_size,
+    )
 
 
 def _message_index(channel: Channel) -> bytes:

@@ -28,31 +28,32 @@ _NAMES: Final = {int(opcode): opcode.name.lower().replace("_", " ") for opcode i
 
 
 @dataclass(frozen=True, slots=True)
-class FileDifference:
-    """Where a file is not what was to be written.
+class Divergence:
+    """The first difference between a log and its replay."""
 
-    Attributes:
-        time_ns: log time of the message that differs; 0 where it is none.
-        topic: of that message; "metadata", "attachment" or "file" where it is none.
-        component: what differs; of a record of the file, with the byte where it begins.
-        found: what is in the file.
-        expected: what was to be written.
-    """
+    step: int  # the control step; -1 for the file and its attachments
+    time_ns: int  # log time of the message that differs; 0 where it is none
+    topic: str  # of that message; "metadata", "attachment" or "file" where it is none
+    component: str  # what differs; of a record of the file, with the byte where it begins
+    logged: str  # what is in the log
+    replayed: str  # what the replay makes
 
-    time_ns: int
-    topic: str
-    component: str
-    found: str
-    expected: str
+    @property
+    def place(self) -> str:
+        """The place as text."""
+        if self.step >= 0:
+            return f"at step {self.step} on {self.topic}, {self.component}"
+        return f"in the file: {self.component if self.topic == 'file' else f'{self.topic}, {self.component}'}"
 
 
-class FileDiffers(Exception):
-    """A file is not what was to be written."""
+class Diverged(Exception):
+    """The replay diverged from the log; `rounding`: a different rounding may be the cause."""
 
-    def __init__(self, difference: FileDifference) -> None:
+    def __init__(self, where: Divergence, *, rounding: bool = False) -> None:
         """Say where."""
-        super().__init__(difference.component)
-        self.difference = difference
+        self.where = where
+        self.rounding = rounding
+        super().__init__(where.component)
 
 
 class FileComparison:
@@ -87,7 +88,7 @@ class FileComparison:
     def flush(self) -> None:
         """Do nothing: what was taken has been compared."""
 
-    def difference(self, topics: Mapping[int, str]) -> FileDifference | None:
+    def difference(self, topics: Mapping[int, str]) -> Divergence | None:
         """Return where the file first differs, or goes on after the end; None where it does neither.
 
         Args:
@@ -98,9 +99,9 @@ class FileComparison:
         if self.compared == self._size:
             return None
         more = f"{self._size - self.compared} more bytes"
-        return FileDifference(0, "file", f"byte {self.compared}", more, "the end of the file")
+        return Divergence(-1, 0, "file", f"byte {self.compared}", more, "the end of the file")
 
-    def _first_difference(self, data: bytes, topics: Mapping[int, str]) -> FileDifference:
+    def _first_difference(self, data: bytes, topics: Mapping[int, str]) -> Divergence:
         offset = self.compared
         wanted = () if data == MAGIC else records(BytesIO(data + MAGIC), 0, len(data) + len(MAGIC))
         for record in wanted:
@@ -109,7 +110,7 @@ class FileComparison:
             if found is None or found.raw != expected.raw:
                 return _difference(found, expected, topics)
             offset += len(expected.raw)
-        return FileDifference(0, "file", f"byte {offset}", "other bytes", "the magic that ends a file")
+        return Divergence(-1, 0, "file", f"byte {offset}", "other bytes", "the magic that ends a file")
 
     def _record_at(self, offset: int) -> Record | None:
         try:
@@ -138,17 +139,17 @@ def kind_of(opcode: int) -> str:
     return _NAMES.get(opcode, f"record of the unknown kind {opcode:#04x}")
 
 
-def _difference(found: Record | None, expected: Record, topics: Mapping[int, str]) -> FileDifference:
+def _difference(found: Record | None, expected: Record, topics: Mapping[int, str]) -> Divergence:
     theirs = _parts(expected, topics)
     if found is None or found.opcode != expected.opcode:
         there = "the end of the file" if found is None else _parts(found, topics)[-1].text
-        return FileDifference(0, "file", f"record at byte {expected.offset}", there, theirs[-1].text)
+        return Divergence(-1, 0, "file", f"record at byte {expected.offset}", there, theirs[-1].text)
     ours = _parts(found, topics)
     for it, wanted in zip_longest(ours, theirs):
         named = it or wanted
         if named is not None and it != wanted:
             texts = ("nothing" if part is None else part.text for part in (it, wanted))
-            return FileDifference(named.time_ns, named.topic, named.component, *texts)
+            return Divergence(-1, named.time_ns, named.topic, named.component, *texts)
     raise AssertionError("records that differ have the same parts")
 
 

@@ -29,17 +29,11 @@ Span: TypeAlias = tuple[int, int]  # from when to when [ns]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactWindows:
-    """When something can be sent one way of the link.
+    """When something can be sent one way of the link."""
 
-    Attributes:
-        begin_ns: of each window, (n,), in order.
-        end_ns: of each window, (n,).
-        period_ns: after this all of them come again; 0 for never.
-    """
-
-    begin_ns: IntArray
-    end_ns: IntArray
-    period_ns: int = 0
+    begin_ns: IntArray  # of each window, (n,), in order
+    end_ns: IntArray  # of each window, (n,)
+    period_ns: int = 0  # after this all of them come again; 0 for never
 
     def is_open(self, time_ns: IntArray) -> NDArray[np.bool_]:
         """Tell for each of some times (m,) [ns] whether there is contact."""
@@ -79,21 +73,13 @@ class ContactWindows:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MissionSetting:
-    """What a mission fixes before its flight.
+    """What a mission fixes before its flight."""
 
-    Attributes:
-        home: where the robot returns to; None where no mission is known.
-        may_return: whether the mission names a home, or a rule or a command that sends the robot there.
-        zones: of its geofence.
-        up: contact from the operator to the robot; None where there is always contact.
-        down: contact from the robot to the operator; likewise.
-    """
-
-    home: PlannedWaypoint | None = None
-    may_return: bool = False
-    zones: tuple[Zone, ...] = ()
-    up: ContactWindows | None = None
-    down: ContactWindows | None = None
+    home: PlannedWaypoint | None = None  # where the robot returns to; None where no mission is known
+    may_return: bool = False  # whether the mission names a home, or a rule or a command that sends the robot there
+    zones: tuple[Zone, ...] = ()  # of its geofence
+    up: ContactWindows | None = None  # contact from the operator to the robot; None where there is always contact
+    down: ContactWindows | None = None  # contact from the robot to the operator; likewise
 
     def home_to_show(self, *, has_returned: bool) -> PlannedWaypoint | None:
         """Return home where it matters: the robot has set out for it, or may do so by the mission's rules."""

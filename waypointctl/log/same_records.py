@@ -17,7 +17,7 @@ from mcap.reader import McapReader, NonSeekingReader, SeekingReader
 from mcap_protobuf.schema import build_file_descriptor_set
 
 from waypointctl.log.chunk import Channel
-from waypointctl.log.comparison import FileDifference, FileDiffers
+from waypointctl.log.comparison import Diverged, Divergence
 from waypointctl.log.header import Attachment, LogHeader
 from waypointctl.log.opening import DAMAGE, open_file
 from waypointctl.log.reader import LogReader
@@ -31,7 +31,7 @@ def compare_records(log: LogReader, header: LogHeader) -> int:
     """Encode a log's messages again; return how many records were compared with those of the log.
 
     Raises:
-        FileDiffers: at the first attachment, metadata, channel, schema or message that differs.
+        Diverged: at the first attachment, metadata, channel, schema or message that differs.
         LogError: a message of the log cannot be read.
     """
     comparison = _Comparison(log)
@@ -113,7 +113,7 @@ class _Comparison:
                 self._refuse("file", f"{what} {unknown}", "a record of it", "nothing")
 
     def _refuse(self, topic: str, component: str, found: str, expected: str, time_ns: int = 0) -> None:
-        raise FileDiffers(FileDifference(time_ns, topic, component, found, expected))
+        raise Diverged(Divergence(-1, time_ns, topic, component, found, expected))
 
 
 def _same_fields(data: bytes, schema: type[ProtobufMessage]) -> bool:
@@ -150,7 +150,7 @@ def compare_readers(log: LogReader) -> None:
     Memory does not grow with the log: messages are compared as a number and a sum of hashes.
 
     Raises:
-        FileDiffers: one of them gives other messages, attachments or metadata.
+        Diverged: one of them gives other messages, attachments or metadata.
     """
     contents = log.index
     attached = [(name, contents.media_types[name], data) for name, data in log.attachments.items()]
@@ -202,5 +202,5 @@ def _digest(items: Iterable[tuple[object, ...]]) -> _Digest:
     return _Digest(messages, total)
 
 
-def _differ(reader: str, found: str, expected: str) -> FileDiffers:
-    return FileDiffers(FileDifference(0, "file", reader, found, expected))
+def _differ(reader: str, found: str, expected: str) -> Diverged:
+    return Diverged(Divergence(-1, 0, "file", reader, found, expected))

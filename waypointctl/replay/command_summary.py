@@ -25,38 +25,24 @@ from waypointctl.log.messages import (
 
 @dataclass(frozen=True, slots=True)
 class CommandSummary:
-    """A command, from its first sending to the last report of it that the operator received.
+    """A command, from its first sending to the last report of it that the operator received."""
 
-    Attributes:
-        id: as it was sent.
-        kind: known from its arrival on board; None before.
-        description: its kind and its waypoints, for people.
-        issued_ns: on the operator's clock, the first time.
-        received_ns: on the robot's clock, the first time; None before it has arrived.
-        uplink_ns: delay of the sending that arrived first.
-        onboard: the last stage it came to on board, None before it arrived.
-        ended_ns: when it ended on board, on the robot's clock.
-        attempts: how often it was sent.
-        losses: how often the link lost it, which the operator does not know.
-        acks: those that have arrived at the operator, in order.
-        telemetry_end: its final stage as telemetry first reported it, and when that arrived [ns].
-        arrivals: of each sending that arrived: when it was sent, and when it arrived [ns].
-        report: the newest stage that the operator knows, from whatever source; None before the first.
-    """
-
-    id: int
-    kind: CommandKind | None = None
-    description: str = ""
-    issued_ns: int = 0
-    received_ns: int | None = None
-    uplink_ns: int | None = None
-    onboard: Stage | None = None
-    ended_ns: int | None = None
-    attempts: int = 0
-    losses: int = 0
-    acks: tuple[Ack, ...] = ()
+    id: int  # as it was sent
+    kind: CommandKind | None = None  # known from its arrival on board; None before
+    description: str = ""  # its kind and its waypoints, for people
+    issued_ns: int = 0  # on the operator's clock, the first time
+    received_ns: int | None = None  # on the robot's clock, the first time; None before it has arrived
+    uplink_ns: int | None = None  # delay of the sending that arrived first
+    onboard: Stage | None = None  # the last stage it came to on board, None before it arrived
+    ended_ns: int | None = None  # when it ended on board, on the robot's clock
+    attempts: int = 0  # how often it was sent
+    losses: int = 0  # how often the link lost it, which the operator does not know
+    acks: tuple[Ack, ...] = ()  # those that have arrived at the operator, in order
+    # its final stage as telemetry first reported it, and when that arrived [ns]
     telemetry_end: tuple[Stage, int] | None = None
+    # of each sending that arrived: when it was sent, and when it arrived [ns]
     arrivals: tuple[tuple[int, int], ...] = ()
+    # the newest stage that the operator knows, from whatever source; None before the first
     report: StageReport | None = None
 
     @property

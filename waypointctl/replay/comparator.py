@@ -10,20 +10,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from waypointctl.log.comparison import Diverged, Divergence
 from waypointctl.log.messages import FloatArray, GroundControl, Message, Observation, PlannedWaypoint, State, Telemetry
 from waypointctl.log.reader import EncodedMessage
 from waypointctl.log.records import shown
-from waypointctl.replay.verdict import Divergence
-
-
-class Diverged(Exception):
-    """The replay diverged from the log; `rounding`: a different rounding may be the cause."""
-
-    def __init__(self, where: Divergence, *, rounding: bool = False) -> None:
-        """Say where."""
-        self.where = where
-        self.rounding = rounding
-        super().__init__(where.component)
 
 
 class LogEnded(Exception):
@@ -111,19 +101,12 @@ ROUNDING: Final = 1e-12  # absolute, and relative above 1; numpy's trigonometry 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The first difference between two records.
+    """The first difference between two records."""
 
-    Attributes:
-        component: the field, with an index where it has many.
-        logged: the value in the log, as text; a float with its bits.
-        replayed: the value in the replay.
-        rounding: whether the values are as near as two ways of rounding may leave them.
-    """
-
-    component: str
-    logged: str
-    replayed: str
-    rounding: bool
+    component: str  # the field, with an index where it has many
+    logged: str  # the value in the log, as text; a float with its bits
+    replayed: str  # the value in the replay
+    rounding: bool  # whether the values are as near as two ways of rounding may leave them
 
 
 def difference(logged: Message, replayed: Message, *, rounded: bool = False) -> Difference | None:

@@ -33,14 +33,13 @@ from waypointctl.flight.policy_fit import (
     refuse_misfit,
 )
 from waypointctl.flight.sink import OnboardCamera
-from waypointctl.log.comparison import brief
+from waypointctl.log.comparison import Divergence, brief
 from waypointctl.log.header import LIBRARY, LogHeader
 from waypointctl.log.reader import LogReader
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.mission.mission import Mission
 from waypointctl.policy.bundle import LoadedPolicy, load_policy_bytes
 from waypointctl.policy.manifest import MANIFEST, Manifest
-from waypointctl.replay.verdict import Divergence
 from waypointctl.robots.description import ROBOT_FILE
 from waypointctl.robots.load import robot_of_files
 from waypointctl.robots.robot import Robot

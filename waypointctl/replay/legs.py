@@ -37,23 +37,14 @@ class WaypointStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class WaypointSummary:
-    """A waypoint, and whether it was reached.
+    """A waypoint, and whether it was reached."""
 
-    Attributes:
-        planned: as it was, or would have been, commanded.
-        status: as the robot knows it.
-        started_ns: when the robot's leg to it began, None if it never did.
-        ended_ns: when it was reached or given up, None for a leg that was under way to the end.
-        reached_ns: on the robot's clock.
-        known_ns: when the operator learned that it was reached.
-    """
-
-    planned: PlannedWaypoint
-    status: WaypointStatus = WaypointStatus.OPEN
-    started_ns: int | None = None
-    ended_ns: int | None = None
-    reached_ns: int | None = None
-    known_ns: int | None = None
+    planned: PlannedWaypoint  # as it was, or would have been, commanded
+    status: WaypointStatus = WaypointStatus.OPEN  # as the robot knows it
+    started_ns: int | None = None  # when the robot's leg to it began, None if it never did
+    ended_ns: int | None = None  # when it was reached or given up, None for a leg that was under way to the end
+    reached_ns: int | None = None  # on the robot's clock
+    known_ns: int | None = None  # when the operator learned that it was reached
 
     @property
     def is_on_map(self) -> bool:
@@ -159,25 +150,15 @@ _ENDINGS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class ReturnHome:
-    """A way home. Times are in [ns]: what happened on the robot's clock, what was learned on the operator's.
+    """A way home. Times are in [ns]: what happened on the robot's clock, what was learned on the operator's."""
 
-    Attributes:
-        began_ns: when it began.
-        cause: the rule that began it, such as "timeout"; or the command.
-        command_id: the command that began it; None for a rule.
-        ended_ns: when it ended; None for one that was under way to the end.
-        ending: how it ended.
-        began_known_ns: when the operator learned that it had begun; None for never.
-        ended_known_ns: when the operator learned that it had ended; None for never.
-    """
-
-    began_ns: int
-    cause: str
-    command_id: int | None
-    ended_ns: int | None = None
-    ending: ReturnEnding = ReturnEnding.OPEN
-    began_known_ns: int | None = None
-    ended_known_ns: int | None = None
+    began_ns: int  # when it began
+    cause: str  # the rule that began it, such as "timeout"; or the command
+    command_id: int | None  # the command that began it; None for a rule
+    ended_ns: int | None = None  # when it ended; None for one that was under way to the end
+    ending: ReturnEnding = ReturnEnding.OPEN  # how it ended
+    began_known_ns: int | None = None  # when the operator learned that it had begun; None for never
+    ended_known_ns: int | None = None  # when the operator learned that it had ended; None for never
 
     def __str__(self) -> str:
         """Return when and why it began, and how it ended."""

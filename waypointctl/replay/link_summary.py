@@ -19,18 +19,13 @@ from waypointctl.log.messages import NOT_DELIVERED, DeliveryOutcome, Event, Even
 
 @dataclass(frozen=True, slots=True)
 class LinkDirectionSummary:
-    """One way of the link.
+    """One way of the link."""
 
-    Attributes:
-        counts: of messages, by kind and outcome, such as ("command", "lost").
-        waited: how many were queued, whether they arrived or not.
-        longest_wait_ns: of these.
-        missing_ns: when each of those that did not arrive was handed to the link, (n,).
-    """
-
+    # of messages, by kind and outcome, such as ("command", "lost")
     counts: Mapping[tuple[str, DeliveryOutcome], int] = field(default_factory=dict)
-    waited: int = 0
-    longest_wait_ns: int = 0
+    waited: int = 0  # how many were queued, whether they arrived or not
+    longest_wait_ns: int = 0  # of these
+    # when each of those that did not arrive was handed to the link, (n,)
     missing_ns: IntArray = field(default_factory=lambda: np.zeros(0, np.int64), compare=False)
 
     def count(self, outcome: DeliveryOutcome) -> int:
@@ -55,17 +50,11 @@ class LinkDirectionSummary:
 
 @dataclass(frozen=True, slots=True)
 class LinkSummary:
-    """Both ways of the link.
+    """Both ways of the link."""
 
-    Attributes:
-        up: from the operator to the robot.
-        down: from the robot to the operator.
-        lost_spans: when the link was lost by the robot's rule.
-    """
-
-    up: LinkDirectionSummary = field(default_factory=LinkDirectionSummary)
-    down: LinkDirectionSummary = field(default_factory=LinkDirectionSummary)
-    lost_spans: tuple[Span, ...] = ()
+    up: LinkDirectionSummary = field(default_factory=LinkDirectionSummary)  # from the operator to the robot
+    down: LinkDirectionSummary = field(default_factory=LinkDirectionSummary)  # from the robot to the operator
+    lost_spans: tuple[Span, ...] = ()  # when the link was lost by the robot's rule
 
     @property
     def missing_ns(self) -> IntArray:
@@ -99,15 +88,11 @@ class LinkDirectionBuilder:
 
 @dataclass(slots=True)
 class LinkSummaryBuilder:
-    """Gathers what the link did.
-
-    Attributes:
-        lost_since_ns: since when the link is lost by the robot's rule; None while it is not.
-    """
+    """Gathers what the link did."""
 
     up: LinkDirectionBuilder = field(default_factory=LinkDirectionBuilder)
     down: LinkDirectionBuilder = field(default_factory=LinkDirectionBuilder)
-    lost_since_ns: int | None = None
+    lost_since_ns: int | None = None  # since when the link is lost by the robot's rule; None while it is not
     _lost_spans: list[Span] = field(default_factory=list)
 
     def add(self, record: LinkRecord) -> None:

@@ -21,17 +21,17 @@ from waypointctl.flight.operator.console import QUIT, LineSource
 from waypointctl.flight.outcome import FlightResult
 from waypointctl.flight.policy_fit import PolicyNotInLog
 from waypointctl.flight.sink import Camera, Sink, with_pictures
+from waypointctl.log.comparison import Diverged, Divergence
 from waypointctl.log.messages import Event, Message, Picture, State
 from waypointctl.log.opening import PART, open_file
 from waypointctl.log.reader import LogReader, open_log
 from waypointctl.log.writer import LogWriter
 from waypointctl.paths import lock
-from waypointctl.replay.comparator import Diverged, LogComparator
+from waypointctl.replay.comparator import LogComparator
 from waypointctl.replay.contents import LogContents, contents_of, platform_differences, unverifiable
 from waypointctl.replay.recorded import RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.summary_builder import summary_of_events
-from waypointctl.replay.verdict import Divergence
 from waypointctl.task.plugins import Plugin
 
 _KEPT: Final = (
@@ -41,19 +41,12 @@ _KEPT: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Unfinished:
-    """A flight that was killed.
+    """A flight that was killed."""
 
-    Attributes:
-        log: what is left of it.
-        path: of the finished log.
-        contents: what flies it.
-        events: the summary of its events.
-    """
-
-    log: LogReader
-    path: Path
-    contents: LogContents
-    events: FlightSummary
+    log: LogReader  # what is left of it
+    path: Path  # of the finished log
+    contents: LogContents  # what flies it
+    events: FlightSummary  # the summary of its events
 
 
 class Interrupted(Exception):

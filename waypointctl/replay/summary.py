@@ -23,51 +23,28 @@ NEVER_NS: Final = 1 << 62
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightSummary:
-    """A flight.
+    """A flight."""
 
-    Attributes:
-        outcome: "success", "failure" or "interrupted"; "unfinished" for a log without an end.
-        reason: why, in a few words.
-        ended_ns: when the mission ended on the operator's clock, or the last time there is.
-        steps: control steps flown.
-        waypoints: of the mission, in order.
-        places: where else the robot was commanded to go, as it arrived, each once.
-        commands: by id.
-        events: in the order they happened.
-        reward: each term's sum over the flight.
-        reward_total: the sum of the rewards of all steps.
-        effort: distance and time.
-        moving: when the robot moved by a policy's actions, on board or from the ground.
-        resting: when it stood so still that physics slept.
-        returns: each return home that began.
-        truth: where the robot was.
-        belief: where telemetry reported the robot.
-        states_off_map: how many states `truth` and `effort` leave out, as no robot can be there.
-        frames_off_map: how many telemetry frames `belief` leaves out.
-        link: losses, duplicates and waits.
-        setting: what the mission has fixed beforehand: home, zones, contact windows.
-    """
-
-    outcome: str
-    reason: str
-    ended_ns: int
-    steps: int
-    waypoints: tuple[WaypointSummary, ...]
-    places: tuple[PlannedWaypoint, ...]
-    commands: tuple[CommandSummary, ...]
-    events: tuple[Event, ...]
-    reward: tuple[tuple[str, float], ...]
-    reward_total: float
-    effort: Effort
-    moving: tuple[Span, ...]
-    resting: tuple[Span, ...]
-    returns: tuple[ReturnHome, ...]
-    truth: Track
-    belief: Track
-    states_off_map: int
-    frames_off_map: int
-    link: LinkSummary
-    setting: MissionSetting
+    outcome: str  # "success", "failure" or "interrupted"; "unfinished" for a log without an end
+    reason: str  # why, in a few words
+    ended_ns: int  # when the mission ended on the operator's clock, or the last time there is
+    steps: int  # control steps flown
+    waypoints: tuple[WaypointSummary, ...]  # of the mission, in order
+    places: tuple[PlannedWaypoint, ...]  # where else the robot was commanded to go, as it arrived, each once
+    commands: tuple[CommandSummary, ...]  # by id
+    events: tuple[Event, ...]  # in the order they happened
+    reward: tuple[tuple[str, float], ...]  # each term's sum over the flight
+    reward_total: float  # the sum of the rewards of all steps
+    effort: Effort  # distance and time
+    moving: tuple[Span, ...]  # when the robot moved by a policy's actions, on board or from the ground
+    resting: tuple[Span, ...]  # when it stood so still that physics slept
+    returns: tuple[ReturnHome, ...]  # each return home that began
+    truth: Track  # where the robot was
+    belief: Track  # where telemetry reported the robot
+    states_off_map: int  # how many states `truth` and `effort` leave out, as no robot can be there
+    frames_off_map: int  # how many telemetry frames `belief` leaves out
+    link: LinkSummary  # losses, duplicates and waits
+    setting: MissionSetting  # what the mission has fixed beforehand: home, zones, contact windows
 
     @property
     def reached(self) -> int:

@@ -148,25 +148,17 @@ _BY_POLICY = ("policy", "ground")  # the policy's actions, computed on board or 
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How the robot spent its time.
+    """How the robot spent its time."""
 
-    Attributes:
-        distance_m: the way of the torso over ground, standing sway included.
-        walked_m: of that, while the policy had the motors.
-        walking_ns: the policy had the motors.
-        standing_ns: the standing controller had them.
-        fallen_ns: they were off.
-    """
-
-    distance_m: float
-    walked_m: float
-    walking_ns: int
-    standing_ns: int
-    fallen_ns: int
+    distance_m: float  # the way of the torso over ground, standing sway included
+    walked_m: float  # of that, while the policy had the motors
+    walking_ns: int  # the policy had the motors
+    standing_ns: int  # the standing controller had them
+    fallen_ns: int  # they were off
 
     @property
     def mean_speed_mps(self) -> float | None:
-        """The mean speed while walking, None if the robot never walked."""
+        """The mean speed while the policy moved the robot, None if it never did."""
         return self.walked_m * NS_PER_S / self.walking_ns if self.walking_ns else None
 
     @property
@@ -178,13 +170,9 @@ class Effort:
 
 @dataclass(slots=True)
 class EffortBuilder:
-    """Adds up the way from state to state, by what had the motors.
+    """Adds up the way from state to state, by what had the motors."""
 
-    Attributes:
-        source: of the newest action, as named in the action; empty before the first.
-    """
-
-    source: str = ""
+    source: str = ""  # of the newest action, as named in the action; empty before the first
     _time_ns: dict[str, int] = field(default_factory=dict)
     _way_m: dict[str, float] = field(default_factory=dict)
     _moving: list[Span] = field(default_factory=list)

@@ -4,26 +4,73 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import Final, Self
+from typing import Final
 
 from waypointctl.errors import InputError, given_path
 from waypointctl.flight.fly import fly
 from waypointctl.flight.header import POLICY_FOLDER, platform_facts
 from waypointctl.flight.policy_fit import PolicyNotInLog
 from waypointctl.flight.sink import with_pictures
+from waypointctl.log.comparison import Diverged, Divergence
 from waypointctl.log.messages import Message
 from waypointctl.log.reader import LogReader, open_log
 from waypointctl.policy.manifest import NETWORK, WEIGHTS
 from waypointctl.policy.network import weights_fault
-from waypointctl.replay.comparator import ROUNDING, Diverged, LogComparator, LogEnded
+from waypointctl.replay.comparator import ROUNDING, LogComparator, LogEnded
 from waypointctl.replay.contents import KERNELS, LogContents, contents_of, platform_differences, unverifiable
 from waypointctl.replay.recorded import ACTION_TOLERANCE, RecordedCamera, RecordedConsole, RecordedPolicy
 from waypointctl.replay.summary_builder import summary_of_events
-from waypointctl.replay.verdict import Divergence, Verdict, Verification
 from waypointctl.replay.whole_file import WholeFile, whole_file
 from waypointctl.task.plugins import Plugin, Plugins, load_plugins
+
+
+class Verdict(StrEnum):
+    """Whether the replay reproduces the log, and how much of the log was compared.
+
+    EXACT: the replay writes the same file, byte for byte. EQUIVALENT: physics and every message are the same, bit for
+    bit; something else could not be compared. APPROXIMATE: the physics is the same, bit for bit; what was computed from
+    it is equal within rounding. DIVERGED: the replay differs. UNVERIFIABLE: the log cannot be replayed here.
+    """
+
+    EXACT = "exact"
+    EQUIVALENT = "equivalent"
+    APPROXIMATE = "approximate"
+    DIVERGED = "diverged"
+    UNVERIFIABLE = "unverifiable"
+
+    @property
+    def is_reproduced(self) -> bool:
+        """Whether the replay reproduces the flight: EXACT, EQUIVALENT or APPROXIMATE."""
+        return self in (Verdict.EXACT, Verdict.EQUIVALENT, Verdict.APPROXIMATE)
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """A verdict with its reasons."""
+
+    verdict: Verdict  # how far the replay reproduces the flight
+    steps: int  # control steps that were replayed and found equal
+    first_divergence: Divergence | None  # where it diverged, if it did
+    reason: str  # the verdict in a sentence
+    checks: tuple[str, ...]  # what was compared, a line each
+    # what was not compared, or not bit for bit, and why, a line each; empty where all was
+    not_compared: tuple[str, ...] = ()
+
+
+def verification_json(verification: Verification) -> dict[str, object]:
+    """Return the verdict with its reasons."""
+    first = verification.first_divergence
+    return {
+        "verdict": str(verification.verdict),
+        "steps": verification.steps,
+        "first_divergence": None if first is None else asdict(first),
+        "reason": verification.reason,
+        "checks": list(verification.checks),
+        "not_compared": list(verification.not_compared),
+    }
 
 
 def verify(path: Path | str, plugins: Plugins = ()) -> Verification:
@@ -91,7 +138,7 @@ def _fly_again(log: LogReader, contents: LogContents) -> Verification:
             if comparator.upcoming is not None:
                 raise comparator.diverged("/event", "end", type(comparator.upcoming).__name__, "the flight has ended")
             whole.finish()
-            compared = Compared.of(contents, comparator, policy, pictures, whole)
+            return _reproduced(contents, comparator, policy, pictures, whole)
     except Diverged as error:
         if error.rounding and other_kernels:
             reason = (
@@ -102,7 +149,6 @@ def _fly_again(log: LogReader, contents: LogContents) -> Verification:
     except LogEnded:
         ended = comparator.diverged("/event", "end", "the log ends", "the flight continues")
         return _diverged(ended.where, comparator, log)
-    return compared.verification(comparator.compared["/action"])
 
 
 def _diverged(where: Divergence, comparator: LogComparator, log: LogReader) -> Verification:
@@ -129,43 +175,19 @@ _NOUNS: Final = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Compared:
-    """What was compared in a replay without a difference.
-
-    Attributes:
-        checks: what was compared, a line each.
-        rounded: what is the same within rounding alone, a line each.
-        not_compared: what was not compared, and why, a line each.
-    """
-
-    checks: tuple[str, ...]
-    rounded: tuple[str, ...]
-    not_compared: tuple[str, ...]
-
-    @classmethod
-    def of(
-        cls,
-        contents: LogContents,
-        comparator: LogComparator,
-        policy: RecordedPolicy,
-        pictures: RecordedCamera,
-        whole: WholeFile,
-    ) -> Self:
-        """Collect the results of the comparisons."""
-        not_in_log = isinstance(contents.policy, PolicyNotInLog)
-        return cls(
-            checks=(*_checks(comparator.compared, computed=not not_in_log), *pictures.checks, *whole.checks),
-            rounded=tuple(_rounded(comparator, policy)),
-            not_compared=(*_policy_faults(contents, comparator.compared), *pictures.not_compared, *whole.not_compared),
-        )
-
-    def verification(self, steps: int) -> Verification:
-        """Return the verdict on a flight of `steps` control steps that was reproduced."""
-        unlike = Verdict.APPROXIMATE if self.rounded else Verdict.EQUIVALENT
-        verdict = unlike if self.rounded or self.not_compared else Verdict.EXACT
-        reason = f"{steps} control steps replayed, {_SAME[verdict]}"
-        return Verification(verdict, steps, None, reason, self.checks, (*self.rounded, *self.not_compared))
+def _reproduced(
+    contents: LogContents, comparator: LogComparator, policy: RecordedPolicy, pictures: RecordedCamera, whole: WholeFile
+) -> Verification:
+    """Return the verdict on a flight of which no comparison has found a difference."""
+    counts = comparator.compared
+    checks = _checks(counts, computed=not isinstance(contents.policy, PolicyNotInLog))
+    rounded = _rounded(comparator, policy)
+    not_compared = (*_policy_faults(contents, counts), *pictures.not_compared, *whole.not_compared)
+    unlike = Verdict.APPROXIMATE if rounded else Verdict.EQUIVALENT
+    verdict = unlike if rounded or not_compared else Verdict.EXACT
+    reason = f"{counts['/action']} control steps replayed, {_SAME[verdict]}"
+    every = (*checks, *pictures.checks, *whole.checks)
+    return Verification(verdict, counts["/action"], None, reason, every, (*rounded, *not_compared))
 
 
 def _policy_faults(contents: LogContents, counts: Counter[str]) -> Iterator[str]:

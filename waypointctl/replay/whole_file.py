@@ -9,15 +9,13 @@ from typing import IO
 
 from waypointctl.log.audit import audit
 from waypointctl.log.channels import ChannelWriter
-from waypointctl.log.comparison import FileComparison, FileDifference, FileDiffers
+from waypointctl.log.comparison import Diverged, FileComparison
 from waypointctl.log.messages import Message
 from waypointctl.log.opening import open_file
 from waypointctl.log.reader import LogReader
 from waypointctl.log.same_records import compare_readers, compare_records
 from waypointctl.log.writer import LogEncoder
-from waypointctl.replay.comparator import Diverged
 from waypointctl.replay.contents import LogContents, platform_differences
-from waypointctl.replay.verdict import Divergence
 
 
 @contextmanager
@@ -78,12 +76,9 @@ class WholeFile:
             return
         if not self.not_compared:
             self._raise()
-        try:
-            audit(self._log)
-            count = compare_records(self._log, self._header)
-            compare_readers(self._log)
-        except FileDiffers as error:
-            raise Diverged(_where(error.difference)) from error
+        audit(self._log)
+        count = compare_records(self._log, self._header)
+        compare_readers(self._log)
         self.checks = (
             f"{count} records of the file, and the messages that mcap's streaming and seeking readers return",
         )
@@ -97,8 +92,4 @@ class WholeFile:
     def _raise(self) -> None:
         difference = self._comparison.difference(self._writer.topics)
         if difference is not None:
-            raise Diverged(_where(difference))
-
-
-def _where(it: FileDifference) -> Divergence:
-    return Divergence(-1, it.time_ns, it.topic, it.component, it.found, it.expected)
+            raise Diverged(difference)

@@ -129,19 +129,13 @@ _LONGEST_S: Final = 100 * DAY_S
 
 @dataclass(frozen=True, slots=True)
 class Autonomy:
-    """A way of commanding, which a study compares with others.
+    """A way of commanding, which a study compares with others."""
 
-    Attributes:
-        name: as tables call it.
-        level: the mission's `autonomy`.
-        steering: the operator's, where the level is `short_range_goal`.
-        waits: the operator sends nothing more until it knows how its last command ended.
-    """
-
-    name: str
-    level: Literal["mission", "waypoint", "short_range_goal", "joint"]
+    name: str  # as tables call it
+    level: Literal["mission", "waypoint", "short_range_goal", "joint"]  # the mission's `autonomy`
+    # the operator's, where the level is `short_range_goal`
     steering: Literal["move_and_wait", "continuous"] = "move_and_wait"
-    waits: bool = True
+    waits: bool = True  # the operator sends nothing more until it knows how its last command ended
 
 
 MISSION: Final = Autonomy("mission", "mission")
@@ -167,19 +161,13 @@ def autonomies_of(names: Sequence[str]) -> list[str]:
 
 @dataclass(frozen=True, slots=True, order=True)
 class DelayCase:
-    """One flight: nothing else decides how it goes but the policy, the route and the operator's think time.
+    """One flight: nothing else decides how it goes but the policy, the route and the operator's think time."""
 
-    Attributes:
-        route: its name.
-        autonomy: its name.
-        rtt_s: the link's round trip, half of it each way.
-        seed: the mission's. Flights with one seed start in the same posture however they are commanded, so that what
-            differs between two autonomies or two round trips is the delay.
-    """
-
-    route: str
-    autonomy: str
-    rtt_s: float
+    route: str  # its name
+    autonomy: str  # its name
+    rtt_s: float  # the link's round trip, half of it each way
+    # the mission's. Flights with one seed start in the same posture however they are commanded, so that what
+    # differs between two autonomies or two round trips is the delay
     seed: int
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
@@ -117,8 +118,7 @@ def study_delay(
         interrupted: whether to stop.
 
     Raises:
-        PolicyError: the policy was made for another robot or another observation layout.
-        InputError: a route has what a study cannot keep; the folder has the flights of another study.
+        InputError: the policy does not fit; a route has what a study cannot keep; the folder has another study.
         OutputError: something cannot be written, or another study is writing there.
         WaypointctlError: a worker process was killed.
     """
@@ -126,27 +126,19 @@ def study_delay(
     for name in {file.mission.robot for file in routes.values()}:
         refuse_misfit(policy, load_robot(name), executed)
     refuse_what_is_not_kept(routes, sorted({case.rtt_s for case in cases}))
-    inputs = StudyInputs(
-        policy=policy.manifest.name,
-        policy_sha256=policy.sha256,
-        think_s=think_s,
-        source=source_revision(),
-        routes={name: route_digest(file) for name, file in routes.items()},
-    )
+    inputs = inputs_of(policy, routes, think_s)
     with ResultsFile.held(folder, inputs) as results:
         logs = folder / LOGS if keep_logs else None
         if logs is not None:
             logs.mkdir(exist_ok=True)
         every = list(dict.fromkeys((*cases, *fine)))
         to_fly = [case for case in every if case not in results.flown]
-        ended = len(every) - len(to_fly)
-        progress(ended, len(every))
+        ended = itertools.count(len(every) - len(to_fly))
+        progress(next(ended), len(every))
 
         def keep(case: DelayCase, flight: DelayFlight) -> None:
-            nonlocal ended
             results.add(flight)
-            ended += 1
-            progress(ended, len(every))
+            progress(next(ended), len(every))
 
         fly_case = FlyCase(routes, policy, think_s, logs, plugins)
         flown = engine_for(processes, len(to_fly)).map(fly_case, to_fly, keep, interrupted)
@@ -156,6 +148,18 @@ def study_delay(
         study = conclude(cases, fine, results.flown, routes, inputs)
         write_study(study, folder)
     return study
+
+
+def inputs_of(policy: LoadedPolicy, routes: Mapping[str, MissionFile], think_s: float | None) -> StudyInputs:
+    """Return what decides how the cases of a study go."""
+    digests = {name: route_digest(file) for name, file in routes.items()}
+    return StudyInputs(
+        policy=policy.manifest.name,
+        policy_sha256=policy.sha256,
+        think_s=think_s,
+        source=source_revision(),
+        routes=digests,
+    )
 
 
 def conclude(

@@ -57,21 +57,13 @@ class DelayFlight(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class FlyCase:
-    """Flies cases of a delay study.
+    """Flies cases of a delay study."""
 
-    Attributes:
-        routes: by name.
-        policy: that drives the robot.
-        think_s: the operator's, in place of the routes' own.
-        logs: the folder for the flights' logs, which is there; None for none.
-        plugins: Python files, which are executed.
-    """
-
-    routes: Mapping[str, MissionFile]
-    policy: LoadedPolicy
-    think_s: float | None = None
-    logs: Path | None = None
-    plugins: tuple[Path, ...] = ()
+    routes: Mapping[str, MissionFile]  # by name
+    policy: LoadedPolicy  # that drives the robot
+    think_s: float | None = None  # the operator's, in place of the routes' own
+    logs: Path | None = None  # the folder for the flights' logs, which is there; None for none
+    plugins: tuple[Path, ...] = ()  # Python files, which are executed
 
     def __call__(self, case: DelayCase, interrupted: Interrupted) -> DelayFlight | None:
         """Fly a case; return how it went, None if it was interrupted."""

@@ -39,25 +39,15 @@ class RehearsalCase:
 
 @dataclass(frozen=True, slots=True)
 class RehearsedFlight:
-    """How a flight of a rehearsal ended.
+    """How a flight of a rehearsal ended."""
 
-    Attributes:
-        seed: of the mission, with which `run --seed` flies the same flight.
-        outcome: as the operator knows it.
-        cause: why it failed, without figures; empty for a success.
-        waypoint: the one that the robot was on its way to at the end; empty for a success.
-        time_s: until the operator knew the outcome.
-        waypoints_reached: that the operator knew to be reached.
-        undelivered: counts of messages that the link did not deliver.
-    """
-
-    seed: int
-    outcome: Literal["success", "failure"]
-    cause: str
-    waypoint: str
-    time_s: float
-    waypoints_reached: int
-    undelivered: Mapping[Undelivered, int]
+    seed: int  # of the mission, with which `run --seed` flies the same flight
+    outcome: Literal["success", "failure"]  # as the operator knows it
+    cause: str  # why it failed, without figures; empty for a success
+    waypoint: str  # the one that the robot was on its way to at the end; empty for a success
+    time_s: float  # until the operator knew the outcome
+    waypoints_reached: int  # that the operator knew to be reached
+    undelivered: Mapping[Undelivered, int]  # counts of messages that the link did not deliver
 
 
 @dataclass(frozen=True, slots=True)

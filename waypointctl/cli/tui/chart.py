@@ -25,22 +25,15 @@ Metres = TypeVar("Metres", float, FloatArray)
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What a map shows.
+    """What a map shows."""
 
-    Attributes:
-        truth: the path driven; the robot is at its end.
-        waypoints: of the mission.
-        belief: where the operator believes the robot to be, None before the first telemetry.
-        setting: home, zones and contact windows.
-        returns: the ways home.
-        missing_ns: when each message was sent that did not arrive, (n,).
-    """
-
-    truth: Track
-    waypoints: Sequence[WaypointSummary]
+    truth: Track  # the path driven; the robot is at its end
+    waypoints: Sequence[WaypointSummary]  # of the mission
+    # where the operator believes the robot to be, None before the first telemetry
     belief: tuple[float, float] | None = None
-    setting: MissionSetting = field(default_factory=MissionSetting)
-    returns: Sequence[ReturnHome] = ()
+    setting: MissionSetting = field(default_factory=MissionSetting)  # home, zones and contact windows
+    returns: Sequence[ReturnHome] = ()  # the ways home
+    # when each message was sent that did not arrive, (n,)
     missing_ns: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @property

@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from types import TracebackType
-from typing import TYPE_CHECKING, Final, Protocol, Self
+from typing import Final, Protocol
 
 from waypointctl.cli.console import console, has_failed, is_live
 from waypointctl.cli.tui.formatting import happening
+from waypointctl.cli.tui.screens import LiveView
 from waypointctl.cli.tui.terminal import Keyboard
 from waypointctl.errors import InputError
 from waypointctl.flight.sink import Sink
 from waypointctl.log.header import MissionSetting
 from waypointctl.log.messages import Message, PlannedWaypoint, State
+from waypointctl.replay.flight_log import FlightLog
 from waypointctl.replay.summary_builder import FlightSummaryBuilder
 from waypointctl.units import NS_PER_S, ns, seconds
-
-if TYPE_CHECKING:
-    from waypointctl.replay.flight_log import FlightLog
-
 
 _NAP_S: Final = 0.05  # how long a wait may go without looking whether it is still wanted
 
@@ -92,7 +89,7 @@ def paced(sink: Sink, rate: float, stopped: Callable[[], bool]) -> Sink:
     return let_through
 
 
-class Watch(AbstractContextManager["Watch"], Protocol):
+class Watch(Protocol):
     """A sink that shows people the flight whose messages it is given."""
 
     flight: FlightSummaryBuilder
@@ -107,14 +104,22 @@ class Watch(AbstractContextManager["Watch"], Protocol):
         """Put a word about the view itself beside what it shows, where there is room for one."""
 
 
-def watch(title: str, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> Watch:
-    """Return what shows a flight on stderr, under its title and with what its mission has fixed beforehand."""
+@contextmanager
+def watch(title: str, waypoints: Iterable[PlannedWaypoint], setting: MissionSetting) -> Iterator[Watch]:
+    """Yield what shows a flight on stderr: the live view on a terminal, a line for each event elsewhere.
+
+    Args:
+        title: of the flight.
+        waypoints: of its mission.
+        setting: what else the mission has fixed beforehand.
+    """
     people = console(stderr=True)
     if not is_live(people):
-        return PlainLines(waypoints, setting)
-    from waypointctl.cli.tui.screens import LiveView
+        yield PlainLines(waypoints, setting)
+        return
 
-    return LiveView(people, title, waypoints, setting)
+    with LiveView(people, title, waypoints, setting) as view:
+        yield view
 
 
 class PlainLines:
@@ -136,15 +141,6 @@ class PlainLines:
         if event is not None:
             print(event.line, file=sys.stderr, flush=True)
 
-    def __enter__(self) -> Self:
-        """Begin."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        """Leave what has been written."""
-
     def restart(self) -> None:
         """Forget the flight; its messages follow again."""
         self.flight = FlightSummaryBuilder(self._waypoints, self._setting)
@@ -160,19 +156,12 @@ _SLOWEST: Final = 1 / 1024
 
 @dataclass(frozen=True, slots=True)
 class Playback:
-    """How a flight is to be shown.
+    """How a flight is to be shown."""
 
-    Attributes:
-        rate: simulated seconds in a second.
-        start_offset_s: from where on, from mission start.
-        loop: over and over.
-        start_paused: until the space bar is pressed.
-    """
-
-    rate: float = 1.0
-    start_offset_s: float = 0.0
-    loop: bool = False
-    start_paused: bool = False
+    rate: float = 1.0  # simulated seconds in a second
+    start_offset_s: float = 0.0  # from where on, from mission start
+    loop: bool = False  # over and over
+    start_paused: bool = False  # until the space bar is pressed
 
 
 def play(log: FlightLog, playback: Playback, interrupted: Callable[[], bool]) -> None:

@@ -38,21 +38,13 @@ _NO_SETTING: Final = MissionSetting()
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """How much of each part a terminal has room for.
+    """How much of each part a terminal has room for."""
 
-    Attributes:
-        map_columns: the map's width.
-        map_lines: its height; 0 for no map.
-        side_by_side: map and clocks beside each other.
-        commands: how many; 0 for none.
-        happenings: how many; 0 for none.
-    """
-
-    map_columns: int
-    map_lines: int
-    side_by_side: bool
-    commands: int
-    happenings: int = 0
+    map_columns: int  # the map's width
+    map_lines: int  # its height; 0 for no map
+    side_by_side: bool  # map and clocks beside each other
+    commands: int  # how many; 0 for none
+    happenings: int = 0  # how many; 0 for none
 
 
 def sizes(width: int, height: int) -> Sizes:

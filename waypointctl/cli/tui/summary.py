@@ -17,7 +17,7 @@ from waypointctl.replay.legs import ReturnHome
 from waypointctl.replay.link_summary import LinkDirectionSummary, LinkSummary
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.replay.track import FARTHEST_M, Track
-from waypointctl.replay.verdict import Verification
+from waypointctl.replay.verify import Verification
 from waypointctl.units import NS_PER_S, seconds
 
 _GOOD: Final = "bold green"
@@ -41,7 +41,8 @@ def print_flight(summary: FlightSummary, result: FlightResult, wall_s: float, *,
     for line in (*effort_lines(summary), *whereabouts_lines(summary), *link_lines(summary.link)):
         _print_line(out, line)
     flown_s = seconds(result.sim_time_ns)
-    _print_line(out, f"speed      {flown_s:.2f} s flown in {wall_s:.2f} s, {flown_s / wall_s:.0f} times real time")
+    rate = f"{flown_s / wall_s:.0f} times real time"
+    _print_line(out, f"wall time  {wall_s:.2f} s for {flown_s:.2f} s of simulation, {rate}")
     out.print(f"seed       {result.seed}")
     if result.log is None:
         return
@@ -139,8 +140,8 @@ def _place(track: Track) -> str:
 def effort_lines(summary: FlightSummary) -> list[str]:
     """Return how far, how fast, and how the time was spent."""
     effort = summary.effort
-    speed = "" if effort.mean_speed_mps is None else f", {effort.mean_speed_mps:.2f} m/s while walking"
-    spent = f"{effort.walking_ns / 1e9:.2f} s walking, {effort.standing_ns / 1e9:.2f} s standing"
+    speed = "" if effort.mean_speed_mps is None else f", {effort.mean_speed_mps:.2f} m/s mean while moving"
+    spent = f"{effort.walking_ns / 1e9:.2f} s moving, {effort.standing_ns / 1e9:.2f} s stopped"
     if effort.standing_share is not None:
         spent += f" ({effort.standing_share:.0%})"
     if effort.fallen_ns:

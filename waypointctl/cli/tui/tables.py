@@ -6,7 +6,7 @@ import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from rich import box
 from rich.cells import cell_len
@@ -14,13 +14,15 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from waypointctl.cli.run_many import Outcome
 from waypointctl.cli.tui.formatting import number
 from waypointctl.evaluation.grid import Column, Grid
 from waypointctl.replay.command_summary import CommandSummary
 from waypointctl.replay.legs import WaypointStatus, WaypointSummary
 from waypointctl.replay.summary import FlightSummary
 from waypointctl.units import seconds
+
+if TYPE_CHECKING:
+    from waypointctl.cli.run_many import Outcome
 
 _STRIKING: Final = "yellow"
 GAP: Final = 2  # columns of the terminal between two of the table
@@ -35,18 +37,12 @@ class GridView:
     """A table to print, its title above it and its notes below.
 
     Where the terminal is too narrow whole columns are left out, and a line names them.
-
-    Attributes:
-        grid: the table.
-        options: that show all columns, or files that have them, for that line.
-        ruled: rows with a line below them, by index.
-        striking: rows that are to be seen first, by index.
     """
 
-    grid: Grid
-    options: tuple[str, ...] = ("--json",)
-    ruled: tuple[int, ...] = ()
-    striking: tuple[int, ...] = ()
+    grid: Grid  # the table
+    options: tuple[str, ...] = ("--json",)  # that show all columns, or files that have them, for that line
+    ruled: tuple[int, ...] = ()  # rows with a line below them, by index
+    striking: tuple[int, ...] = ()  # rows that are to be seen first, by index
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         """Give rich what there is to print."""
@@ -139,9 +135,9 @@ _WAYPOINTS: Final = (
     Column("waypoint", is_text=True),
     Column("position [m]", is_text=True, spare=3),
     Column("acceptance", is_text=True, spare=4),
-    Column("set out", spare=2),
+    Column("leg start", spare=2),
     Column("reached"),
-    Column("known"),
+    Column("reported"),
     Column("delay [s]", spare=1),
 )
 _COMMANDS: Final = (
@@ -151,11 +147,11 @@ _COMMANDS: Final = (
     Column("received", spare=4),
     Column("acked", spare=5),
     Column("ended", spare=1),
-    Column("end known", spare=3),
+    Column("end reported", spare=3),
     Column("up", spare=7),
     Column("down", spare=6),
     Column("RTT [s]"),
-    Column("known stage", is_text=True),
+    Column("reported stage", is_text=True),
 )
 _SENT: Final = Column("sent", spare=8)
 _FLIGHTS: Final = (

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager
-from types import TracebackType
-from typing import Final, Protocol, Self
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final, Self
 
 from rich.box import ASCII, ROUNDED
 from rich.console import Console, RenderableType
@@ -20,12 +19,7 @@ from waypointctl.cli.console import console, is_live
 from waypointctl.cli.tui.terminal import Screen
 from waypointctl.cli.tui.training_text import count, duration, line, percent, rates, row, schedules, sparkline
 from waypointctl.display_text import printable
-from waypointctl.training.events import (
-    ENOUGH,
-    EvaluationProgress,
-    TrainingEvent,
-    TrainingStatus,
-)
+from waypointctl.training.events import ENOUGH, EvaluationProgress, TrainingEvent, TrainingStatus
 from waypointctl.training.recipe import Recipe
 
 LINE_PERIOD_S: Final = 10.0  # between two lines where there is no terminal
@@ -35,17 +29,17 @@ _LABELS: Final = 12  # columns of the labels, with their gap
 _FRAME: Final = 6  # columns of the frame, with the gaps inside it
 
 
-class TrainingView(AbstractContextManager["TrainingView"], Protocol):
-    """Shows a training and its evaluation."""
-
-    def __call__(self, event: TrainingEvent) -> None:
-        """Take an event."""
-
-
-def training_view(recipe: Recipe, title: str, interrupted: Callable[[], bool]) -> TrainingView:
-    """Return what shows a training on stderr, under a title; `interrupted` returns whether its end was requested."""
+@contextmanager
+def training_view(
+    recipe: Recipe, title: str, interrupted: Callable[[], bool]
+) -> Iterator[Callable[[TrainingEvent], None]]:
+    """Yield what shows a training on stderr, under a title; `interrupted` returns whether its end was requested."""
     stderr = console(stderr=True)
-    return LivePanel(stderr, recipe, title, interrupted) if is_live(stderr) else PlainLines(recipe)
+    if not is_live(stderr):
+        yield PlainLines(recipe)
+        return
+    with LivePanel(stderr, recipe, title, interrupted) as panel:
+        yield panel
 
 
 class PlainLines:
@@ -72,15 +66,6 @@ class PlainLines:
             case _:
                 self._write_last()
                 self._write(line(event, self._phases))
-
-    def __enter__(self) -> Self:
-        """Begin."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        """Leave what has been written."""
 
     def _evaluation(self, event: EvaluationProgress) -> None:
         if not self._evaluating:

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from json import dumps
 from typing import TYPE_CHECKING, Any, Final
 
-from waypointctl.cli.tui.training_text import count, duration, exact_percent
+import typer
+
+from waypointctl.cli.console import console
+from waypointctl.cli.tui.tables import GridView
+from waypointctl.cli.tui.training_text import count, duration, exact_percent, outcome_text
+from waypointctl.display_text import printable, shell_word
+from waypointctl.evaluation.grid import Column, Grid
+from waypointctl.evaluation.result import EVALUATION
+from waypointctl.evaluation.tables import results_grid
+from waypointctl.training.curves import CURVES, PICTURE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from waypointctl.cli.tui.tables import GridView
-    from waypointctl.evaluation.grid import Grid
     from waypointctl.training.recipe_file import RecipeFile
     from waypointctl.training.seeds import SeedsResult, Spread
     from waypointctl.training.train import TrainingResult
@@ -30,16 +38,6 @@ def print_result(
         resume_command: continues an interrupted training.
         stderr: print there.
     """
-    import typer
-
-    from waypointctl.cli.console import console
-    from waypointctl.cli.tui.tables import GridView
-    from waypointctl.cli.tui.training_text import duration, outcome_text
-    from waypointctl.display_text import printable, shell_word
-    from waypointctl.evaluation.result import EVALUATION
-    from waypointctl.evaluation.tables import results_grid
-    from waypointctl.training.curves import CURVES, PICTURE
-
     last_step, folder = recipe_file.recipe.last_step, printable(result.folder)
     if result.evaluation is None:
         lines = [
@@ -62,10 +60,6 @@ def print_result(
 
 def result_json(result: TrainingResult, recipe_file: RecipeFile, run: Path, *, drawn: bool) -> str:
     """Return the JSON object of `waypointctl train --json`; `drawn`: whether there are learning curves."""
-    import json
-
-    from waypointctl.training.curves import CURVES, PICTURE
-
     record = result.policy.manifest.training
     found = {
         "recipe": recipe_file.recipe.name,
@@ -87,7 +81,7 @@ def result_json(result: TrainingResult, recipe_file: RecipeFile, run: Path, *, d
         "trained_wall_time_s": round(result.wall_time_s, 1),
         **_selection(result),
     }
-    return f"{json.dumps(found, indent=2)}\n"
+    return f"{dumps(found, indent=2)}\n"
 
 
 def _selection(result: TrainingResult) -> dict[str, Any]:
@@ -128,32 +122,18 @@ _COLUMNS: Final[dict[str, tuple[str, Callable[[float], str], int]]] = {
 
 @dataclass(frozen=True, slots=True)
 class SeedsTrained:
-    """A training with several seeds, finished or interrupted.
+    """A training with several seeds, finished or interrupted."""
 
-    Attributes:
-        recipe_file: that the runs follow.
-        seeds: requested.
-        group: the folder of the runs.
-        complete: the seeds whose runs are finished.
-        compared: their results; None as long as a run is not finished.
-        already_complete: all of them were trained before.
-    """
-
-    recipe_file: RecipeFile
-    seeds: list[int]
-    group: Path
-    complete: list[int]
-    compared: SeedsResult | None
-    already_complete: bool
+    recipe_file: RecipeFile  # that the runs follow
+    seeds: list[int]  # requested
+    group: Path  # the folder of the runs
+    complete: list[int]  # the seeds whose runs are finished
+    compared: SeedsResult | None  # their results; None as long as a run is not finished
+    already_complete: bool  # all of them were trained before
 
 
 def print_seeds(trained: SeedsTrained, resume_command: str, *, stderr: bool) -> None:
     """Print a row for each seed, or, of a training that was interrupted, the command to continue."""
-    import typer
-
-    from waypointctl.cli.console import console
-    from waypointctl.display_text import printable
-    from waypointctl.training.curves import CURVES, PICTURE
     from waypointctl.training.seeds import RESULTS
 
     if trained.compared is None:
@@ -172,10 +152,6 @@ def print_seeds(trained: SeedsTrained, resume_command: str, *, stderr: bool) -> 
 
 def seeds_json(trained: SeedsTrained) -> str:
     """Return the JSON object of `waypointctl train --seeds --json`."""
-    import json
-
-    from waypointctl.training.curves import CURVES, PICTURE
-
     group, compared = trained.group, trained.compared
     found = {
         "recipe": trained.recipe_file.recipe.name,
@@ -188,7 +164,7 @@ def seeds_json(trained: SeedsTrained) -> str:
         "picture": None if compared is None else str(group / PICTURE),
         **({"seeds": [], "spread": {}} if compared is None else compared.to_dict()),
     }
-    return f"{json.dumps(found, indent=2)}\n"
+    return f"{dumps(found, indent=2)}\n"
 
 
 def seeds_table(name: str, compared: SeedsResult, kept: Path) -> GridView:
@@ -199,13 +175,10 @@ def seeds_table(name: str, compared: SeedsResult, kept: Path) -> GridView:
         compared: the seeds.
         kept: the file that has all columns.
     """
-    from waypointctl.cli.tui.tables import GridView
-
     return GridView(_grid(name, compared), (str(kept),), ruled=(len(compared.results) - 1,))
 
 
 def _grid(name: str, compared: SeedsResult) -> Grid:
-    from waypointctl.evaluation.grid import Column, Grid
 
     columns = {quantity: column for quantity, column in _COLUMNS.items() if quantity in compared.spread}
     rows = [

@@ -130,7 +130,7 @@ def _message_keys(summary: FlightSummary) -> Iterable[Artist]:
 
 def _robot_keys(summary: FlightSummary) -> Iterable[Artist]:
     if summary.moving:
-        yield Line2D([], [], color=ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="walking")
+        yield Line2D([], [], color=ROBOT, linewidth=_WALK_WIDTH, alpha=_WALK_ALPHA, label="moving")
     if summary.returns:
         yield Line2D([], [], color=HOME, linewidth=_WALK_WIDTH, label="way home")
     if any(waypoint.reached_ns is not None for waypoint in summary.waypoints):
