@@ -125,3 +125,17 @@ def test_a_policy_is_given_as_itself_or_by_its_folder(folder: Path) -> None:
     assert policy_of(folder).name == policy_of(str(folder)).name == policy.name
     with pytest.raises(InputError, match="policy"):
         policy_of(3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("threads", [-1, 1025])
+def test_a_number_of_threads_is_bounded(folder: Path, threads: int) -> None:
+    assert load_policy(folder, threads=0).name == "tiny"
+    with pytest.raises(InputError, match="threads"):
+        load_policy(folder, threads=threads)
+
+
+def test_an_empty_folder_is_no_damaged_policy(tmp_path: Path) -> None:
+    with pytest.raises(PolicyError) as caught:
+        load_policy(tmp_path)
+    assert str(caught.value).startswith(f"{tmp_path}: no manifest.json")
+    assert "copy the whole folder again" not in str(caught.value)

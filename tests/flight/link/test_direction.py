@@ -79,6 +79,12 @@ def test_a_message_larger_than_the_queue_goes_when_it_need_not_wait() -> None:
     assert (first.left_ns, second.lost, third.departs_ns) == (100, QUEUE_FULL, 100)
 
 
+def test_a_mebibyte_can_wait_where_nothing_else_is_said() -> None:
+    for size, lost in ((1 << 20, ""), ((1 << 20) + 1, QUEUE_FULL)):
+        link = Direction[int](contacts=Contacts([Window(1000, 1 << 40)]))
+        assert link.send(0, size, lambda when: when).lost == lost
+
+
 def test_a_message_larger_than_every_contact_blocks_nothing() -> None:
     link = Direction[int](contacts=Contacts([Window(0, 50, 8e9)], 100))
     assert link.send(0, 51, lambda when: when).lost == NO_CONTACT
