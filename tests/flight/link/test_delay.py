@@ -76,6 +76,7 @@ def test_normal_jitter_has_its_deviation_and_shape() -> None:
         share = math.erf(bound / math.sqrt(2))
         assert (np.abs(drawn) < bound).mean() == pytest.approx(share, abs=5 * math.sqrt(share * (1 - share) / COUNT))
     assert (drawn * 10_000_000 > jitter.most_ns).mean() < 3e-4
+    assert jitter.most_ns == 40_000_000
 
 
 def test_measured_jitter_is_drawn_from_its_file_each_as_likely() -> None:

@@ -82,6 +82,8 @@ def test_a_size_is_what_the_sender_has_to_say_and_the_packets_around_it() -> Non
     sent.issued_ns = 7 * S
     assert size_bytes(frame) == 6 + sent.ByteSize()
     assert size_bytes(replace(frame, received_ns=10**15)) == size_bytes(frame)
+    seven_letters = size_bytes(replace(frame, mode=Mode.HOLDING))
+    assert {size_bytes(replace(frame, mode=mode)) for mode in (Mode.NAVIGATING, Mode.TELEOPERATED)} == {seven_letters}
     command = Command(1, CommandKind.HOLD, (), "", 0, 5)
     empty = pb.Command(id=1, kind="hold", attempt=1, released=-1, target_id=-1, not_before_ns=-1, expires_ns=-1)
     assert size_bytes(command) == 6 + empty.ByteSize()
