@@ -54,7 +54,10 @@ PARTS: Final = {
             "tests/replay/test_verify_own_policy.py",
         ),
     ),
-    "bundle": Part(("waypointctl/policy/bundle.py", "waypointctl/policy/manifest.py"), ("tests/policy/test_*.py",)),
+    "bundle": Part(
+        ("waypointctl/policy/bundle.py", "waypointctl/policy/manifest.py", "waypointctl/policy/manifest_file.py"),
+        ("tests/policy/test_*.py",),
+    ),
 }
 _LIBRARIES: Final = (
     "hypothesis", "matplotlib", "mcap.reader", "mcap.writer", "mjbatch", "mujoco", "numpy", "onnx", "onnxruntime",

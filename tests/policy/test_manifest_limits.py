@@ -139,3 +139,10 @@ def test_an_empty_folder_is_no_damaged_policy(tmp_path: Path) -> None:
         load_policy(tmp_path)
     assert str(caught.value).startswith(f"{tmp_path}: no manifest.json")
     assert "copy the whole folder again" not in str(caught.value)
+
+
+def test_of_keys_that_occur_twice_the_first_letters_are_named(folder: Path) -> None:
+    key = "k" * 300
+    (folder / "manifest.json").write_text(f'{{"{key}": 1, "{key}": 2}}')
+    with pytest.raises(PolicyError, match=f"the keys {'k' * 200} occurs twice"):
+        read_manifest(folder)
