@@ -70,7 +70,7 @@ def evaluate_policy(
     files.refuse_unwritable()
     refuse_selection_trials(loaded, chosen, seed, save=save)
     shown = _progress(chosen.used, trials or chosen.own.trials, len(policies))
-    with _interruption_told(), shown as progress:
+    with _interruption_reported(), shown as progress:
         found = evaluate_loaded(loaded, chosen, trials, seed, threads, progress, plugin or ())
     evaluations = [one.evaluation for one in found]
     names = names_of(evaluations, policies)
@@ -83,7 +83,7 @@ def evaluate_policy(
 
 
 @contextmanager
-def _interruption_told() -> Iterator[None]:
+def _interruption_reported() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:

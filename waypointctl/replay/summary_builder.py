@@ -36,12 +36,9 @@ _NO_SETTING: Final = MissionSetting()
 def summarize(
     messages: Iterable[Message], waypoints: Iterable[PlannedWaypoint] = (), setting: MissionSetting = _NO_SETTING
 ) -> FlightSummary:
-    """Return the summary of a flight.
+    """Return the summary of a flight's messages, all of them, in order.
 
-    Args:
-        messages: all of them, in order.
-        waypoints: the mission's; without them, those that were commanded.
-        setting: what else the mission has fixed beforehand.
+    Without the mission's waypoints it has those that were commanded.
     """
     flight = FlightSummaryBuilder(waypoints, setting)
     for message in messages:
@@ -50,11 +47,7 @@ def summarize(
 
 
 def summary_of_events(log: LogReader) -> FlightSummary:
-    """Return the summary of a log's events alone: outcome, end, console. Quick, and in any log.
-
-    Raises:
-        LogError: an event cannot be read.
-    """
+    """Return the summary of a log's events alone: outcome, end, console. Quick, and in any log."""
     return summarize(log.messages(("/event",)))
 
 
@@ -100,7 +93,8 @@ class FlightSummaryBuilder:
             case Ack():
                 self._on_ack(message)
             case Command():
-                self._on_command(message)
+                self._commands.on_command(message)
+                self._waypoints.on_command(message)
             case CommandStage():
                 self._on_stage(message)
             case LinkRecord():
@@ -207,10 +201,6 @@ class FlightSummaryBuilder:
         self.now_ns = max(self.now_ns, ack.received_ns)
         self._commands.on_ack(ack)
         self._returns.on_report(ack)
-
-    def _on_command(self, command: Command) -> None:
-        self._commands.on_command(command)
-        self._waypoints.on_command(command)
 
     def _on_stage(self, it: CommandStage) -> None:
         self.now_ns = max(self.now_ns, it.time_ns)

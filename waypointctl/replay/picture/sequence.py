@@ -79,7 +79,7 @@ def name_messages(axes: Axes, summary: FlightSummary) -> None:
         state = "" if command.received_ns is not None else f" ({_undelivered(command)})"
         color = FAILED if state else OPERATOR
         labels.put(f"{command.id}: {short(command.description, _LETTERS)}{state}", _rows(at_px, y_px, +1), color)
-        for ack in _told(command.acks):
+        for ack in _labelled(command.acks):
             at_px, y_px = labels.pixels(seconds(ack.issued_ns), _ROBOT_Y)
             color = FAILED if ack.stage in _BAD else ROBOT
             labels.put(f"{ack.command_id} {ack.stage}", _rows(at_px, y_px, -1), color)
@@ -98,7 +98,7 @@ def _undelivered(command: CommandSummary) -> str:
     return "not delivered" if command.losses >= command.attempts else "under way"
 
 
-def _told(acks: Sequence[Ack]) -> Iterable[Ack]:
+def _labelled(acks: Sequence[Ack]) -> Iterable[Ack]:
     """Yield the last of those acknowledgements that were sent and have arrived together, that are worth a label."""
     for _, together in groupby(acks, lambda ack: (ack.issued_ns, ack.received_ns)):
         last = list(together)[-1]
