@@ -32,7 +32,6 @@ _PRELOADED: Final = (
     "waypointctl.cli.study",
     "waypointctl.cli.tui.playback",
     "waypointctl.cli.tui.summary",
-    "waypointctl.cli.tui.watch",
     "waypointctl.cli.validate",
     "waypointctl.flight.checks.check",
     "waypointctl.replay.resume",
