@@ -85,6 +85,19 @@ def test_more_than_rounding_and_every_state_diverges_everywhere(
     assert caught.value.rounding is rounding
 
 
+def test_each_message_that_is_rounded_otherwise_is_counted() -> None:
+    compare = comparator(FRAME, FRAME, bitwise=False)
+    for _ in range(2):
+        compare(replace(FRAME, x_m=np.nextafter(1.0, 2.0).item()))
+    assert compare.rounded == {"/telemetry": 2}
+
+
+def test_before_the_first_state_it_is_mission_start() -> None:
+    with pytest.raises(Diverged) as caught:
+        comparator(EVENT)(replace(EVENT, text="driving on"))
+    assert (caught.value.where.step, caught.value.where.time_ns) == (0, 0)
+
+
 def test_a_message_of_another_kind_diverges() -> None:
     with pytest.raises(Diverged) as caught:
         comparator(EVENT)(STATE)

@@ -11,7 +11,7 @@ from tests.replay.rewriting import Flown, altered
 from waypointctl.errors import LogError, PolicyError
 from waypointctl.flight.fly import fly
 from waypointctl.flight.outcome import FlightResult
-from waypointctl.log.messages import Action
+from waypointctl.log.messages import Action, GroundControl
 from waypointctl.log.reader import open_log
 from waypointctl.mission.files import MissionFile, parse_mission
 from waypointctl.policy.protocol import Policy
@@ -43,6 +43,9 @@ def test_all_but_its_actions_is_proven(tmp_path: Path, autonomy: str) -> None:
     (line,) = found.not_compared
     assert "tests.policy.recurrent.Recurrent" in line
     assert "not in the log" in line
+    computed = sum(isinstance(message, Action | GroundControl) for message in open_log(path).messages())
+    assert line.startswith(f"{computed} actions, not recomputed")
+    assert not any("by the network" in line for line in found.checks)
     assert open_log(path).metadata["policy"] == "Recurrent"
 
 

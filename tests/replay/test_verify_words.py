@@ -12,7 +12,7 @@ from tests.replay.rewriting import Flown
 from waypointctl.flight import header
 from waypointctl.policy.network import Network
 from waypointctl.replay import contents
-from waypointctl.replay.verify import Verdict, verify
+from waypointctl.replay.verify import Verdict, verification_json, verify
 
 
 def test_commands_their_stages_and_what_was_heard_are_counted(flown: Flown) -> None:
@@ -22,7 +22,25 @@ def test_commands_their_stages_and_what_was_heard_are_counted(flown: Flown) -> N
         f"{counts['Command']} commands, {counts['CommandStage']} command stages, {counts['Ack']} acknowledgements and "
         f"{counts['Telemetry']} telemetry frames, with their delivery times"
     )
-    assert said in verify(flown.path).checks
+    checks = verify(flown.path).checks
+    assert said in checks
+    assert counts["Checkpoint"] == 1
+    assert any(line.startswith("1 checkpoint,") for line in checks)
+    assert any(line.endswith(", recomputed by the network") for line in checks)
+    assert not any("typed at the console" in line for line in checks)
+
+
+def test_what_is_reproduced_is_so_within_rounding_at_least(flown: Flown, tmp_path: Path) -> None:
+    assert {verdict for verdict in Verdict if verdict.is_reproduced} == {
+        Verdict.EXACT,
+        Verdict.EQUIVALENT,
+        Verdict.APPROXIMATE,
+    }
+    assert verification_json(verify(flown.path))["first_divergence"] is None
+    short = verification_json(verify(flown.rewritten(tmp_path / "short.mcap", flown.messages[:-1])))
+    where = short["first_divergence"]
+    assert isinstance(where, dict)
+    assert where["component"] == "end"
 
 
 @pytest.mark.parametrize("version", ["", "0.0.1"])

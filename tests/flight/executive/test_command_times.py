@@ -111,6 +111,10 @@ def test_a_time_of_zero_is_a_time(rig: Rig) -> None:
     rig.sense(1.0, "a")
     assert rig.send(2.0, UPLOAD, A, id=2, not_before=0.0) is Stage.SKIPPED, "too late, and reached already"
     assert rig.send(3.0, GO_TO, B, id=3, expires=0.0) is Stage.EXPIRED
+    begun = Rig()
+    assert begun.send(0.0, GO_TO, A, id=1, expires=0.0) is Stage.STARTED
+    begun.sense(0.02, "start")
+    assert begun.stage(1) is Stage.EXPIRED
 
 
 # Arguments
