@@ -207,20 +207,6 @@ def test_whoever_reads_the_answer_may_go_away(yard: Path) -> None:
     assert b"Exception ignored" not in err
 
 
-def test_flying_and_replaying_load_no_torch(yard: Path) -> None:
-    code = (
-        "import sys\n"
-        "from waypointctl.cli.main import main\n"
-        "for command in (['run', 'easy.yaml', '--out', 'log.mcap'], ['replay', 'log.mcap']):\n"
-        "    sys.argv = ['waypointctl', *command]\n"
-        "    try: main()\n"
-        "    except SystemExit as end: assert end.code == 0, end.code\n"
-        "heavy = {'torch', 'stable_baselines3', 'matplotlib', 'gymnasium', 'onnx'} & set(sys.modules)\n"
-        "assert not heavy, heavy\n"
-    )
-    subprocess.run([sys.executable, "-c", code], cwd=yard, check=True, capture_output=True)
-
-
 def test_a_terminal_that_cannot_show_a_name_does_not_end_the_flight(yard: Path) -> None:
     (yard / "foreign.yaml").write_text((yard / "easy.yaml").read_text().replace("name: here", "name: 近い"))
     flight = start(

@@ -27,8 +27,10 @@ def fly(yard: Path, *more: str, stdout: int = subprocess.PIPE) -> ForkedProgram:
     return flight
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("more", [("--rate", "1"), ("--rate", "0.001"), ()])
+@pytest.mark.parametrize(
+    ("number", "more"),
+    [(signal.SIGINT, ("--rate", "1")), (signal.SIGTERM, ()), (signal.SIGINT, ("--rate", "0.001"))],
+)
 def test_the_first_signal_closes_the_log(yard: Path, number: signal.Signals, more: tuple[str, ...]) -> None:
     flight = fly(yard, *more)
     flight.send_signal(number)

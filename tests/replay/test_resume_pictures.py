@@ -58,7 +58,7 @@ def kept(part: Path) -> int:
     return open_log(part, allow_truncated=True).count("/camera")
 
 
-@pytest.mark.parametrize("share", [0.1, 0.45, 0.6, 0.75, 0.99])
+@pytest.mark.parametrize("share", [0.1, 0.6, 0.99])
 def test_wherever_it_was_cut_the_finished_log_is_the_same_bytes(survey: Survey, tmp_path: Path, share: float) -> None:
     result = resumed(survey.cut(tmp_path, share))
     assert (tmp_path / "flight.mcap").read_bytes() == survey.data

@@ -62,7 +62,7 @@ def test_a_pixel_that_was_changed_diverges(changed: Callable[[int, Change], Veri
     assert len(where.logged) < 60
 
 
-@pytest.mark.parametrize("at", [3, 20, 60, 5000, -20])
+@pytest.mark.parametrize("at", [3, 60, -20])
 def test_a_bit_that_was_flipped_diverges(changed: Callable[[int, Change], Verification], at: int) -> None:
     def flipped(picture: Picture) -> list[Message]:
         data = bytearray(picture.data)
