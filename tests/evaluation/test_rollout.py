@@ -24,7 +24,7 @@ from waypointctl.task.course import Deadline
 
 FloatArray = NDArray[np.float64]
 
-TRIALS = 12
+TRIALS = 8
 SIZE_M = 0.35
 FIRST_S, FURTHER_S = 1.5, 1.0
 WITHIN_M = 0.4

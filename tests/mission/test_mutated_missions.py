@@ -8,13 +8,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.budget import examples
 from tests.mission.mutations import MUTATIONS, mutated
 from waypointctl.mission.files import beside, examine_mission
 
 MISSIONS = sorted((Path(__file__).parents[2] / "missions").glob("*.yaml"))
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(examples(40)))
 def test_a_mutated_mission_is_read_or_refused_with_a_place(tmp_path: Path, seed: int) -> None:
     outcomes: Counter[bool] = Counter()
     for index in range(20):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any
+
 import fastjsonschema
 import pytest
 
@@ -89,6 +92,11 @@ def test_what_is_wrong_is_said_with_its_place(text: str, problem: str) -> None:
     assert str(caught.value) == f"m.yaml:{problem}"
 
 
+@cache
+def compiled_schema() -> Any:
+    return fastjsonschema.compile(mission_schema())
+
+
 @pytest.mark.parametrize(
     ("text", "fits"),
     [
@@ -102,7 +110,7 @@ def test_what_is_wrong_is_said_with_its_place(text: str, problem: str) -> None:
     ],
 )
 def test_the_schema_reads_what_the_reader_reads(text: str, fits: bool) -> None:
-    check = fastjsonschema.compile(mission_schema())
+    check = compiled_schema()
     data = read_tree((BASE + text).encode()).data
     if fits:
         check(data)

@@ -15,7 +15,7 @@ from waypointctl.seeding import stream
 from waypointctl.task.batched import BatchedWaypointEnv, Step
 from waypointctl.task.config import TaskConfig, draw_start
 from waypointctl.task.course import Course, Deadline
-from waypointctl.task.observation import LAYOUTS, layout
+from waypointctl.task.observation import layout
 from waypointctl.task.reward import RewardFunction, RewardWeights, progress_speed
 from waypointctl.task.view import body_of, fallen
 
@@ -105,7 +105,7 @@ class Alone:
         }
 
 
-@pytest.mark.parametrize("name", LAYOUTS)
+@pytest.mark.parametrize("name", ["state_noise", "egocentric"])
 def test_every_robot_goes_as_it_goes_alone_in_a_bare_mj_step_loop(name: str) -> None:
     config = busy(name)
     env = BatchedWaypointEnv(config, ROBOTS, SEED, threads=2)
