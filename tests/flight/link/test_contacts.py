@@ -134,3 +134,9 @@ def test_the_mean_rate_counts_each_contact_with_its_share_of_the_time(
     windows: list[Window], period_ns: int, rate_bps: float | None
 ) -> None:
     assert Contacts(windows, period_ns).mean_rate_bps == rate_bps
+
+
+@pytest.mark.parametrize(("rates", "has"), [((None, None), False), ((None, 5.0), True), ((5.0, 7.0), True)])
+def test_a_rate_in_one_contact_is_one(rates: tuple[float | None, float | None], has: bool) -> None:
+    windows = [Window(10 * number, 10 * number + 5, rate) for number, rate in enumerate(rates)]
+    assert Contacts(windows).has_rates is has

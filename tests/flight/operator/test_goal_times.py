@@ -142,7 +142,7 @@ def test_a_waypoint_within_the_lookahead_is_sent_itself() -> None:
     assert indices(operator.begin()) == [0]
     operator, _ = steering("operator: {lookahead: 3.99 m}")
     (request,) = operator.begin()
-    assert (request.waypoints[0].index, request.waypoints[0].hold_ns) == (LOOKAHEAD, 0)
+    assert (request.waypoints[0].index, request.waypoints[0].hold_ns) == (-1, 0)
 
 
 @pytest.mark.parametrize(
