@@ -43,7 +43,10 @@ PARTS: Final = {
     "executive": Part((f"{_FLIGHT}/executive/*.py",), ("tests/flight/executive/test_*.py",)),
     "operator": Part((f"{_FLIGHT}/operator/*.py",), ("tests/flight/operator/test_*.py",)),
     "link": Part((f"{_FLIGHT}/link/*.py",), ("tests/flight/link/test_*.py",)),
-    "command_life": Part((f"{_FLIGHT}/command_life.py",), ("tests/flight/test_command_life.py",)),
+    "command_life": Part(
+        (f"{_FLIGHT}/command_life.py",),
+        ("tests/flight/test_command_life.py", "tests/flight/executive/test_command_tracker.py"),
+    ),
     "verify": Part(
         ("waypointctl/replay/verify.py", "waypointctl/replay/comparator.py"),
         (
