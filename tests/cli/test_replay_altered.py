@@ -106,7 +106,7 @@ def test_an_altered_log_diverges_and_is_summed_up(
     assert summary["distance_m"] < 100.0  # of a flight of seconds, in which one state was left out at most
 
 
-@pytest.mark.parametrize("name", ["qpos huge", "frame nan", "reward huge", "last time"])
+@pytest.mark.parametrize("name", ["qpos huge", "frame nan"])
 def test_an_altered_log_is_drawn(flown: Flown, tmp_path: Path, name: str) -> None:
     of, alter, _ = ALTERED[name]
     log = FlightLog.open(flown.rewritten(tmp_path / "altered.mcap", altered(flown.messages, of, alter)))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.budget import examples
 from tests.log.fake_flight import header
 from tests.log.mutations import mutated
 from waypointctl.errors import LogError
@@ -16,7 +17,7 @@ from waypointctl.log.comparison import Diverged
 from waypointctl.log.reader import LogReader, open_log
 from waypointctl.log.same_records import compare_readers, compare_records
 
-CASES = 20
+CASES = examples(80)
 
 
 def mutations(base: bytes, seed: int) -> Iterator[bytes]:
