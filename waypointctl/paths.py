@@ -13,11 +13,11 @@ from typing import IO, Final
 from waypointctl.display_text import shell_word
 from waypointctl.errors import OutputError
 
-_FILE_MEND: Final = "give a file in a folder that you can write to"
+_FILE_MEND: Final = "give a path in a writable folder"
 MCAP: Final = b"\x89MCAP0\r\n"  # what a log begins with
 PNG: Final = b"\x89PNG\r\n\x1a\n"
 
-_FOLDER_MEND: Final = "Give a folder in a place that you can write to."
+_FOLDER_MEND: Final = "Give a path in a writable folder."
 _PLANS: Final = {
     ".plan": "a QGroundControl plan",
     ".waypoints": "a waypoint file",
@@ -104,7 +104,7 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
         if path.is_dir():
             fault = "this is a folder"
         elif not folder.is_dir():
-            fault = f"{str(folder)!r} is not a folder"
+            fault = f"{str(folder)!r} is not a folder" if folder.exists() else f"the folder {folder} does not exist"
         elif path.exists() and not os.access(path, os.W_OK):
             fault = "no permission"
         elif _is_standard_stream(path):
@@ -115,13 +115,24 @@ def refuse_unwritable_file(path: Path, what: str) -> None:
             return
         else:
             part = _part(path)
-            trial = _trial_fault(part.touch, part.unlink)
+            trial = _trial_fault(part.parent, part.touch, part.unlink)
             if trial is None:
                 return
             fault = trial
     except OSError as error:
         fault = str(error.strerror)
     raise OutputError(f"{what} cannot be written: {fault}", where=str(path), hint=_FILE_MEND)
+
+
+def write_fault(path: Path, error: OSError) -> str:
+    """Return why a file could not be made, in words for the user: a missing or read-only folder is named."""
+    folder = path.parent
+    if isinstance(error, FileNotFoundError) and not folder.is_dir():
+        return f"the folder {folder} does not exist"
+    if isinstance(error, FileNotFoundError | PermissionError) and not path.exists():
+        nearest = next((each for each in (folder, *folder.parents) if each.exists()), folder)
+        return f"the folder {nearest} is not writable"
+    return str(error.strerror)
 
 
 def write_whole(path: Path, content: bytes, what: str) -> None:
@@ -148,7 +159,7 @@ def write_whole(path: Path, content: bytes, what: str) -> None:
     except OSError as error:
         with suppress(OSError):  # the name can be too long even to be removed
             part.unlink(missing_ok=True)
-        problem = f"{what} cannot be written: {error.strerror}"
+        problem = f"{what} cannot be written: {write_fault(path, error)}"
         raise OutputError(problem, where=str(path), hint=_FILE_MEND) from error
 
 
@@ -182,7 +193,7 @@ def refuse_other_content(path: Path, magic: bytes, kind: str) -> None:
         elif begins(path, magic):
             return
         else:
-            fault = f"is there already and is not {kind}"
+            fault = f"already exists and is not {kind}"
     except OSError as error:
         fault = f"cannot be read, to see whether it is {kind}: {error.strerror}"
     raise OutputError(fault, where=str(path), hint="Name another file.")
@@ -212,7 +223,7 @@ def refuse_unwritable_folder(folder: Path) -> None:
         problem = "this is a file" if nearest == folder else f"{str(nearest)!r} is a file"
     else:
         trial = nearest / f".{folder.name}.{os.getpid()}.tmp"  # as what is written is staged under
-        fault = _trial_fault(trial.mkdir, trial.rmdir)
+        fault = _trial_fault(nearest, trial.mkdir, trial.rmdir)
         if fault is None:
             return
         problem = fault
@@ -234,17 +245,15 @@ def _is_standard_stream(path: Path) -> bool:
     return False
 
 
-def _trial_fault(make: Callable[[], None], remove: Callable[[], None]) -> str | None:
-    """Return why a file or folder cannot be made, None if it could be and is removed again."""
+def _trial_fault(folder: Path, make: Callable[[], None], remove: Callable[[], None]) -> str | None:
+    """Return why a file or folder cannot be made in a folder, None if it could be and is removed again."""
     try:
         make()
         remove()
     except FileExistsError:
         return None  # another process's trial
-    except PermissionError:
-        return "no permission"
-    except FileNotFoundError:
-        return "nothing can be created there"  # as in /proc
+    except (PermissionError, FileNotFoundError):  # the latter in /proc
+        return f"the folder {folder} is not writable"
     except OSError as error:
         return str(error.strerror)
     return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -73,6 +74,34 @@ def test_save_writes_beside_each_policy_by_suite_and_acceptance(place: Path, pro
     assert json.loads((place / "still" / files[1]).read_text())["suite_acceptance"] is None
 
 
+def test_a_saved_evaluation_with_more_trials_is_replaced_only_by_force(
+    place: Path, program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saved = place / "still" / "evaluation-easy.json"
+    code, _, err = program("eval", "still", *EASY, "--save", "--out", "found.json")
+    assert (code, err) == (0, "written: found.json\nwritten: still/evaluation-easy.json\n")
+    before = saved.read_bytes()
+    with monkeypatch.context() as patch:
+        patch.setattr("waypointctl.cli.evaluation_run.evaluate", lambda *_, **__: pytest.fail("it was evaluated"))
+        code, out, err = program("eval", "still", *EASY, "--trials", "2", "--save")
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: still/evaluation-easy.json: has an evaluation with 3 trials of each path; this one has 2\n"
+        "  Use --force to replace it, or --trials 3\n"
+    )
+    assert saved.read_bytes() == before
+    assert program("eval", "still", *EASY, "--trials", "2", "--out", "found.json")[0] == 0
+    assert program("eval", "still", *EASY, "--trials", "2", "--save", "--force")[0] == 0
+    assert json.loads(saved.read_text())["cases"][0]["trials"] == 2
+    assert program("eval", "still", *EASY, "--save")[0] == 0
+
+
+@pytest.mark.parametrize(("given", "text"), [("1", "1 physics thread"), ("2", "2 physics threads")])
+def test_the_threads_of_the_physics_are_printed(place: Path, program: Program, given: str, text: str) -> None:
+    assert program("eval", "still", *EASY, "--threads", given)[1].splitlines()[-1] == text
+    assert re.fullmatch(r"\d+ physics threads? \(default\)", program("eval", "still", *EASY)[1].splitlines()[-1])
+
+
 def test_a_suite_that_borrows_a_name_is_not_saved(place: Path, program: Program) -> None:
     (place / "easy.yaml").write_text(SUITE.replace("easy", "paper"))
     code, _, err = program("eval", "still", *EASY, "--save")
@@ -96,7 +125,7 @@ def test_what_is_of_another_kind_is_replaced_only_by_force(
     (place / name).write_text("{}")
     code, out, err = program(*asked)
     assert (code, out) == (2, "")
-    assert err.startswith(f"error: {name}: is there already and is not ")
+    assert err.startswith(f"error: {name}: already exists and is not ")
     assert (place / name).read_text() == "{}"
     assert program(*asked, "--force")[0] == 0
     first = (place / name).read_bytes()
@@ -125,10 +154,10 @@ def test_a_file_that_two_options_would_write_is_refused(
 @pytest.mark.parametrize(
     ("option", "target", "fault"),
     [
-        ("--out", "/proc/x.json", "no"),
-        ("--markdown", "/proc/x.md", "no"),
-        ("--plot", "/proc/x.png", "no"),
-        ("--plot", "nowhere/x.png", "'nowhere' is not a folder"),
+        ("--out", "/proc/x.json", "the folder /proc is not writable"),
+        ("--markdown", "/proc/x.md", "the folder /proc is not writable"),
+        ("--plot", "/proc/x.png", "the folder /proc is not writable"),
+        ("--plot", "nowhere/x.png", "the folder nowhere does not exist"),
         ("--save", "still/evaluation-easy.json", "No space left on device"),
     ],
 )

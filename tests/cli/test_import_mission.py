@@ -66,7 +66,7 @@ def test_a_policy_that_is_not_there_is_warned_of(line: Path, program: Program) -
 def test_a_file_that_is_there_is_replaced_on_request_alone(line: Path, program: Program) -> None:
     (line.parent / "m.yaml").write_text("mine")
     code, _, said = program("import", "line.geojson", "--out", "m.yaml")
-    assert (code, said) == (2, "error: m.yaml: is there already\n  --force replaces it; or give another --out.\n")
+    assert (code, said) == (2, "error: m.yaml: already exists\n  Use --force to replace it, or give another --out.\n")
     assert (line.parent / "m.yaml").read_text() == "mine"
     assert program("import", "line.geojson", "--out", "m.yaml", "--force")[0] == 0
     assert load_mission(line.parent / "m.yaml").mission.name == "line"

@@ -1,8 +1,18 @@
 from __future__ import annotations
 
 import pytest
+from typer.testing import CliRunner
 
 from tests.cli.flying import Program
+from waypointctl.cli.app import app
+
+
+@pytest.mark.parametrize("group", [(), ("policies",), ("study",)])
+def test_no_summary_of_a_command_is_cut(group: tuple[str, ...]) -> None:
+    shown = CliRunner().invoke(app, [*group, "--help"], env={"COLUMNS": "80"}).output
+    summaries = shown.partition("Commands:\n")[2].splitlines()
+    assert summaries
+    assert not [line for line in summaries if "..." in line]
 
 
 @pytest.mark.parametrize(

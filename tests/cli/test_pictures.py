@@ -19,6 +19,7 @@ from waypointctl.log.messages import Picture
 from waypointctl.log.png import SOFTWARE, texts_of
 from waypointctl.log.reader import open_log
 from waypointctl.policy.bundle import LoadedPolicy
+from waypointctl.sim.offscreen import NoRendering
 
 SURVEY = """\
 name: survey
@@ -155,7 +156,7 @@ def test_a_picture_takes_the_place_of_a_picture_only(survey: Path, program: Prog
     (survey / "seen" / "02-there-bold.png").write_text("notes")
     code, out, err = program("replay", "survey.mcap", "--pictures", "seen")
     assert (code, out) == (2, "")
-    assert err == "error: seen/02-there-bold.png: is there already and is not a PNG\n  Name another file.\n"
+    assert err == "error: seen/02-there-bold.png: already exists and is not a PNG\n  Name another file.\n"
     assert [path.name for path in (survey / "seen").iterdir()] == ["02-there-bold.png"]
 
 
@@ -176,8 +177,28 @@ def test_a_log_without_pictures_writes_none_and_says_so(yard: Path, program: Pro
     assert program("run", "easy.yaml", "--out", "log.mcap")[0] == 0
     code, _, err = program("replay", "log.mcap", "--verify", "--pictures", "seen")
     assert code == 0
-    assert err == "the log has no pictures: there was no observation, or no renderer was available\n"
+    assert err == "the log has no pictures: no waypoint of this mission has `observe: true`\n"
     assert not (yard / "seen").exists()
+
+
+def test_a_log_without_pictures_says_that_no_renderer_was_available(
+    field: Path, program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def absent(*_: object) -> None:
+        raise NoRendering("no renderer")
+
+    monkeypatch.setattr("waypointctl.sim.camera.MountedCamera", absent)
+    assert program("run", "survey.yaml", "--out", "log.mcap")[0] == 0
+    err = program("replay", "log.mcap", "--verify", "--pictures", "seen")[2]
+    assert err == "the log has no pictures: no renderer was available during the flight\n"
+
+
+def test_a_log_without_pictures_says_that_no_observation_was_reached(field: Path, program: Program) -> None:
+    mission = (field / "survey.yaml").read_text().replace("tolerance: 3 m", "tolerance: 10 cm, timeout: 0.2 s")
+    (field / "survey.yaml").write_text(mission.replace("[0 m, 0 m]", "[9 m, 0 m]"))
+    assert program("run", "survey.yaml", "--out", "log.mcap")[0] == 1
+    err = program("replay", "log.mcap", "--verify", "--pictures", "seen")[2]
+    assert err == "the log has no pictures: the flight ended before the first observation\n"
 
 
 def test_shown_again_it_writes_no_pictures(survey: Path, program: Program) -> None:

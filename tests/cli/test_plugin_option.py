@@ -61,7 +61,10 @@ def refusal(*arguments: str, plugin: str | None = None) -> str:
     "arguments", [["run", "m.yaml"], ["run", "m.yaml", "--dry-run"], ["eval", "own", "--trials", "1"]]
 )
 def test_without_the_plugin_it_is_refused_with_its_name_and_hash(folder: Path, arguments: list[str]) -> None:
-    assert f"terms.py (SHA-256 {SHA256})" in refusal(*arguments)
+    alone = refusal(*arguments)
+    assert f"the policy observes 'half_height' of the plugin terms.py (SHA-256 {SHA256})\n" in alone
+    assert "Give it with --plugin" in alone
+    assert "available" not in alone
     (folder / "other.py").write_text(f"{PLUGIN}# another\n")
     text = refusal(*arguments, plugin="other.py")
     assert f"terms.py (SHA-256 {SHA256})" in text

@@ -153,6 +153,13 @@ def test_show_prints_the_manifest_as_it_is(tmp_path: Path, make_policy: Make, ru
     assert run("policies", "show", "first") == (0, policy.files["manifest.json"].decode(), "")
 
 
+def test_show_as_json_is_the_entry_that_the_list_has(tmp_path: Path, make_policy: Make, run: Run) -> None:
+    make_policy(tmp_path / "policies" / "first")
+    code, told, err = run("policies", "show", "first", "--json")
+    assert (code, err) == (0, "")
+    assert json.loads(told) == json.loads(run("policies", "list", "policies", "--json")[1])["policies"][0]
+
+
 def test_without_a_folder_it_lists_the_shipped_policies_and_those_in_policies(
     tmp_path: Path, make_policy: Make, run: Run
 ) -> None:

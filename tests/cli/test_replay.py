@@ -176,7 +176,7 @@ def test_a_picture_replaces_a_picture_and_nothing_else(alone: Path, program: Pro
     before = (alone / "log.mcap").read_bytes()
     code, out, err = program("replay", "log.mcap", "--png", "log.mcap")
     assert (code, out) == (2, "")
-    assert err == "error: log.mcap: is there already and is not a PNG\n  Name another file.\n"
+    assert err == "error: log.mcap: already exists and is not a PNG\n  Name another file.\n"
     assert (alone / "log.mcap").read_bytes() == before
     for _ in range(2):
         assert program("replay", "log.mcap", "--verify", "--png", "f.png")[0] == 0

@@ -96,7 +96,7 @@ def test_a_log_that_is_there_is_not_replaced_unless_asked_to(yard: Path, program
     (yard / "kept.mcap").write_bytes(precious)
     code, out, err = program("run", "easy.yaml", "--out", "kept.mcap")
     assert (code, out) == (2, "")
-    assert err == "error: kept.mcap: is there already\n  --force replaces it; or give another --out.\n"
+    assert err == "error: kept.mcap: already exists\n  Use --force to replace it, or give another --out.\n"
     assert (yard / "kept.mcap").read_bytes() == precious
     assert program("run", "easy.yaml", "--out", "kept.mcap", "--force")[0] == 0
     assert open_log(yard / "kept.mcap").is_complete
@@ -116,7 +116,7 @@ def test_the_log_of_a_flight_under_way_is_not_written_into(yard: Path, program: 
     (yard / "busy.mcap.part").write_bytes(b"another flight")
     code, _, err = program("run", "easy.yaml", "--out", "busy.mcap")
     assert code == 2
-    assert "busy.mcap.part is there already" in err
+    assert "busy.mcap.part already exists" in err
     assert (yard / "busy.mcap.part").read_bytes() == b"another flight"
 
 

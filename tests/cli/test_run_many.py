@@ -38,8 +38,10 @@ def test_all_that_can_be_flown_are_and_the_exit_code_tells_the_worst(yard: Path,
     assert program("run", "far.yaml", "easy.yaml")[0] == 1
     code, told, said = program("run", "broken.yaml", "far.yaml", "missing.yaml", "easy.yaml", "--junit", "out.xml")
     assert code == 2
-    assert told.splitlines()[-1] == "2 broken, 1 failed, 1 succeeded"
-    assert "broken.yaml:3:1: waypoint: unknown key" in said
+    assert told.splitlines()[-1] == "2 invalid files, 1 failed, 1 succeeded"
+    assert "\nbroken.yaml:3:1: waypoint: unknown key" in f"\n{said}"
+    assert "missing.yaml: missing.yaml" not in said
+    assert "broken.yaml: broken.yaml" not in said
     root = ElementTree.parse(yard / "out.xml").getroot()
     assert {"tests": "4", "failures": "1", "errors": "2"}.items() <= root.attrib.items()
     cases = {case.get("name"): [child.tag for child in case] for case in root.iter("testcase")}
@@ -88,7 +90,7 @@ def test_a_seed_and_a_policy_are_for_all(yard: Path, program: Program) -> None:
         (["easy.yaml", "--dry-run", "--out", "a.mcap"], "--out: cannot be used with --dry-run."),
         (["easy.yaml", "--junit", "o.xml", "--rate", "2"], "--rate: cannot be used with --junit."),
         (["easy.yaml", "--junit", "no/o.xml"], "no/o.xml: the report cannot be written"),
-        (["easy.yaml", "--junit", "far.yaml"], "far.yaml: is there already and is not an XML file"),
+        (["easy.yaml", "--junit", "far.yaml"], "far.yaml: already exists and is not an XML file"),
         (["--resume", "a.mcap", "--junit", "o.xml"], "--junit: cannot be used with --resume"),
     ],
 )

@@ -66,4 +66,4 @@ def test_a_log_among_missions_is_one_of_several_that_are_broken(kinds: Path, pro
     code, out, err = program("run", "easy.yaml", "flight.mcap")
     assert code == 2
     assert LOG.format("flight.mcap") in err
-    assert "1 succeeded, 1 broken" in out
+    assert "1 succeeded, 1 invalid file" in out

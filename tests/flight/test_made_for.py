@@ -47,9 +47,20 @@ def test_a_policy_that_fits_passes(manifest: Manifest) -> None:
     refuse_misfit(manifest, load_robot("ant"))
 
 
-def test_another_robot_is_refused(manifest: Manifest) -> None:
-    with pytest.raises(PolicyError, match=r"policy 'tiny': made for the robot 'ant', not 'rover'\n  Choose a policy"):
-        refuse_misfit(manifest, replace(ANT, name="rover"))
+def test_another_robot_is_refused_with_where_its_policies_are(
+    manifest: Manifest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    problem, rover = "policy 'tiny': made for the robot 'ant', not 'rover'", replace(ANT, name="rover")
+    with pytest.raises(PolicyError) as refused:
+        refuse_misfit(manifest, rover)
+    assert str(refused.value) == f"{problem}\n  Give the folder of a policy that was trained for 'rover'"
+    (tmp_path / "policies" / "own").mkdir(parents=True)
+    other = manifest.model_copy(update={"robot": "rover"})
+    (tmp_path / "policies" / "own" / "manifest.json").write_text(other.model_dump_json())
+    with pytest.raises(PolicyError) as refused:
+        refuse_misfit(manifest, rover)
+    assert str(refused.value) == f"{problem}\n  Choose a policy for 'rover': `waypointctl policies` lists them"
 
 
 def test_a_layout_of_another_size_is_refused(manifest: Manifest) -> None:
@@ -96,7 +107,7 @@ def test_another_control_period_is_refused(manifest: Manifest) -> None:
 def test_what_only_a_plugin_defines_is_refused_with_the_plugin_that_it_was_trained_with(manifest: Manifest) -> None:
     seen = manifest.observation.model_copy(update={"layout": "custom", "groups": ("foot_clearance",)})
     trained = manifest.model_copy(update={"observation": seen, "plugins": {"my_terms.py": "a" * 64}})
-    with pytest.raises(PolicyError, match=f"foot_clearance.*\n.*my_terms.py .SHA-256 {'a' * 64}.*--plugin"):
+    with pytest.raises(PolicyError, match=f"foot_clearance.*my_terms.py .SHA-256 {'a' * 64}.*\n.*--plugin"):
         refuse_misfit(trained, ANT)
     with pytest.raises(PolicyError, match="foot_clearance"):
         refuse_misfit(manifest.model_copy(update={"observation": seen}), ANT)

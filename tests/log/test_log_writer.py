@@ -191,7 +191,7 @@ def leaves(split: object) -> list[str]:
 def test_missing_folder_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "nowhere" / "flight.mcap"
     with pytest.raises(
-        OutputError, match=r"nowhere/flight\.mcap: cannot be written: No such file.*\n  Create the folder"
+        OutputError, match=r"nowhere/flight\.mcap: cannot be written: the folder .*nowhere does not exist\n  Create"
     ):
         LogWriter(path, header())
 

@@ -77,7 +77,7 @@ def test_a_policy_is_trained_evaluated_and_flown_with_them(tmp_path: Path) -> No
     assert len(observed[0]) == 5
     terms = [dict(message.terms) for message in messages if isinstance(message, Reward)]
     assert terms[0]["low_torso"] == pytest.approx(-0.3 * (observed[1][0] - 0.5))
-    with pytest.raises(PolicyError, match=rf"foot_clearance.*\n.*my_terms.py .*{sha256_of(PLUGIN)}.*--plugin"):
+    with pytest.raises(PolicyError, match=rf"foot_clearance.*my_terms.py .*{sha256_of(PLUGIN)}.*\n.*--plugin"):
         fly(mission, load_policy(tmp_path / "run"), messages.append)
     (tmp_path / "my_terms.py").write_text(f"{PLUGIN}# other\n")
     with pytest.raises(PolicyError, match=rf"{sha256_of(PLUGIN + '# other' + chr(10))}.*{sha256_of(PLUGIN)}"):
@@ -133,7 +133,9 @@ def test_a_plugin_is_executed_only_where_that_is_allowed(tmp_path: Path) -> None
     flag = tmp_path / "executed"
     recipe_file = recipe_of(tmp_path, plugin=f"from pathlib import Path\nPath({str(flag)!r}).touch()\n{PLUGIN}")
     assert recipe_file.plugins == ()
-    with pytest.raises(RecipeError, match=r"recipe.yaml:2:10: .*my_terms.py\n.*--allow-plugins"):
+    with pytest.raises(
+        RecipeError, match=r"recipe.yaml:2:10: the recipe executes .*my_terms.py\n  Read it, then use --allow-plugins"
+    ):
         with_plugins(recipe_file, allowed=False)
     assert not flag.exists()
     assert len(with_plugins(recipe_file, allowed=True).plugins) == 2
@@ -190,9 +192,10 @@ def test_a_group_that_fails_is_named(tmp_path: Path, body: str, message: str) ->
     [
         ("x = 1", "my_terms.py: defines no observation group and no reward term"),
         ("x = ", r"my_terms.py:1: is not valid Python"),
-        ("import nothing_there", "my_terms.py: ModuleNotFoundError"),
-        ("raise SystemExit(0)", "my_terms.py: SystemExit"),
-        (PLUGIN.replace('name="low_torso"', 'name="Low torso"'), "my_terms.py: .*'Low torso' is not a valid name"),
+        ("import nothing_there", r"my_terms.py:1: ModuleNotFoundError"),
+        ("x = 1\n\nx / 0\n", "my_terms.py:3: ZeroDivisionError: division by zero"),
+        ("raise SystemExit(0)", "my_terms.py:1: SystemExit"),
+        (PLUGIN.replace('name="low_torso"', 'name="Low torso"'), r"my_terms.py:\d+: .*'Low torso' is not a valid name"),
     ],
 )
 def test_a_file_that_is_no_plugin_is_refused(tmp_path: Path, plugin: str, message: str) -> None:

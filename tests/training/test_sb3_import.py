@@ -130,7 +130,7 @@ def test_a_policy_that_is_there_is_replaced_only_on_request(saved: Path, tmp_pat
 def test_a_folder_of_something_else_is_never_written_into(saved: Path, tmp_path: Path) -> None:
     (tmp_path / "thesis").mkdir()
     (tmp_path / "thesis" / "chapter.tex").write_text("...")
-    with pytest.raises(OutputError, match="is there already and is not a policy"):
+    with pytest.raises(OutputError, match="already exists and is not a policy"):
         imported_from(saved, tmp_path / "thesis", force=True)
     assert [path.name for path in tmp_path.rglob("*")] == ["thesis", "chapter.tex"]
 

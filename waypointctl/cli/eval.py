@@ -50,12 +50,16 @@ def evaluate_policy(
     out: Annotated[Path | None, typer.Option(help="Write the JSON to this file.")] = None,
     markdown: Annotated[Path | None, typer.Option(help="Write the tables to this file.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the paths to this PNG.")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files of another kind.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace files of another kind, and saved evaluations with more trials.")
+    ] = False,
     plugin: PluginFiles = None,
     threads: Annotated[int, whole(0, 1024, "Threads for the physics; 0: one per core, at most 8.")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
-    """Run policies many times on each path of a suite, deterministically; count successes, falls and time-outs.
+    """Run policies on each path of a suite and count successes.
+
+    Each path has many trials, which are deterministic. Falls and time-outs are counted too.
 
     Several policies on the suite 'paper' give the paper's tables, with the paper's values beside the measured ones.
     """
@@ -66,7 +70,9 @@ def evaluate_policy(
 
     chosen = chosen_suite(suite, acceptance)
     loaded = [(folder, load_policy(folder)) for folder in policies]
-    files = EvaluationFiles(tuple(policies), chosen, out=out, markdown=markdown, plot=plot, save=save, force=force)
+    files = EvaluationFiles(
+        tuple(policies), chosen, out=out, markdown=markdown, plot=plot, save=save, force=force, trials=trials
+    )
     files.refuse_unwritable()
     refuse_selection_trials(loaded, chosen, seed, save=save)
     shown = _progress(chosen.used, trials or chosen.own.trials, len(policies))
@@ -75,7 +81,7 @@ def evaluate_policy(
     evaluations = [one.evaluation for one in found]
     names = names_of(evaluations, policies)
     _print_tables(tables(chosen.own, evaluations, names), to_stderr=json)
-    typer.echo(f"threads: {_threads_text(threads)}", err=json)
+    typer.echo(_threads_text(threads), err=json)
     files.write(found)
     if json:
         sys.stdout.write(evaluations_json(evaluations))
@@ -94,7 +100,8 @@ def _interruption_reported() -> Iterator[None]:
 def _threads_text(threads: int) -> str:
     from waypointctl.sim.stepping import default_threads
 
-    return f"{threads} of the physics" if threads else f"{default_threads()} of the physics, the default"
+    number = threads or default_threads()
+    return f"{number} physics thread{'' if number == 1 else 's'}{'' if threads else ' (default)'}"
 
 
 def _print_tables(grids: Sequence[Grid], *, to_stderr: bool) -> None:

@@ -19,7 +19,13 @@ from waypointctl.evaluation.grid import markdown_file
 from waypointctl.evaluation.panels import panels, refuse_too_many
 from waypointctl.evaluation.result import Evaluation, names_of
 from waypointctl.evaluation.rollout import Rollouts
-from waypointctl.evaluation.saved import refuse_other_files, refuse_unsavable, saved_name, write_evaluations
+from waypointctl.evaluation.saved import (
+    refuse_fewer_trials,
+    refuse_other_files,
+    refuse_unsavable,
+    saved_name,
+    write_evaluations,
+)
 from waypointctl.evaluation.suite import Suite, SuiteCase, load_suite
 from waypointctl.evaluation.tables import MARKDOWN_HEAD, tables, title
 from waypointctl.mission.fields import Acceptance
@@ -157,7 +163,8 @@ class EvaluationFiles:
     markdown: Path | None = None  # for the tables
     plot: Path | None = None  # for the picture
     save: bool = False  # write each evaluation into its policy's folder
-    force: bool = False  # replace files of another kind
+    force: bool = False  # replace files of another kind, and saved evaluations with more trials
+    trials: int | None = None  # of each case; None: the suite's number
 
     def refuse_unwritable(self) -> None:
         """Refuse what could not be written, would replace something else, or could not be named or drawn."""
@@ -171,6 +178,8 @@ class EvaluationFiles:
             refuse_unwritable_file(path, "the evaluation")
             if not self.force:
                 refuse_other_files(path)
+                if path in saved:
+                    refuse_fewer_trials(path, self.trials or self.suite.own.trials)
         if self.plot is not None:
             refuse_too_many(self.suite.own, len(self.folders))
         self._refuse_other(self.markdown, "the table", MARKDOWN_HEAD.encode(), "a table of waypointctl's")
@@ -196,19 +205,27 @@ class EvaluationFiles:
         names = names_of(evaluations, self.folders)
         if self.out is not None:
             write_evaluations(evaluations, self.out)
+            _say_written(self.out)
         if self.save:
             for one in found:
                 write_evaluations([one.evaluation], one.folder / self._saved_name)
+                _say_written(one.folder / self._saved_name)
         if self.markdown is not None:
             text = markdown_file(MARKDOWN_HEAD, tables(self.suite.own, evaluations, names))
             write_whole(self.markdown, text.encode(), "the table")
+            _say_written(self.markdown)
         if self.plot is not None:
             from waypointctl.evaluation.picture import draw
 
             drawn = panels(self.suite.own, evaluations, [one.rollouts for one in found], names)
             picture = draw(drawn, self.suite.used.acceptance, title(evaluations), self.suite.used.hold)
             write_whole(self.plot, picture, "the picture")
+            _say_written(self.plot)
 
     @property
     def _saved_name(self) -> str:
         return saved_name(self.suite.own.name, self.suite.other_acceptance)
+
+
+def _say_written(path: Path) -> None:
+    typer.echo(f"written: {printable(path)}", err=True)

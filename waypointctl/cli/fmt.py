@@ -17,7 +17,9 @@ def fmt(
     check: Annotated[bool, typer.Option("--check", help="Change nothing; exit with 1 if a file would change.")] = False,
     diff: Annotated[bool, typer.Option("--diff", help="Change nothing; print what would.")] = False,
 ) -> None:
-    """Format mission files: keys in order, two spaces a level; comments, quotes and units stay as written.
+    """Format mission files: keys in order, two spaces a level.
+
+    Comments, quotes and units stay as written.
 
     A file with errors is not changed; its errors are printed, and the exit code is 2.
     """

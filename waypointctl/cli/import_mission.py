@@ -42,7 +42,10 @@ def import_mission(
     policy: Annotated[str, typer.Option(metavar="POLICY", help="The policy, a folder or a name.")] = FLAGSHIP,
     force: Annotated[bool, typer.Option("--force", help="Replace the file that --out names.")] = False,
 ) -> None:
-    """Make a mission of a plan: latitudes and longitudes become x (east) and y (north) in metres around an origin."""
+    """Make a mission of another tool's plan.
+
+    Latitudes and longitudes become x (east) and y (north) in metres around an origin.
+    """
     from waypointctl.importers.conversion import mission_text, read_imported
     from waypointctl.importers.local_frame import body_of
     from waypointctl.paths import write_whole
@@ -78,7 +81,7 @@ def _refuse_taken(out: Path | None, force: bool) -> None:
     if out.exists() and not force:
         from waypointctl.errors import OutputError
 
-        raise OutputError("is there already", where=str(out), hint="--force replaces it; or give another --out.")
+        raise OutputError("already exists", where=str(out), hint="Use --force to replace it, or give another --out.")
 
 
 def _warn_of_missing_policy(policy: str, mission: Path) -> None:

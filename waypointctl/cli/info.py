@@ -31,7 +31,9 @@ def info(
     ],
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Show what is in a log: how the flight ended, topics with counts and rates, metadata, attachments.
+    """Show what is in a log: outcome, topics, metadata, attachments.
+
+    Each topic has its count and rate.
 
     Says how long it is and whether it is complete, and checks every checksum on the way. A log that is cut short is
     shown up to where it is whole.

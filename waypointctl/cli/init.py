@@ -24,7 +24,9 @@ def init(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder; made if it is missing.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
 ) -> None:
-    """Write a mission, an evaluation suite and a training recipe with comments into a folder, to start from.
+    """Write a mission, a suite and a training recipe to start from.
+
+    The files have comments and go into a folder.
 
     A file that is already there is never replaced.
     """

@@ -23,9 +23,10 @@ from waypointctl.paths import (
     lock,
     refuse_other_content,
     refuse_unwritable_folder,
+    write_fault,
     write_whole,
 )
-from waypointctl.replay.flight_log import PictureFile, pictures_in
+from waypointctl.replay.flight_log import FlightLog, PictureFile, pictures_in, why_no_pictures
 
 FOLDER: Final = Path("logs")
 
@@ -43,13 +44,14 @@ def claimed(mission: str, out: Path | None, *, force: bool) -> Iterator[Path]:
             flight under way is writing.
 
     Raises:
-        OutputError: it cannot be written, is there already, or is being written.
+        OutputError: it cannot be written, already exists, or is being written.
     """
     try:
         path, claim = _free(mission) if out is None else _asked(out, force)
     except OSError as error:
         where = str(out or FOLDER / f"{mission}.mcap")
-        raise OutputError(f"cannot be written: {error.strerror}", where=where, hint=_hint(error)) from error
+        problem = f"cannot be written: {write_fault(Path(where), error)}"
+        raise OutputError(problem, where=where, hint=_hint(error)) from error
     part = _part(path)
     with claim:
         try:
@@ -77,10 +79,10 @@ def _asked(path: Path, force: bool) -> tuple[Path, IO[bytes]]:
         if taken.is_file() and is_being_written(taken):
             raise OutputError(f"another flight is writing it, into {taken}", where=str(path), hint=_WAIT)
     if path.exists() and not begins(path, MCAP):
-        problem = "is not a log; --force replaces only logs" if force else "is there already, and is not a log"
+        problem = "is not a log; --force replaces only logs" if force else "already exists, and is not a log"
         raise OutputError(problem, where=str(path), hint="Give another --out.")
     if path.exists() and not force:
-        raise OutputError("is there already", where=str(path), hint="--force replaces it; or give another --out.")
+        raise OutputError("already exists", where=str(path), hint="Use --force to replace it, or give another --out.")
     claim = _claim(path, replace=force)
     if claim is not None:
         return path, claim
@@ -88,7 +90,7 @@ def _asked(path: Path, force: bool) -> tuple[Path, IO[bytes]]:
         problem = f"another flight has begun to write {_part(path)}, or it is not a regular file"
         raise OutputError(problem, where=str(path), hint=_WAIT)
     hint = "`waypointctl run --resume` continues it, --force replaces it; or give another --out."
-    raise OutputError(f"{_part(path)} is there already: a flight was killed", where=str(path), hint=hint)
+    raise OutputError(f"{_part(path)} already exists: a flight was killed", where=str(path), hint=hint)
 
 
 def _claim(path: Path, *, replace: bool = False) -> IO[bytes] | None:
@@ -120,7 +122,7 @@ def _stands_at(claim: IO[bytes], part: Path) -> bool:
 def _hint(error: OSError) -> str:
     if isinstance(error, FileNotFoundError):
         return "Create the folder, or give another --out."
-    return "Give another --out, in a folder that you can write to."
+    return "Give another --out, in a writable folder."
 
 
 def _part(path: Path) -> Path:
@@ -147,15 +149,14 @@ def picture_files(log: LogReader, folder: Path) -> list[PictureFile]:
     return files
 
 
-def write_pictures(files: list[PictureFile], folder: Path) -> None:
+def write_pictures(files: list[PictureFile], folder: Path, log: FlightLog) -> None:
     """Write pictures into a folder, which is made if need be, and say so.
 
     Raises:
         OutputError: they cannot be written.
     """
     if not files:
-        why = "there was no observation, or no renderer was available"
-        print(f"the log has no pictures: {why}", file=sys.stderr)
+        print(f"the log has no pictures: {why_no_pictures(log)}", file=sys.stderr)
         return
     try:
         folder.mkdir(parents=True, exist_ok=True)

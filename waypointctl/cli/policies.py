@@ -47,7 +47,7 @@ def list_policies(
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """List policies with their robot, observation layout, training and results."""
+    """List policies with their robot, layout, training and results."""
     from waypointctl.cli.console import console
     from waypointctl.cli.tui.tables import GridView
     from waypointctl.evaluation.saved import catalogue, known_policies
@@ -66,29 +66,40 @@ def list_policies(
 @policies.command("show")
 def show_policy(
     policy: Annotated[Path, typer.Argument(parser=policy_named, metavar="POLICY", help="Its folder, or its name.")],
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object: the manifest, the SHA-256, the evaluations.")
+    ] = False,
 ) -> None:
-    """Check a policy and print its manifest, JSON as it is in the bundle."""
+    """Check a policy and print its manifest.
+
+    The manifest is JSON as it is in the bundle.
+    """
+    from waypointctl.evaluation.saved import entry_of
     from waypointctl.policy.bundle import load_policy
     from waypointctl.policy.manifest import MANIFEST
 
-    sys.stdout.write(load_policy(policy).files[MANIFEST].decode())
+    loaded = load_policy(policy)
+    if json:
+        sys.stdout.write(f"{dumps(_facts(entry_of(policy)), indent=2)}\n")
+    else:
+        sys.stdout.write(loaded.files[MANIFEST].decode())
 
 
 def _print_json(entries: list[Entry]) -> None:
-    found = [
-        {
-            "folder": str(entry.folder),
-            "name": entry.name,
-            "shipped": entry.shipped,
-            "policy_sha256": entry.policy.sha256 if entry.policy else None,
-            "manifest": entry.policy.manifest.model_dump(mode="json") if entry.policy else None,
-            "evaluation": _of_paper(entry),
-            "evaluations": [evaluation.model_dump(mode="json") for evaluation in entry.evaluations],
-            "faults": entry.faults,
-        }
-        for entry in entries
-    ]
-    sys.stdout.write(f"{dumps({'policies': found}, indent=2)}\n")
+    sys.stdout.write(f"{dumps({'policies': list(map(_facts, entries))}, indent=2)}\n")
+
+
+def _facts(entry: Entry) -> dict[str, Any]:
+    return {
+        "folder": str(entry.folder),
+        "name": entry.name,
+        "shipped": entry.shipped,
+        "policy_sha256": entry.policy.sha256 if entry.policy else None,
+        "manifest": entry.policy.manifest.model_dump(mode="json") if entry.policy else None,
+        "evaluation": _of_paper(entry),
+        "evaluations": [evaluation.model_dump(mode="json") for evaluation in entry.evaluations],
+        "faults": entry.faults,
+    }
 
 
 def _of_paper(entry: Entry) -> dict[str, Any] | None:
@@ -112,7 +123,9 @@ def import_policy(
     force: Annotated[bool, typer.Option("--force", help="Replace a policy that is there already.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the rest goes to stderr.")] = False,
 ) -> None:
-    """Make a policy of a model that stable-baselines3 saved: an MlpPolicy of PPO, A2C, SAC or TD3.
+    """Make a policy of a model that stable-baselines3 saved.
+
+    The model is an MlpPolicy of PPO, A2C, SAC or TD3.
 
     Such files are pickles, and loading them in stable-baselines3 executes code in them. Here nothing is executed:
     tensors are read without torch's reader, the settings as JSON, VecNormalize's numbers without making its

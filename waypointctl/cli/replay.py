@@ -42,7 +42,9 @@ def replay(
         bool, typer.Option("--start-paused", help="Only show the flight, paused until space is pressed.")
     ] = False,
 ) -> None:
-    """Simulate a logged flight again, compare it with the log, and print a summary.
+    """Simulate a logged flight again and compare it with the log.
+
+    A summary of the flight is printed.
 
     The replay needs the log and the plugins that it names, if it names any. The verdict is EXACT if the replay writes
     the same file, byte for byte; EQUIVALENT if physics and messages are the same, bit for bit; APPROXIMATE if the
@@ -91,7 +93,7 @@ def _replay(
     if png is not None:
         _draw(log, verification, png)
     if pictures is not None and files is not None:
-        write_pictures(files, pictures)
+        write_pictures(files, pictures, log)
     if json:
         sys.stdout.write(f"{json_text(found)}\n")
     return verification

@@ -38,7 +38,7 @@ _WORDS: Final = {
     "success": "succeeded",
     "failure": "failed",
     "interrupted": "interrupted",
-    "error": "broken",
+    "error": "invalid file",
     "skipped": "not flown",
 }
 
@@ -102,7 +102,8 @@ def run_many(
             except InputError as error:
                 outcome, line = Outcome(path, "error", str(error)), str(error)
             outcomes.append(outcome)
-            print(f"{printable(path)}: {line}", file=sys.stderr, flush=True)
+            place = f"{printable(path)}:"
+            print(line if line.startswith(place) else f"{place} {line}", file=sys.stderr, flush=True)
     if junit is not None:
         write_whole(junit, junit_xml(outcomes), "the report")
     _print_table(outcomes, stderr=as_json)
@@ -152,7 +153,11 @@ def _print_table(outcomes: Sequence[Outcome], *, stderr: bool) -> None:
     people.print(flights_table(outcomes))
     people.print()
     counts = Counter(outcome.word for outcome in outcomes)
-    people.print(", ".join(f"{count} {word}" for word, count in counts.items()))
+    people.print(", ".join(f"{count} {_plural(word, count)}" for word, count in counts.items()))
+
+
+def _plural(word: str, count: int) -> str:
+    return f"{word}s" if word == _WORDS["error"] and count != 1 else word
 
 
 def junit_xml(outcomes: Sequence[Outcome]) -> bytes:

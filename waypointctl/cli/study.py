@@ -73,7 +73,9 @@ def delay(
     plugin: PluginFiles = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object; the tables go to stderr.")] = False,
 ) -> None:
-    """Fly routes at several round-trip times under several autonomies; compare success, time, distance and falls.
+    """Fly routes at several round-trip times and autonomies.
+
+    Success, time, distance and falls are compared.
 
     The study varies the delay, the autonomy, the seed and the time limits of a mission. It keeps jitter, losses, rate,
     windows, think time, faults and rules on board. It refuses a mission with a part that it cannot keep.

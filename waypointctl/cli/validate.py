@@ -63,7 +63,9 @@ def validate(
     plugin: PluginFiles = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Check mission files: list every problem, and warn of what may go wrong. Nothing is flown without --rehearse.
+    """Check mission files: list every problem, and warn of risks.
+
+    Nothing is flown without --rehearse.
 
     --rehearse flies each mission headless, without a log, and prints successes, times, where and why flights failed,
     and what the link did not deliver. The first flight has the mission's own seed.

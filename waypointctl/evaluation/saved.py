@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -99,8 +99,31 @@ def refuse_other_files(path: Path) -> None:
     if not path.is_file() or is_evaluations(read_input(path, RECORD_FILE, OutputError, hint="name another file")):
         return
     raise OutputError(
-        "is there already and is not an evaluation", where=str(path), hint="--force replaces it; or name another file"
+        "already exists and is not an evaluation",
+        where=str(path),
+        hint="use --force to replace it, or name another file",
     )
+
+
+def refuse_fewer_trials(path: Path, trials: int) -> None:
+    """Refuse to replace evaluations by one with fewer trials of a case.
+
+    Args:
+        path: of a file that `refuse_other_files` has let pass, or of none.
+        trials: of each case of the new evaluation.
+
+    Raises:
+        OutputError: a case in the file has more trials.
+    """
+    text = read_input(path, RECORD_FILE, OutputError, hint="name another file") if path.is_file() else b""
+    if not text.strip():
+        return
+    found = _EITHER.validate_json(text)
+    evaluations = found.evaluations if isinstance(found, _Several) else (found,)
+    stored = max((case.trials for evaluation in evaluations for case in evaluation.cases), default=0)
+    if stored > trials:
+        problem = f"has an evaluation with {stored:,} trials of each path; this one has {trials:,}"
+        raise OutputError(problem, where=str(path), hint=f"use --force to replace it, or --trials {stored}")
 
 
 def is_evaluations(text: bytes) -> bool:
@@ -133,7 +156,7 @@ class Entry:
 def known_policies() -> list[Entry]:
     """Return an entry for each policy that a bare name finds: those that come with waypointctl, and in ./policies."""
     own = [shipped_folder(name) for name in SHIPPED if policy_folder(name) == shipped_folder(name)]
-    found = [replace(_entry(folder), shipped=True) for folder in own]
+    found = [entry_of(folder) for folder in own]
     return found + (catalogue(POLICIES) if os.path.isdir(POLICIES) else [])
 
 
@@ -145,10 +168,11 @@ def catalogue(folder: Path) -> list[Entry]:
     """
     if fault := folder_fault(folder):
         raise PolicyError(fault, where=str(folder), hint="use a folder that contains policies")
-    return [_entry(manifest.parent) for manifest in sorted(folder.glob(f"*/{MANIFEST}"))]
+    return [entry_of(manifest.parent) for manifest in sorted(folder.glob(f"*/{MANIFEST}"))]
 
 
-def _entry(folder: Path) -> Entry:
+def entry_of(folder: Path) -> Entry:
+    """Return the entry of a policy's folder."""
     policy, evaluations, faults = None, [], []
     try:
         policy = load_policy(folder)
@@ -164,7 +188,7 @@ def _entry(folder: Path) -> Entry:
             evaluations.append(evaluation)
         else:
             faults.append(f"{path}: of another policy than the one in this folder")
-    return Entry(folder, policy, tuple(evaluations), tuple(faults))
+    return Entry(folder, policy, tuple(evaluations), tuple(faults), folder in map(shipped_folder, SHIPPED))
 
 
 def _rank(path: Path) -> tuple[int, str]:

@@ -16,10 +16,11 @@ from pydantic import TypeAdapter, ValidationError
 from waypointctl.errors import InputError, LogError, PolicyError
 from waypointctl.policy.bundle import LoadedPolicy
 from waypointctl.policy.manifest import ActionSpec, Manifest, ObservationSpec
+from waypointctl.policy.manifest_file import other_policy_hint
 from waypointctl.policy.protocol import Policy
 from waypointctl.robots.load import RobotOutline
 from waypointctl.sim.actions import refuse_bad_action
-from waypointctl.task.observation import LAYOUTS, groups_of, layout
+from waypointctl.task.observation import LAYOUTS, groups_of, layout, unknown_groups
 from waypointctl.task.plugins import PLUGIN_HINT, Plugin, RewardTerm, named_plugins, plugin_hashes
 from waypointctl.task.reward import RewardWeights
 from waypointctl.units import NS_PER_S
@@ -99,10 +100,12 @@ def refuse_misfit(policy: Policy | Manifest, robot: Robot | RobotOutline, plugin
     try:
         components = layout(policy.observation_layout, robot, plugins).components
     except InputError as error:
-        hint = error.hint
+        problem, hint = error.problem, error.hint
         if trained_with and hint == PLUGIN_HINT:
-            hint = f"it was trained with {named_plugins(trained_with)}: {GIVE_PLUGINS}"
-        raise PolicyError(error.problem, where=f"policy {policy.name!r}", hint=hint) from error
+            missing = ", ".join(map(repr, unknown_groups(policy.observation_layout, plugins)))
+            problem = f"the policy observes {missing} of the plugin {named_plugins(trained_with)}"
+            hint = f"give {'it' if len(trained_with) == 1 else 'them'} with --plugin, or with plugins= in Python"
+        raise PolicyError(problem, where=f"policy {policy.name!r}", hint=hint) from error
     refuse_other_robot(policy, robot.name)
     if isinstance(manifest, Manifest):
         _refuse_other_plugins(manifest, plugins)
@@ -117,8 +120,7 @@ def refuse_other_robot(policy: Policy | Manifest, robot: str) -> None:
     """
     if policy.robot != robot:
         problem = f"made for the robot {policy.robot!r}, not {robot!r}"
-        hint = f"choose a policy for {robot!r}: `waypointctl policies` lists them"
-        raise PolicyError(problem, where=f"policy {policy.name!r}", hint=hint)
+        raise PolicyError(problem, where=f"policy {policy.name!r}", hint=other_policy_hint(robot))
 
 
 def _refuse_other_sizes(

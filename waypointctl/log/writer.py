@@ -19,7 +19,7 @@ from waypointctl.log.foxglove.view import VIEW_TOPICS, FoxgloveView, Frame, layo
 from waypointctl.log.header import LAYOUT_NAME, METADATA_NAME, SCHEMA_VERSION, Attachment, LogHeader
 from waypointctl.log.messages import Message
 from waypointctl.log.topics import BY_KIND, ON_DEMAND, TOPICS
-from waypointctl.paths import lock
+from waypointctl.paths import lock, write_fault
 from waypointctl.units import NS_PER_S
 
 
@@ -125,7 +125,7 @@ def _create(path: Path, part: Path) -> IO[bytes]:
         return open(part, "wb")
     except OSError as error:
         hint = "Create the folder, or choose another place." if isinstance(error, FileNotFoundError) else None
-        raise OutputError(f"cannot be written: {error.strerror}", where=str(path), hint=hint) from error
+        raise OutputError(f"cannot be written: {write_fault(path, error)}", where=str(path), hint=hint) from error
 
 
 SCHEMAS: Final = {topic.name: topic.schema for topic in TOPICS} | VIEW_TOPICS

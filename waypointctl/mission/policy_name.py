@@ -97,6 +97,11 @@ def policies_there_are(named: str = "") -> str:
     return f"A policy is a folder with {_MANIFEST}, or a name. There is {', '.join(listed[:_MOST_NAMED])}{more}{meant}"
 
 
+def known_folders() -> list[Path]:
+    """Return the folders of the policies that `waypointctl policies` lists."""
+    return [*map(shipped_folder, SHIPPED), *(POLICIES / name for name in sorted(_local()))]
+
+
 def _local() -> Iterator[str]:
     """Yield the names of the policies in ./policies."""
     try:

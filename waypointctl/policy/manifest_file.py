@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
 from pydantic import ValidationError
 
-from waypointctl.errors import PolicyError
+from waypointctl.errors import InputError, PolicyError
 from waypointctl.input_file import read_input
+from waypointctl.mission.policy_name import known_folders
 from waypointctl.policy.manifest import MANIFEST, SCHEMA_VERSION, Manifest
 
 COPY_AGAIN: Final = "copy the whole folder again, or train the policy again"
@@ -24,6 +26,15 @@ def read_manifest(folder: Path) -> Manifest:
     """
     content = read_input(folder / MANIFEST, LARGEST_MANIFEST, PolicyError, within=folder)
     return parse_manifest(content, f"{folder}/{MANIFEST}")
+
+
+def other_policy_hint(robot: str) -> str:
+    """Return, as a hint, how to find a policy for a robot."""
+    for folder in known_folders():
+        with suppress(InputError):  # a damaged one is not for any robot
+            if read_manifest(folder).robot == robot:
+                return f"choose a policy for {robot!r}: `waypointctl policies` lists them"
+    return f"give the folder of a policy that was trained for {robot!r}"
 
 
 def parse_manifest(text: bytes, where: str) -> Manifest:

@@ -43,7 +43,7 @@ from waypointctl.policy.manifest import MANIFEST, Manifest
 from waypointctl.robots.description import ROBOT_FILE
 from waypointctl.robots.load import robot_of_files
 from waypointctl.robots.robot import Robot
-from waypointctl.task.plugins import Plugin, named_plugins, plugin_hashes
+from waypointctl.task.plugins import Plugin, plugin_hashes
 
 KERNELS: Final = {"version_numpy": "numpy", "version_onnxruntime": "onnxruntime", "processor": "the processor"}
 PROGRAM: Final = {
@@ -160,9 +160,11 @@ def _of_file(name: str, sha256: str, given: Sequence[Plugin]) -> Iterator[Plugin
             yield replace(plugin, source=replace(plugin.source, name=name))
     if not found:
         other = plugin_hashes(given).get(name)
-        but = f"; the given {brief(name)} has SHA-256 {other}" if other else ""
-        problem = f"the flight needs the plugin {named_plugins({brief(name): sha256[:64]})}{but}"
-        raise LogError(problem, hint=f"it is not in the log: {GIVE_PLUGINS}")
+        file, needed = brief(name), sha256[:64]
+        if other:
+            problem = f"{file} has SHA-256 {other}, the log needs {needed}"
+            raise LogError(problem, hint="give that file with --plugin")
+        raise LogError(f"the plugin {file} was not given", hint=f"use --plugin {file} (SHA-256 {needed})")
 
 
 def platform_differences(log: LogReader, facts: Mapping[str, str] = PROGRAM) -> list[str]:

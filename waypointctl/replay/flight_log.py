@@ -13,7 +13,7 @@ from waypointctl.errors import MissionError, given_path
 from waypointctl.flight.header import MISSION, MISSION_FOLDER, files_within, setting_of
 from waypointctl.flight.operator.requests import planned_waypoints
 from waypointctl.log.header import MissionSetting
-from waypointctl.log.messages import Picture, PlannedWaypoint
+from waypointctl.log.messages import Event, EventKind, Picture, PlannedWaypoint
 from waypointctl.log.opening import PART
 from waypointctl.log.png import TITLE, texts_of
 from waypointctl.log.reader import LogReader
@@ -115,6 +115,20 @@ def pictures_in(log: LogReader) -> list[PictureFile]:
     """
     pictures = [message for message in log.messages(("/camera",)) if isinstance(message, Picture)]
     return [PictureFile(name, picture.data) for name, picture in zip(names_of(pictures), pictures, strict=True)]
+
+
+def why_no_pictures(log: FlightLog) -> str:
+    """Return why a log has no pictures.
+
+    Raises:
+        LogError: a message cannot be read.
+    """
+    events = (message for message in log.messages(("/event",)) if isinstance(message, Event))
+    if any(event.kind is EventKind.OBSERVATION_TAKEN for event in events):
+        return "no renderer was available during the flight"
+    if log.mission is not None and not any(leg.observe for leg in log.mission.legs()):
+        return "no waypoint of this mission has `observe: true`"
+    return "the flight ended before the first observation"
 
 
 def names_of(pictures: Sequence[Picture]) -> list[str]:

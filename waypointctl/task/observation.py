@@ -177,14 +177,24 @@ def groups_of(observation: str | Sequence[str], plugins: Iterable[Plugin] = ()) 
     if isinstance(observation, str) and observation not in LAYOUTS:
         raise InputError(f"unknown observation layout {observation!r}; available: {', '.join(LAYOUTS)}")
     names = LAYOUTS[observation] if isinstance(observation, str) else tuple(observation)
-    given = (plugin for plugin in plugins if isinstance(plugin, ObservationGroup))
-    groups = by_name(GROUPS, given, "observation group")
+    groups = _known(plugins)
     if unknown := [name for name in names if name not in groups]:
         problem = f"unknown observation group {unknown[0]!r}; available: {', '.join(groups)}"
         raise InputError(problem, hint=PLUGIN_HINT)
     if not names or len(set(names)) < len(names):
         raise InputError(f"an observation needs at least one group, and each group once; got {list(names)}")
     return tuple(groups[name] for name in names)
+
+
+def unknown_groups(names: Sequence[str], plugins: Iterable[Plugin] = ()) -> list[str]:
+    """Return the names that are neither a built-in group nor one of the plugins."""
+    groups = _known(plugins)
+    return [name for name in names if name not in groups]
+
+
+def _known(plugins: Iterable[Plugin]) -> dict[str, ObservationGroup]:
+    given = (plugin for plugin in plugins if isinstance(plugin, ObservationGroup))
+    return by_name(GROUPS, given, "observation group")
 
 
 def layout(observation: str | Sequence[str], robot: Robot | RobotOutline, plugins: Iterable[Plugin] = ()) -> Layout:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from traceback import extract_tb
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 
@@ -207,10 +208,10 @@ def _executed(path: Path, source: bytes) -> ModuleType:
     try:
         exec(compile(source, str(path), "exec"), vars(module))  # the user has allowed it
     except SyntaxError as error:
-        line = f":{error.lineno}" if error.lineno else ""
-        raise InputError(f"is not valid Python: {error.msg}", where=f"{path}{line}") from error
+        raise InputError(f"is not valid Python: {error.msg}", where=f"{path}:{error.lineno or 1}") from error
     except (Exception, SystemExit) as error:
-        raise InputError(f"{type(error).__name__}: {error}", where=str(path)) from error
+        lines = [str(at.lineno) for at in extract_tb(error.__traceback__) if at.filename == str(path)]
+        raise InputError(f"{type(error).__name__}: {error}", where=":".join([str(path), *lines[-1:]])) from error
     return module
 
 

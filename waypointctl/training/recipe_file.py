@@ -142,8 +142,8 @@ def with_plugins(recipe_file: RecipeFile, *, allowed: bool) -> RecipeFile:
     if not names:
         return recipe_file
     if not allowed:
-        problem = f"plugins are Python files, and their execution is not allowed: {', '.join(names)}"
-        raise RecipeError(problem, where=recipe_file.place("plugins"), hint="read the files, then use --allow-plugins")
+        hint = f"read {'it' if len(names) == 1 else 'them'}, then use --allow-plugins"
+        raise RecipeError(f"the recipe executes {', '.join(names)}", where=recipe_file.place("plugins"), hint=hint)
     plugins = load_plugins(recipe_file.recipe.plugin_paths)
     for loc, problem in unknown_names(recipe_file.recipe, plugins):
         raise RecipeError(problem, where=recipe_file.place(*loc))

@@ -222,7 +222,7 @@ def _refuse_replacing(out: Path, force: bool) -> None:
     if not out.exists() or not any(out.iterdir()):
         return
     if not (out / MANIFEST).is_file():
-        raise OutputError("is there already and is not a policy", where=str(out), hint="Name another folder.")
+        raise OutputError("already exists and is not a policy", where=str(out), hint="Name another folder.")
     if not force:
         raise OutputError(
             "is a policy already", where=str(out), hint="Name another folder, or replace it with --force."

@@ -198,6 +198,11 @@ def test_scheduled_commands_without_effect_are_found(more: str, command: str, fi
     assert kinds(f"{TWO}{more}schedule: [{{{command}}}]\n") == expected
 
 
+def test_a_hold_without_a_resume_is_found_with_how_the_mission_ends() -> None:
+    (finding,) = found(f"{TWO}schedule: [{{at: 5 s, do: hold}}]\n")
+    assert finding.text == "if the robot is under way at 5 s, the mission fails: no resume follows this hold"
+
+
 def test_a_scheduled_place_outside_the_fence_is_found() -> None:
     text = f"{TWO}{KEEP_IN % 20}schedule: [{{at: 1 s, do: go_to, position: [5 m, 21 m]}}]\n"
     assert kinds(text) == [("fence", "schedule.0.position_m")]

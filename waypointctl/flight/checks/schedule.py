@@ -111,7 +111,7 @@ def _last_hold(mission: Mission) -> Iterator[Finding]:
     """Yield a hold that no later command ends."""
     last_s, place = max(((command.at_s, place) for place, command in enumerate(mission.schedule)), default=(0.0, -1))
     if place >= 0 and mission.schedule[place].do == "hold" and mission.expect.max_time_s is None:
-        text = f"no command follows this hold of {last_s:g} s: if the robot is under way then, the mission never ends"
+        text = f"if the robot is under way at {last_s:g} s, the mission fails: no resume follows this hold"
         yield Finding("schedule", ("schedule", place, "do"), text)
 
 
