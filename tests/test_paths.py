@@ -26,9 +26,9 @@ TOO_LONG = "x" * 5000
 def test_a_folder_has_no_fault_and_all_else_says_which(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     assert folder_fault(tmp_path) is None
-    assert folder_fault(tmp_path / "none") == "no such folder"
-    assert folder_fault(tmp_path / "file" / "none") == "no such folder"
-    assert folder_fault(tmp_path / "file") == "is not a folder"
+    assert folder_fault(tmp_path / "none") == "folder not found"
+    assert folder_fault(tmp_path / "file" / "none") == "folder not found"
+    assert folder_fault(tmp_path / "file") == "is a file, not a folder"
     assert folder_fault(Path(TOO_LONG)) == "cannot be read: File name too long"
     assert folder_fault(Path("a\0b")) == "cannot be read: embedded null byte"
 

@@ -33,10 +33,10 @@ def folder_fault(path: Path) -> str | None:
     try:
         mode = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError):
-        return "no such folder"
+        return "folder not found"
     except (OSError, ValueError) as error:
         return f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    return None if stat.S_ISDIR(mode) else "is not a folder"
+    return None if stat.S_ISDIR(mode) else f"is {'a file, ' * stat.S_ISREG(mode)}not a folder"
 
 
 def command_for_log(path: str) -> str:

@@ -102,7 +102,7 @@ def test_a_required_rate_decides_the_exit_code(evaluated: Evaluated, rate: str, 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("nobody",), "error: nobody: no such folder\n"),
+        (("nobody",), "error: nobody: folder not found\n"),
         (("still", "--suite", "papers"), "error: papers: there is no such file\n"),
         (("still", "--suite", "easy.yaml", "--out", "no/where.json"), "error: no/where.json: the evaluation cannot be"),
         (

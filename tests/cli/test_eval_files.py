@@ -193,7 +193,7 @@ def test_what_is_no_acceptance_is_refused(place: Path, program: Program, accepta
 
 def test_one_policy_that_is_missing_stops_all(place: Path, program: Program) -> None:
     code, _, err = program("eval", "still", "nobody", *EASY, "--save")
-    assert (code, "nobody: no such folder" in err) == (2, True)
+    assert (code, "nobody: folder not found" in err) == (2, True)
     assert not list((place / "still").glob("evaluation*"))
 
 

@@ -54,10 +54,10 @@ def test_a_policy_that_is_not_there_is_warned_of(line: Path, program: Program) -
     warning = "warning: m.yaml: the policy '{}' is not there: {}. A policy is a folder with manifest.json, or a name."
     code, _, said = program("import", "line.geojson", "--out", "m.yaml", "--policy", "mine")
     assert code == 0
-    assert said.startswith(warning.format("mine", "no such folder"))
+    assert said.startswith(warning.format("mine", "folder not found"))
     code, _, said = program("import", "line.geojson", "--out", "m.yaml", "--force", "--policy", "m.yaml")
     assert code == 0
-    assert said.startswith(warning.format("m.yaml", "is not a folder"))
+    assert said.startswith(warning.format("m.yaml", "is a file, not a folder"))
     assert program("import", "line.geojson", "--out", "m.yaml", "--force")[2] == ""  # the default is always there
     (line.parent / "mine").mkdir()
     assert program("import", "line.geojson", "--out", "m.yaml", "--force", "--policy", "mine")[2] == ""

@@ -44,4 +44,4 @@ def test_a_missions_policy_of_that_name_is_not_found(yard: Path, program: Progra
     (yard / "long-policy.yaml").write_text(EASY.replace("policy: still", f"policy: {TOO_LONG[:900]}"))
     code, out, _ = program("validate", "long-policy.yaml")
     assert code == 2
-    assert ": policy: there is no folder xxx" in out
+    assert ": policy: 'xxx" in out

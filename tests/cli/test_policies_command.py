@@ -181,4 +181,4 @@ def test_without_a_folder_it_lists_the_shipped_policies_and_those_in_policies(
 def test_a_folder_that_is_not_there_is_refused(run: Run, arguments: tuple[str, ...]) -> None:
     code, out, err = run(*arguments)
     assert (code, out) == (2, "")
-    assert "no such folder" in err
+    assert "folder not found" in err

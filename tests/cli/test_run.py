@@ -224,11 +224,11 @@ def test_a_policy_that_is_not_there_is_told_with_its_place_in_the_mission(yard: 
     code, out, err = program("run", "nobody.yaml", "--json")
     assert (code, json.loads(out)["error"]["where"]) == (2, f"nobody.yaml:{line}:9")
     assert err.startswith(
-        f"error: nobody.yaml:{line}:9: policy: nobody: no such folder\n  The mission names './nobody', "
+        f"error: nobody.yaml:{line}:9: policy: nobody: folder not found\n  The mission names './nobody', "
     )
     assert f"relative to its own folder {yard}. " in err
     assert "There is ant-waypoint (shipped with waypointctl)." in err
     assert "`waypointctl run nobody.yaml --policy POLICY` flies another one." in err
     assert program("run", "nobody.yaml", "--policy", "still")[0] == 0
     code, _, err = program("run", "easy.yaml", "--policy", "nobody")
-    assert (code, err.splitlines()[0]) == (2, "error: nobody: no such folder")
+    assert (code, err.splitlines()[0]) == (2, "error: nobody: folder not found")

@@ -86,7 +86,7 @@ def test_it_is_interrupted_and_goes_on(field: Path, program: Program) -> None:
         (("--autonomy", "steer"), "--autonomy: 'steer' is not an autonomy; choose from mission"),
         (("--route", "nowhere"), "nowhere: there is no such file"),
         (("--route", "easy.yaml,easy.yaml"), "'easy' is the name of more than one"),
-        (("--policy", "nobody"), "nobody: no such folder"),
+        (("--policy", "nobody"), "nobody: folder not found"),
         (("--out", "here.yaml"), "here.yaml"),
     ],
 )

@@ -133,7 +133,7 @@ def test_a_run_goes_on_with_the_seed_and_steps_it_began_with(command: Command) -
     ("arguments", "message"),
     [
         (("nothing.yaml",), "error: nothing.yaml: there is no such file\n"),
-        (("runs.yaml",), "error: runs.yaml:1:1: phases: is missing\n"),
+        (("runs.yaml",), "error: runs.yaml:1:1: required key 'phases' is missing\n"),
         (("recipe.yaml", "--resume"), "error: runs: no run of 'tiny' with a checkpoint to resume from\n"),
         (("recipe.yaml", "--out", "recipe.yaml"), "error: recipe.yaml: the folder cannot be written: this is a file\n"),
         (("recipe.yaml", "--runs", "recipe.yaml"), "error: recipe.yaml: the folder cannot be written: this is a file"),

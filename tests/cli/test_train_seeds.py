@@ -109,7 +109,7 @@ def test_a_target_that_is_not_met_is_said(command: Program) -> None:
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
-        (SHORT + "warm_start: none\n", (), "error: recipe.yaml:13:13: warm_start: none: no such folder"),
+        (SHORT + "warm_start: none\n", (), "error: recipe.yaml:13:13: warm_start: none: folder not found"),
         (
             SHORT + "selection: {suite: none.yaml}\n",
             ("--seeds", "2"),

@@ -113,7 +113,11 @@ def test_a_policy_that_is_not_there_is_a_problem(tmp_path: Path) -> None:
     assert result.exit_code == 2
     (problem,) = json.loads(result.stdout)["missions"][0]["problems"]
     assert [problem[key] for key in ("line", "column", "path")] == [2, 9, "policy"]
-    assert CliRunner().invoke(app, ["validate", str(path)]).stdout.startswith(f"{path}:2:9: policy: ")
+    assert (
+        CliRunner()
+        .invoke(app, ["validate", str(path)])
+        .stdout.startswith(f"{path}:2:9: policy: 'nowhere': folder not found")
+    )
     assert CliRunner().invoke(app, ["validate", str(path), "--policy", "ant-waypoint"]).exit_code == 0
 
 
@@ -122,7 +126,7 @@ def test_a_robot_that_is_not_there_is_a_problem(tmp_path: Path) -> None:
     path.write_text("name: dog\npolicy: ant-waypoint\nwaypoints: [[3, 4]]\nrobot: ./dog\n")
     result = CliRunner().invoke(app, ["validate", str(path)])
     assert result.exit_code == 2
-    assert result.stdout.startswith(f"{path}:4:8: robot: {tmp_path}/./dog: no such folder")
+    assert result.stdout.startswith(f"{path}:4:8: robot: './dog': folder not found;")
 
 
 @pytest.mark.parametrize(
@@ -269,7 +273,7 @@ def test_no_content_leads_to_a_traceback(tmp_path: Path, program: Program, conte
 def test_another_policy_that_is_not_there_is_refused(tmp_path: Path, program: Program) -> None:
     code, _, err = program("validate", SHIPPED[0], "--policy", str(tmp_path / "gone"))
     assert code == 2
-    assert "gone: no such folder\n" in err
+    assert "gone: folder not found\n" in err
 
 
 def test_one_wrong_reference_is_one_problem(tmp_path: Path) -> None:
@@ -347,3 +351,28 @@ def test_a_dry_run_flies_and_leaves_no_log(yard: Path, program: Program) -> None
     assert (code, outcomes) == (1, ["success", "failure"])
     assert program("run", "--dry-run", "easy.yaml")[0] == 0
     assert not (yard / "logs").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("name: a\nphases: [{steps: 640}]\n", "this looks like a training recipe; use `waypointctl train {path}`"),
+        ("name: a\ncourses: [{name: b}]\n", "this looks like a suite; use `waypointctl eval --suite {path} POLICY`"),
+        ("name: a\ntrials: 3\ncases: []\n", "this looks like a suite; use `waypointctl eval --suite {path} POLICY`"),
+    ],
+)
+def test_a_recipe_and_a_suite_get_one_hint(tmp_path: Path, text: str, hint: str) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text(text)
+    result = CliRunner().invoke(app, ["validate", str(path)])
+    assert result.exit_code == 2
+    assert result.stdout == f"{path}: {hint.format(path=path)}\n"
+
+
+def test_a_file_is_not_a_policys_or_a_robots_folder(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    path = tmp_path / "m.yaml"
+    path.write_text("name: dog\npolicy: ./file\nrobot: ./file\nwaypoints: [[3, 4]]\n")
+    out = CliRunner().invoke(app, ["validate", str(path)]).stdout
+    assert f"{path}:2:9: policy: './file': is a file, not a folder. " in out
+    assert f"{path}:3:8: robot: './file': is a file, not a folder; " in out

@@ -88,13 +88,13 @@ def test_a_mission_cannot_be_changed() -> None:
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        (HEAD, "1:1: waypoints: is missing"),
+        (HEAD, "1:1: required key 'waypoints' is missing"),
         (HEAD + "waypoints: []", "3:12: waypoints: has 0 entries; at least 1 are needed"),
         (HEAD + "waypoints:", "3:11: waypoints: null is not a list"),
         (HEAD + "waypoints: {a: [1, 2]}", "3:12: waypoints: a mapping is not a list"),
         (HEAD + "waypoints: [[1]]", "3:13: waypoints[0][1]: is missing"),
-        (HEAD + "waypoints: [[1, 2, 3]]", "3:13: waypoints[0]: has more than the 2 entries that are allowed"),
-        (HEAD + "waypoints: [7]", "3:13: waypoints[0]: 7 is not a mapping of keys to values"),
+        (HEAD + "waypoints: [[1, 2, 3]]", "3:13: waypoints[0]: at most 2 entries are allowed; found 3"),
+        (HEAD + "waypoints: [7]", "3:13: waypoints[0]: expected a mapping (key: value), found 7"),
         (HEAD + "waypoints: [[.nan, 1]]", "3:14: waypoints[0][0]: nan is not a finite number"),
         (HEAD + "waypoints: [[1, -.inf]]", "3:17: waypoints[0][1]: -inf is not a finite number"),
         (HEAD + "waypoints: [[7 m, 12]]", "3:19: waypoints[0][1]: 12 has no unit; write 'position: [7 m, 12 m]'"),
@@ -103,14 +103,14 @@ def test_a_mission_cannot_be_changed() -> None:
             "3:27: waypoints[0].position_m[0]: '7 m' is not a number; "
             "numbers in m go under 'position_m', numbers with a unit under 'position'",
         ),
-        (HEAD + "waypoints: [[1, 10001]]", "3:17: waypoints[0][1]: 10001 is not <= 10000 m"),
+        (HEAD + "waypoints: [[1, 10001]]", "3:17: waypoints[0][1]: must be at most 10,000 m; got 10001 m"),
         (
             HEAD + "waypoints: [{}]",
-            "3:13: waypoints[0].position: is missing; write 'position: ...' with a unit, or 'position_m: ...' in m",
+            "3:13: waypoints[0]: required key 'position' is missing; write 'position: ...' with a unit, or 'position_m: ...' in m",  # noqa: E501
         ),
         (
             HEAD + "waypoints:\n- position_m: [1, 2]\n  tolerance_m: -0.5",
-            "5:16: waypoints[0].tolerance_m: -0.5 is not > 0 m",
+            "5:16: waypoints[0].tolerance_m: must be more than 0 m; got -0.5 m",
         ),
         (
             HEAD + "waypoints: [{position_m: [1, 2], name: A}, {position_m: [3, 4], name: A}]",
@@ -129,42 +129,45 @@ def test_a_mission_cannot_be_changed() -> None:
             MINIMAL + "expect: {reached: most}",
             "4:19: expect.reached: 'most' is neither 'all' nor a whole number",
         ),
-        (MINIMAL + "expect: {max_time: 0 s}", "4:20: expect.max_time: 0 s is not > 0 s"),
-        (MINIMAL + "seed: -1", "4:7: seed: -1 is not >= 0"),
+        (MINIMAL + "expect: {max_time: 0 s}", "4:20: expect.max_time: must be more than 0 s; got 0 s"),
+        (MINIMAL + "seed: -1", "4:7: seed: expected a whole number from 0 to 9223372036854775807; got -1"),
         (MINIMAL + "seed: 1.5", "4:7: seed: 1.5 is not a whole number"),
         (MINIMAL + "seed: true", "4:7: seed: true is not a whole number"),
         (MINIMAL + "seed: '3'", "4:7: seed: '3' is not a whole number"),
-        (MINIMAL + f"seed: {2**63}", f"4:7: seed: {2**63} is not < {2**63}"),
+        (MINIMAL + f"seed: {2**63}", f"4:7: seed: expected a whole number from 0 to 9223372036854775807; got {2**63}"),
         (
             MINIMAL + "autonomy: alone",
-            "4:11: autonomy: 'alone' is not 'mission', 'waypoint', 'short_range_goal' or 'joint'",
+            "4:11: autonomy: expected one of 'mission', 'waypoint', 'short_range_goal' or 'joint'; got 'alone'",
         ),
         (
             MINIMAL + "autonomy: way point",
-            "4:11: autonomy: 'way point' is not 'mission', 'waypoint', 'short_range_goal' or 'joint'; "
+            "4:11: autonomy: expected one of 'mission', 'waypoint', 'short_range_goal' or 'joint'; got 'way point'; "
             "did you mean 'waypoint'?",
         ),
-        (MINIMAL + "on_failure: retry", "4:13: on_failure: 'retry' is not 'abort', 'skip', 'hold' or 'return_home'"),
+        (
+            MINIMAL + "on_failure: retry",
+            "4:13: on_failure: expected one of 'abort', 'skip', 'hold' or 'return_home'; got 'retry'",
+        ),
         (
             MINIMAL + "link: 1.28 s",
-            "4:7: link: '1.28 s' is not a mapping of keys to values; write 'link: {delay: 1.28 s}' for a one-way delay",
+            "4:7: link: expected a mapping (key: value), found '1.28 s'; write 'link: {delay: 1.28 s}' for a one-way delay",  # noqa: E501
         ),
         (
             MINIMAL + "link: Moon",
-            "4:7: link: 'Moon' is not a mapping of keys to values; write 'link: {preset: moon}'",
+            "4:7: link: expected a mapping (key: value), found 'Moon'; write 'link: {preset: moon}'",
         ),
         (
             MINIMAL + "link: mars",
-            "4:7: link: 'mars' is not a mapping of keys to values; write 'link: {preset: mars-near}' "
+            "4:7: link: expected a mapping (key: value), found 'mars'; write 'link: {preset: mars-near}' "
             "or 'link: {preset: mars-far}'",
         ),
         (
             MINIMAL + "link: saturn",
-            "4:7: link: 'saturn' is not a mapping of keys to values; "
+            "4:7: link: expected a mapping (key: value), found 'saturn'; "
             "for a preset write 'link: {preset: moon|moon-relay|mars-near|mars-far|iss|lan}'",
         ),
-        (MINIMAL + "link: {delay: -1 s}", "4:15: link.delay: -1 s is not >= 0 s"),
-        (MINIMAL + "link: {delay: 11 d}", "4:15: link.delay: 11 d is not <= 864000 s"),
+        (MINIMAL + "link: {delay: -1 s}", "4:15: link.delay: must be at least 0 s; got -1 s"),
+        (MINIMAL + "link: {delay: 11 d}", "4:15: link.delay: must be at most 864,000 s; got 11 d"),
         (
             MINIMAL + "link: {delay: 20}",
             "4:15: link.delay: 20 has no unit; write 'delay: 20 s' or 'delay_s: 20'",
@@ -184,10 +187,10 @@ def test_a_mission_cannot_be_changed() -> None:
             MINIMAL + "operator: {released: 2}",
             "4:22: operator.released: 2 is more than the 1 waypoint of the plan; write -1 to release them all",
         ),
-        (MINIMAL + "telemetry: {rate: 51 Hz}", "4:19: telemetry.rate: 51 Hz is not <= 50 Hz"),
-        (MINIMAL + "telemetry: {rate_hz: 0}", "4:22: telemetry.rate_hz: 0 is not >= 0.001 Hz"),
-        (MINIMAL + "start: {heading: 400 deg}", "4:18: start.heading: 400 deg is not <= 360 deg"),
-        (MINIMAL + "defaults: {timeout: 2 d}", "4:21: defaults.timeout: 2 d is not <= 86400 s"),
+        (MINIMAL + "telemetry: {rate: 51 Hz}", "4:19: telemetry.rate: must be at most 50 Hz; got 51 Hz"),
+        (MINIMAL + "telemetry: {rate_hz: 0}", "4:22: telemetry.rate_hz: must be at least 0.001 Hz; got 0 Hz"),
+        (MINIMAL + "start: {heading: 400 deg}", "4:18: start.heading: must be at most 360 deg; got 400 deg"),
+        (MINIMAL + "defaults: {timeout: 2 d}", "4:21: defaults.timeout: must be at most 86,400 s; got 2 d"),
         (MINIMAL + "waypoint: []", "4:1: waypoint: unknown key; did you mean 'waypoints'?"),
         (MINIMAL + "name: m", "4:1: name: duplicate key, first in line 1"),
         (
@@ -195,8 +198,8 @@ def test_a_mission_cannot_be_changed() -> None:
             "1:7: name: '../n' is not a name of letters, digits, '.', '_', '-' and spaces between them",
         ),
         (MINIMAL.replace("policy: p", "policy: ''"), "2:9: policy: '' is not text of at least 1 characters"),
-        ("[]", "1:1: a list of 0 is not a mapping of keys to values"),
-        ("walk to the rock", "1:1: 'walk to the rock' is not a mapping of keys to values"),
+        ("[]", "1:1: expected a mapping (key: value), found a list"),
+        ("walk to the rock", "1:1: expected a mapping (key: value), found 'walk to the rock'"),
         ("", "1:1: is empty"),
     ],
 )
@@ -226,9 +229,7 @@ def test_python_takes_numbers_alone() -> None:
 
 @pytest.mark.parametrize("version", ["1", "3", "'2'", "2.0", "true"])
 def test_another_version_of_the_keys_is_refused(version: str) -> None:
-    with pytest.raises(
-        MissionError, match=r"m\.yaml:4:17: schema_version: .* is not the version that is read; write 2"
-    ):
+    with pytest.raises(MissionError, match=r"m\.yaml:4:17: schema_version: version .* is not supported; supported: 2$"):
         parse(MINIMAL + f"schema_version: {version}")
     assert parse(MINIMAL + "schema_version: 2") == parse(MINIMAL)
 

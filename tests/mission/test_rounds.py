@@ -40,7 +40,7 @@ def test_a_mission_without_either_is_what_it_was() -> None:
     ("text", "said"),
     [
         ("start_at: cliff", "'cliff' is not a waypoint; waypoints are WP1, rock, WP3"),
-        ("repeat: 0", ">= 1"),
+        ("repeat: 0", "expected a whole number from 1 to 1000; got 0"),
         ("repeat: 2\nstart_at: WP3\nexpect: {reached: 5}", "5 is more than the 4 waypoints"),
     ],
 )

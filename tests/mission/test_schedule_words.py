@@ -17,19 +17,22 @@ NAMES = (
         ("{at: 1 s, do: stop}", "4:26: schedule[0].do: 'stop' is not a command; did you mean 'hold' or 'abort'?"),
         ("{at: 1 s, do: goto}", "4:26: schedule[0].do: 'goto' is not a command; did you mean 'go_to'?"),
         ("{at: 1 s, do: RTL}", "4:26: schedule[0].do: 'RTL' is not a command; did you mean 'return_home'?"),
-        ("{at: 1 s, do: relaese}", f"4:26: schedule[0].do: 'relaese' is not {NAMES}; did you mean 'release'?"),
-        ("{at: 1 s, do: bark}", f"4:26: schedule[0].do: 'bark' is not {NAMES}"),
-        ("{at: 1 s, do: 3}", f"4:26: schedule[0].do: 3 is not {NAMES}"),
+        (
+            "{at: 1 s, do: relaese}",
+            f"4:26: schedule[0].do: expected one of {NAMES}; got 'relaese'; did you mean 'release'?",
+        ),
+        ("{at: 1 s, do: bark}", f"4:26: schedule[0].do: expected one of {NAMES}; got 'bark'"),
+        ("{at: 1 s, do: 3}", f"4:26: schedule[0].do: expected one of {NAMES}; got 3"),
         ("{at: 1 s, do: set_tolerance}", "4:12: schedule[0]: set_tolerance needs 'tolerance'"),
         ("{at: 1 s, do: set_timeout}", "4:12: schedule[0]: set_timeout needs 'timeout'"),
         ("{at: 1 s, do: cancel}", "4:12: schedule[0]: cancel needs 'command'"),
         (
             "{at: 1 s, do: cancel, command: 9999999999999999999}",
-            "4:43: schedule[0].command: 9999999999999999999 is not <= 1000000000",
+            "4:43: schedule[0].command: must be at most 1,000,000,000; got 9999999999999999999",
         ),
         (
             "{at: 1 s, do: release, released: 9999999999999999999}",
-            "4:45: schedule[0].released: 9999999999999999999 is not <= 1000000000",
+            "4:45: schedule[0].released: must be at most 1,000,000,000; got 9999999999999999999",
         ),
         ("{at: 1 s, do: hold, tolerance_m: 1}", "4:12: schedule[0]: hold does not accept 'tolerance'"),
         (

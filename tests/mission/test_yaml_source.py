@@ -52,14 +52,14 @@ def test_a_good_file_becomes_the_model() -> None:
 @pytest.mark.parametrize(
     ("source", "problem"),
     [
-        ("one: {rate: -1}", "f.yaml:1:13: one.rate: -1 is not > 0"),
+        ("one: {rate: -1}", "f.yaml:1:13: one.rate: must be more than 0; got -1"),
         ("one: {rat: 1, rate: 1}", "f.yaml:1:7: one.rat: unknown key; did you mean 'rate'?"),
-        ("many:\n- rate: 1\n- kind: b", "f.yaml:3:3: many[1].rate: is missing"),
-        ("named: {x y: {kind: c, rate: 1}}", "f.yaml:1:21: named.'x y'.kind: 'c' is not 'a' or 'b'"),
+        ("many:\n- rate: 1\n- kind: b", "f.yaml:3:3: many[1]: required key 'rate' is missing"),
+        ("named: {x y: {kind: c, rate: 1}}", "f.yaml:1:21: named.'x y'.kind: expected one of 'a' or 'b'; got 'c'"),
         ("named: {x: {kin: c, rate: 1}}", "f.yaml:1:13: named.x.kin: unknown key; did you mean 'kind'?"),
         ("zzz: 1", "f.yaml:1:1: zzz: unknown key; allowed are one, many, named"),
-        ("- 1", "f.yaml:1:1: a list of 1 is not a mapping of keys to values"),
-        ("just words", "f.yaml:1:1: 'just words' is not a mapping of keys to values"),
+        ("- 1", "f.yaml:1:1: expected a mapping (key: value), found a list"),
+        ("just words", "f.yaml:1:1: expected a mapping (key: value), found 'just words'"),
         ("many: 5", "f.yaml:1:7: many: 5 is not a list"),
         ("one:\n  rate:", "f.yaml:2:8: one.rate: null is not a number"),
     ],
@@ -71,11 +71,11 @@ def test_any_model_gets_its_problems_placed(source: str, problem: str) -> None:
 def test_all_problems_are_listed_in_the_order_of_the_file() -> None:
     source = "named: {x: {rate: 0}}\nmany: [{}]\nnamed: {}\none: {rate: .nan, kind: 3}"
     assert problems(source, Outer) == [
-        "f.yaml:1:19: named.x.rate: 0 is not > 0",
-        "f.yaml:2:8: many[0].rate: is missing",
+        "f.yaml:1:19: named.x.rate: must be more than 0; got 0",
+        "f.yaml:2:8: many[0]: required key 'rate' is missing",
         "f.yaml:3:1: named: duplicate key, first in line 1",
-        "f.yaml:4:13: one.rate: nan is not > 0",
-        "f.yaml:4:25: one.kind: 3 is not 'a' or 'b'",
+        "f.yaml:4:13: one.rate: must be more than 0; got nan",
+        "f.yaml:4:25: one.kind: expected one of 'a' or 'b'; got 3",
     ]
 
 
@@ -84,7 +84,7 @@ def test_the_error_is_of_the_type_asked_for_and_lists_everything() -> None:
         read_model(b"one: {rate: -1}\nmany: 5", "r.yaml", Outer, RecipeError)
     assert str(caught.value).splitlines() == [
         "r.yaml: 2 problems",
-        "r.yaml:1:13: one.rate: -1 is not > 0",
+        "r.yaml:1:13: one.rate: must be more than 0; got -1",
         "r.yaml:2:7: many: 5 is not a list",
     ]
 
@@ -112,10 +112,10 @@ def test_a_quantity_has_two_spellings(source: str) -> None:
         ("size:", "1:6: size: null is not a number with its unit; write 'size: 1 m' or 'size_m: 1'"),
         ("size: true", "1:7: size: true is not a number with its unit; write 'size: 1 m' or 'size_m: 1'"),
         ("size: [1 m]", "1:7: size: a list of 1 is not a number with its unit; write 'size: 1 m' or 'size_m: 1'"),
-        ("size: -20 cm", "1:7: size: -20 cm is not > 0 m"),
+        ("size: -20 cm", "1:7: size: must be more than 0 m; got -20 cm"),
         ("size: 1e400 m", "1:7: size: '1e400 m' is not a finite number"),
-        ("size: 1e-99999999999999999999 m", "1:7: size: 1e-99999999999999999999 m is not > 0 m"),
-        ("{size: 1 m, spread: 90 deg}", "1:21: spread: 90 deg is not <= 1 rad"),
+        ("size: 1e-99999999999999999999 m", "1:7: size: must be more than 0 m; got 1e-99999999999999999999 m"),
+        ("{size: 1 m, spread: 90 deg}", "1:21: spread: must be at most 1 rad; got 90 deg"),
         ("size_m: 2 m", "1:9: size_m: '2 m' is not a number; write 'size: 1 m' or 'size_m: 1'"),
         ("size_m: true", "1:9: size_m: true is not a number; write 'size: 1 m' or 'size_m: 1'"),
         ("size_m: .inf", "1:9: size_m: inf is not a finite number"),
@@ -131,7 +131,7 @@ def test_a_quantity_has_two_spellings(source: str) -> None:
             "{size: 2 m, sise: 1}",
             "1:13: sise: unknown key; did you mean 'size_m' (a number in m) or 'size' (with its unit: mm, cm, m, km)?",
         ),
-        ("slope: 3", "1:1: size: is missing; write 'size: ...' with a unit, or 'size_m: ...' in m"),
+        ("slope: 3", "1:1: required key 'size' is missing; write 'size: ...' with a unit, or 'size_m: ...' in m"),
     ],
 )
 def test_a_quantity_written_wrongly_says_how_to_mend_it(source: str, problem: str) -> None:

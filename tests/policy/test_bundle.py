@@ -126,13 +126,14 @@ def test_a_missing_file_is_named(folder: Path, name: str) -> None:
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
-    assert refusal(tmp_path / "none").startswith(f"{tmp_path / 'none'}: no such folder\n  A policy is a folder with")
+    assert refusal(tmp_path / "none").startswith(f"{tmp_path / 'none'}: folder not found\n  A policy is a folder with")
 
 
 def test_a_file_is_no_folder(tmp_path: Path) -> None:
     (tmp_path / "policy.zip").write_bytes(b"PK")
-    assert "policy.zip: is not a folder\n  A policy is a folder with manifest.json, or a name. There is" in refusal(
-        tmp_path / "policy.zip"
+    assert (
+        "policy.zip: is a file, not a folder\n  A policy is a folder with manifest.json, or a name. There is"
+        in refusal(tmp_path / "policy.zip")
     )
 
 

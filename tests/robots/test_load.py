@@ -42,8 +42,8 @@ def test_a_shipped_robot_is_compiled_once_and_listed() -> None:
     ("named", "message"),
     [
         ("hexapod", "there is no robot 'hexapod'; there are: ant\n"),
-        ("./hexapod", "./hexapod: no such folder"),
-        ("./a_file", "./a_file: is not a folder"),
+        ("./hexapod", "./hexapod: folder not found"),
+        ("./a_file", "./a_file: is a file, not a folder"),
         ("./empty", "./empty: has no robot.yaml"),
     ],
 )
@@ -128,23 +128,24 @@ def test_an_mjcf_that_is_no_robots_is_refused(source: bytes, message: str) -> No
 @pytest.mark.parametrize(
     ("before", "after", "message"),
     [
-        ("substeps: 4", "substeps: 0", "cart/robot.yaml:3:11: substeps: 0 is not >= 1"),
+        ("substeps: 4", "substeps: 0", "cart/robot.yaml:3:11: substeps: expected a whole number from 1 to"),
         ("min_height: 0.1 m", "min_height: 0.25 m", "robot.yaml:8:14: termination: min_height 0.25 m is not below"),
-        ("kind: position_target", "kind: postion_target", "robot.yaml:6:12: actions[1].kind: 'postion_target' is not "
-         "'torque_fraction', 'position_target' or 'velocity_target'; did you mean 'position_target'?"),
-        ("{kind: position_target, ", "{", "robot.yaml:6:5: actions[1].kind: is missing"),
+        ("kind: position_target", "kind: postion_target", "robot.yaml:6:12: actions[1].kind: expected one of "
+         "'torque_fraction', 'position_target' or 'velocity_target'; got 'postion_target'; did you mean "
+         "'position_target'?"),
+        ("{kind: position_target, ", "{", "robot.yaml:6:5: actions[1]: required key 'kind' is missing"),
         ("mjcf: cart.xml", "mjcf: ../cart.xml", "robot.yaml:2:7: mjcf: '../cart.xml' is not a file of this folder"),
         ("mjcf: cart.xml", "mjcf: other.xml", "cart/robot.yaml: mjcf: cart/other.xml: there is no such file"),
         ("min_up: 0.3", "min_tilt: 0.3", "cart/robot.yaml:8:34: termination.min_tilt: unknown key"),
         ("min_height: 0.1 m", "min_height: 9 m", ":8:14: termination: min_height 9 m is not below nominal.height"),
-        ("kind: position_target", "kind: servo", "actions[1].kind: 'servo' is not 'torque_fraction'"),
-        ("kind: position_target, ", "", "actions[1].kind: is missing"),
+        ("kind: position_target", "kind: servo", "actions[1].kind: expected one of 'torque_fraction'"),
+        ("kind: position_target, ", "", "actions[1]: required key 'kind' is missing"),
         ("steer: 10", "stear: 10", ":7:40: nominal.joints_deg.stear: there is no joint 'stear'; there are: left"),
         ("steer: 10", "steer: 50", "the nominal angle of steer is 50 deg, outside its range of -45 to 45 deg"),
         ("[steer]", "[boom]", "robot.yaml:6:38: actions[1].joints[0]: no actuator drives 'boom'; those that"),
         ("[steer]", "['*']", "right_wheel belongs to actions[0] already"),
         ('["*_wheel"]', "[left_wheel]", "cart/robot.yaml:4:1: actions: no entry covers right_wheel"),
-        ("{kind: position_target", "{kind: velocity_target", "scale_radps: is missing"),
+        ("{kind: position_target", "{kind: velocity_target", "required key 'scale_radps' is missing"),
         ("velocity_target", "torque_fraction", "unknown key"),
         (STEER, "kind: torque_fraction, joints: [steer]",
          "robot.yaml:6:6: actions[1].kind: torque_fraction needs a motor actuator; steer has a position"),

@@ -47,7 +47,7 @@ def test_a_name_stays_a_name_wherever_the_mission_is(work: Path) -> None:
     ("named", "problem"),
     [
         ("atn", "files/go.yaml:4:8: robot: there is no robot 'atn'; there are: ant; did you mean 'ant'?"),
-        ("../robots/ant", "files/go.yaml:4:8: robot: files/../robots/ant: no such folder"),
+        ("../robots/ant", "files/go.yaml:4:8: robot: files/../robots/ant: folder not found"),
     ],
 )
 def test_a_robot_that_is_not_there_has_its_place_in_the_mission(work: Path, named: str, problem: str) -> None:

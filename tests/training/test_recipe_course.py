@@ -41,7 +41,7 @@ RIGHT: list[tuple[str, Course]] = [
 
 # What stands in place of COURSE, and the message about it, from the column on.
 WRONG = [
-    ("{perimeter: circle}", "21: course.perimeter: 'circle' is not 'square', 'disc', 'ring' or 'legs'"),
+    ("{perimeter: circle}", "21: course.perimeter: expected one of 'square', 'disc', 'ring' or 'legs'; got 'circle'"),
     (
         "{perimeter: disc, side: 5 m}",
         "33: course.side: is not used by 'perimeter: disc', which takes count, centre, radius and min_distance",
@@ -62,14 +62,14 @@ WRONG = [
         "{side: 4 m, min_distance: 3 m}",
         "35: course.min_distance: 3 m is not from 0 to 2 m (half its side), the most in this region",
     ),
-    ("{min_distance: -1 m}", "24: course.min_distance: -1 m is not >= 0 m"),
+    ("{min_distance: -1 m}", "24: course.min_distance: must be at least 0 m; got -1 m"),
     ("{cases: []}", "17: course.cases: has 0 entries; at least 1 are needed"),
     ("{cases: [[]]}", "18: course.cases[0]: has 0 entries; at least 1 are needed"),
     ("{cases: [[10, 10]]}", "17: course.cases: each case is a list of waypoints, and each waypoint [x, y]: cases: [[["),
     ("{cases: [10 m, 10 m]}", "17: course.cases: each case is a list of waypoints, and each waypoint [x, y]"),
-    ("{cases: [[[10, 10, 3]]]}", "19: course.cases[0][0]: has more than the 2 entries that are allowed"),
+    ("{cases: [[[10, 10, 3]]]}", "19: course.cases[0][0]: at most 2 entries are allowed; found 3"),
     ("{cases: [[[10 s, 10 m]]]}", "20: course.cases[0][0][0]: '10 s' has the unit 's'; allowed are mm, cm, m, km"),
-    ("{cases: [{waypoints: [[1, 1]], weight: 0}]}", "48: course.cases[0].weight: 0 is not > 0"),
+    ("{cases: [{waypoints: [[1, 1]], weight: 0}]}", "48: course.cases[0].weight: must be more than 0; got 0"),
     (
         "{cases: [[[10, 10]]], count: 2}",
         "38: course.count: cannot be used with 'cases', which are the courses themselves: keep one of the two",
@@ -120,9 +120,9 @@ def test_failed_courses_are_repeated_as_the_recipe_says(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{probability: 1.3}", "4:31: failure_replay.probability: 1.3 is not <= 1"),
+        ("{probability: 1.3}", "4:31: failure_replay.probability: must be at most 1; got 1.3"),
         ("{tries: 2}", "4:25: failure_replay.tries: needs a 'probability' above 0"),
-        ("{probability: 0.3, memory: 0}", "4:44: failure_replay.memory: 0 is not > 0"),
+        ("{probability: 0.3, memory: 0}", "4:44: failure_replay.memory: expected a whole number from 1 to 256; got 0"),
     ],
 )
 def test_what_is_wrong_with_a_replay_is_said_with_its_place(tmp_path: Path, text: str, message: str) -> None:

@@ -31,13 +31,13 @@ def test_what_is_not_there_is_told_with_everything_else_in_the_order_of_the_file
     text = f"warm_start: nowhere\nselection: {{suite: regoin}}\n{RECIPE.replace('robots: 16', 'robots: 0')}"
     head, first, *others = refused(tmp_path, text)
     assert first.startswith(
-        "recipe.yaml:1:13: warm_start: nowhere: no such folder; a path is relative to this file; a policy is a folder "
-        "with manifest.json, or a name. There is "
+        "recipe.yaml:1:13: warm_start: nowhere: folder not found; a path is relative to this file; a policy is a "
+        "folder with manifest.json, or a name. There is "
     )
     assert [head, *others] == [
         "recipe.yaml: 3 problems",
         "recipe.yaml:2:20: selection.suite: unknown suite 'regoin'; did you mean 'region'?",
-        "recipe.yaml:9:32: algorithm.robots: 0 is not > 0",
+        "recipe.yaml:9:32: algorithm.robots: expected a whole number from 1 to 65536; got 0",
     ]
 
 
@@ -45,7 +45,7 @@ def test_two_uses_of_one_seed_are_told_with_everything_else(tmp_path: Path) -> N
     text = RECIPE.replace("robots: 16", "robots: 0").replace("{trials: 1}", "{trials: 1, seed: 5}")
     assert refused(tmp_path, f"{text}selection: {{seed: 5, suite: regoin}}\n") == [
         "recipe.yaml: 3 problems",
-        "recipe.yaml:7:32: algorithm.robots: 0 is not > 0",
+        "recipe.yaml:7:32: algorithm.robots: expected a whole number from 1 to 65536; got 0",
         f"recipe.yaml:{LAST + 1}:19: selection.seed: the seed 5 is also evaluation.seed: a policy must not be "
         "reported on the trials that selected it; use another seed for selection",
         f"recipe.yaml:{LAST + 1}:29: selection.suite: unknown suite 'regoin'; did you mean 'region'?",
@@ -116,4 +116,4 @@ def test_a_recipe_that_is_merely_read_needs_nothing_beside_it(tmp_path: Path) ->
 def test_what_is_no_name_at_all_is_told_once(tmp_path: Path, wrong: str) -> None:
     lines = refused(tmp_path, wrong)
     assert len(lines) == len(set(lines))
-    assert not any("no suite" in line or "no such folder" in line for line in lines)
+    assert not any("no suite" in line or "folder not found" in line for line in lines)

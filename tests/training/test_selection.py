@@ -202,7 +202,9 @@ def test_what_is_reported_is_never_what_was_chosen_by(tmp_path: Path) -> None:
     text = RECIPE.replace("{trials: 1}", "{trials: 1, seed: 1000}")
     with pytest.raises(RecipeError, match=r"selection: the seed 1000 is also evaluation\.seed: .*; use another seed"):
         tiny_recipe(tmp_path, f"{text}selection: {{}}\n")
-    with pytest.raises(RecipeError, match=r"selection\.seed: 0 is not >= 1"):  # what `eval` reports unless told
+    with pytest.raises(
+        RecipeError, match=r"selection\.seed: expected a whole number from 1 to 4294967295; got 0"
+    ):  # what `eval` reports unless told
         tiny_recipe(tmp_path, f"{text}selection: {{seed: 0}}\n")
     with pytest.raises(ValueError, match=r"evaluation\.seed is 1000"):
         tiny_recipe(tmp_path, text).recipe.stopping_at(0.9)

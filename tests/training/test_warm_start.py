@@ -155,7 +155,7 @@ def test_a_source_that_is_not_there_or_damaged_is_refused(shelf: Shelf, tmp_path
     with pytest.raises(PolicyError, match=r"weights\.safetensors: altered"):
         trained(shelf.recipe_file, tmp_path / "run")
     shutil.rmtree(shelf.source)
-    with pytest.raises(PolicyError, match=r"\.\./source: no such folder"):
+    with pytest.raises(PolicyError, match=r"\.\./source: folder not found"):
         trained(shelf.recipe_file, tmp_path / "run")
 
 

@@ -35,7 +35,7 @@ def known_version(version: object) -> object:
         ValueError: it is not the one that is read.
     """
     if type(version) is not int or version != SCHEMA_VERSION:
-        raise ValueError(f"{shown(version)} is not the version that is read; write {SCHEMA_VERSION}, or leave it out")
+        raise ValueError(f"version {shown(version)} is not supported; supported: {SCHEMA_VERSION}")
     return version
 
 

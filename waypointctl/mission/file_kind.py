@@ -7,6 +7,8 @@ from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from enum import Enum
 from typing import Final
 
+from waypointctl.display_text import shell_word
+
 
 class FileKind(Enum):
     """A kind of file, with the predicate for messages."""
@@ -46,6 +48,18 @@ _JSON: Final = {
     re.compile(rb'"contacts"\s*:\s*\['): FileKind.HDTN_PLAN,
 }
 _LOOK_BYTES: Final = 8192  # of a file's beginning
+
+
+def command_for_keys(data: object, path: str) -> str:
+    """Return the problem text for a recipe or a suite given as a mission, known by its keys; empty for other data."""
+    if not isinstance(data, dict) or "waypoints" in data:
+        return ""
+    file = shell_word(path)
+    if "phases" in data:
+        return f"this looks like a training recipe; use `waypointctl train {file}`"
+    if "cases" in data or "courses" in data:
+        return f"this looks like a suite; use `waypointctl eval --suite {file} POLICY`"
+    return ""
 
 
 def is_lfs_pointer(beginning: bytes) -> bool:

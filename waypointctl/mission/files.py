@@ -13,6 +13,7 @@ from waypointctl.input_file import NOT_THERE
 from waypointctl.mission.checks import SCHEMA_VERSION
 from waypointctl.mission.contact_plan import Passage, read_contact_plan
 from waypointctl.mission.fields import file_beside
+from waypointctl.mission.file_kind import command_for_keys
 from waypointctl.mission.link import LinkDirection
 from waypointctl.mission.mission import Mission
 from waypointctl.mission.policy_name import from_folder, policy_folder
@@ -57,6 +58,8 @@ def examine_mission(source: bytes, where: str, read: ReadFile) -> Reading[Missio
     tree = tree_or_problem(source, where)
     if isinstance(tree, Problem):
         return Reading(None, (tree,))
+    if other := command_for_keys(tree.data, where):
+        return Reading(None, (Problem(where, 0, 0, "", other),))
     reading = examine_tree(tree, where, Mission)
     files: dict[str, bytes] = {}
     problems = list(reading.problems)

@@ -227,7 +227,7 @@ class Link(FileModel):
     def _no_bare_word(cls, given: Any) -> Any:
         """Refuse a bare word, with a hint on how a preset is written."""
         if isinstance(given, str):
-            raise ValueError(f"{given!r} is not a mapping of keys to values; {how_to_write_link(given)}")
+            raise ValueError(f"expected a mapping (key: value), found {given!r}; {how_to_write_link(given)}")
         return given
 
     @classmethod

@@ -65,7 +65,7 @@ def from_folder(named: str, folder: Path) -> str:
 
     A robot is named like this: its folder always with a slash, so that it cannot be taken for a name.
     """
-    return named if is_bare(named) else os.path.join(folder, named)
+    return named if is_bare(named) or folder == Path() else os.path.join(folder, named)
 
 
 def is_bare(named: str) -> bool:

@@ -123,9 +123,9 @@ def _to_number(own: Quantity, given: object) -> object:
     """
     if not isinstance(given, Bare):
         return given
-    bare, value = bare_name(given.field), given.value
+    value = given.value
     if given.twice:
-        problem = f"is given as '{bare}' and as '{given.field}': keep one"
+        problem = twice_text(given.field)
         raise PydanticCustomError("both_spellings", "{problem}", {"problem": problem})
     if isinstance(value, str):
         try:
@@ -136,6 +136,11 @@ def _to_number(own: Quantity, given: object) -> object:
         problem = f"{shown(value)} has no unit; {_hint(own, given, value)}"
         raise PydanticCustomError("unit_missing", "{problem}", {"problem": problem})
     return value
+
+
+def twice_text(field: str) -> str:
+    """Return that a file has a field under both of its names."""
+    return f"is given as '{bare_name(field)}' and as '{field}': keep one"
 
 
 def _hint(own: Quantity, given: Bare, value: float) -> str:

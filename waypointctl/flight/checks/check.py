@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from waypointctl.display_text import shown
 from waypointctl.errors import InputError
 from waypointctl.flight.checks import Finding
 from waypointctl.flight.checks.link import link_findings
@@ -124,21 +125,32 @@ def robot_and_policy_problems(file: MissionFile, policy: Path, plugins: Sequence
         InputError: a plugin is missing or fails.
     """
     named = file.mission.robot
-    if folder_fault(policy):
-        text = f"there is no folder {policy}. {policies_there_are(file.mission.policy)}"
-        missing = (_problem(file, "policy", text),)
-        return (*_problems(file, "robot", lambda: read_description(named)), *missing)
+    if fault := folder_fault(policy):
+        given = file.mission.policy if policy == file.policy_path else str(policy)
+        missing = _problem(file, "policy", f"{shown(given)}: {fault}. {policies_there_are(given)}")
+        return (*_robot_problems(file, lambda: read_description(named)), missing)
     if is_bare(named) and not plugins:
-        return _problems(file, "robot", lambda: shipped_outline(named)) or _problems(
+        return _robot_problems(file, lambda: shipped_outline(named)) or _problems(
             file, "policy", lambda: refuse_misfit(read_manifest(policy), shipped_outline(named))
         )
     from waypointctl.policy.bundle import load_policy
     from waypointctl.robots.load import load_robot  # with the simulator, which takes 0.3 s to load
 
     executed = load_plugins(plugins)
-    return _problems(file, "robot", lambda: load_robot(named)) or _problems(
+    return _robot_problems(file, lambda: load_robot(named)) or _problems(
         file, "policy", lambda: refuse_misfit(load_policy(policy), load_robot(named), executed)
     )
+
+
+def _robot_problems(file: MissionFile, check: Callable[[], Any]) -> tuple[Problem, ...]:
+    """Return why a check refuses the mission's robot; its folder is quoted as the file has it."""
+    named = file.mission.robot
+    fault = None if is_bare(named) else folder_fault(Path(named))
+    if fault is None:
+        return _problems(file, "robot", check)
+    written = read_tree(file.source).data.get("robot", named)
+    text = f"{shown(written)}: {fault}; a robot is a folder with robot.yaml, relative to this file"
+    return (_problem(file, "robot", text),)
 
 
 def _problems(file: MissionFile, key: str, check: Callable[[], Any]) -> tuple[Problem, ...]:
