@@ -33,8 +33,8 @@ A mission is YAML: one mapping, with the keys below. `waypointctl schema mission
 A quantity is written with its unit in the value, `timeout: 20 s`, or in the key, `timeout_s: 20`; under the bare key a
 number without a unit is refused. Units: {units}.
 
-Places are x and y in metres in the world frame. What is said of `link.up.x` holds for `link.down.x`. Where the default
-is "-" there is nothing, where it is "its own" a block with the defaults of its keys.
+Positions are x and y in metres in the world frame. `link.down` has the keys of `link.up`. In the column of defaults "-"
+means that the key is not set, and "block" a block in which each key has its default.
 
 `waypointctl fmt` puts keys into the order of the tables below, with two spaces a level. Quotes, numbers, units, blank
 lines and block or brace style stay as written. A comment moves with the key that it stands above or behind; a comment
@@ -46,8 +46,7 @@ formatted.
 {sections}
 ## Presets of a link
 
-Of each way. What is written beside `preset` goes before what it has; where the values come from stands in
-`waypointctl/mission/presets.py`.
+For each direction. Keys beside `preset` override its values. Their sources are in `waypointctl/mission/presets.py`.
 
 | preset | is |
 |---|---|
@@ -83,8 +82,7 @@ def _sections() -> Iterator[str]:
     for model, paths in _models().items():
         title = "The mission" if model is Mission else " and ".join(f"`{path}`" for path in paths)
         rows = "\n".join(_row(model, name, field) for name, field in model.model_fields.items())
-        notes = "".join(f"{note}\n" for note in _notes(model))
-        head = f"## {title}\n\n{_sentence(model)}\n{notes}"
+        head = f"## {title}\n\n{_sentence(model)}\n"
         yield f"{head}\n| key | takes | default | what it is |\n|---|---|---|---|\n{rows}\n"
 
 
@@ -112,12 +110,6 @@ def _inner_models(annotation: Any) -> list[type[FileModel]]:
 
 def _sentence(model: type[FileModel]) -> str:
     return " ".join((model.__doc__ or "").split())
-
-
-def _notes(model: type[FileModel]) -> Iterator[str]:
-    if model.keys_for_each:
-        both = " and ".join(f"`{name}`" for name in model.keys_for_each)
-        yield f"What is in {both} alike may be written here, once for both."
 
 
 def _row(model: type[FileModel], name: str, field: FieldInfo) -> str:
@@ -199,7 +191,7 @@ def _default(name: str, field: FieldInfo) -> str:
     if value is None or value == () or value == "":
         return "-"
     if isinstance(value, FileModel):
-        return "its own"
+        return "block"
     if isinstance(value, bool):
         return f"`{str(value).lower()}`"
     if isinstance(value, float) and bare_name(name) is not None:

@@ -98,7 +98,7 @@ class Expect(FileModel):
 
 
 class Mission(FileModel):
-    """A mission."""
+    """Waypoints, and how the robot is commanded to reach them."""
 
     schema_version: Annotated[Literal[2], BeforeValidator(known_version)] = Field(
         SCHEMA_VERSION, description="version of the file format"

@@ -175,7 +175,7 @@ class LinkLoss(FileModel):
 class Home(FileModel):
     """Where return_home goes."""
 
-    position_m: Position | None = Field(None, description="x and y in the world frame; where the mission starts")
+    position_m: Position | None = Field(None, description="in the world frame; without it, where the mission starts")
     tolerance_m: Tolerance = Field(0.5, description="radius around home within which it counts as reached")
     timeout_s: Timeout = Field(300.0, description="for the return home")
 

@@ -45,7 +45,7 @@ class Commanding(FileModel):
     """How commands are sent again."""
 
     acknowledged: Annotated[bool, Strict()] = Field(
-        True, description="whether a command is sent again when its acknowledgement is late"
+        True, description="whether a command is sent again until it is acknowledged"
     )
     retries: Annotated[int, Strict(), Field(ge=0, le=1000)] = Field(
         3, description="how often a command is sent again at most"
