@@ -101,7 +101,7 @@ def test_the_story_as_json(alone: Path, program: Program) -> None:
     (command,) = summary["commands"]
     assert (command["uplink_s"], command["downlink_s"], command["round_trip_s"]) == (0.5, 0.5, 1.0)
     assert sum(summary["reward"].values()) == pytest.approx(summary["reward_total"])
-    assert summary["walking_s"] + summary["standing_s"] == pytest.approx(2.04)
+    assert summary["moving_s"] + summary["stopped_s"] == pytest.approx(2.04)
 
 
 def test_a_log_that_is_not_what_happened_exits_with_1(yard: Path, program: Program) -> None:

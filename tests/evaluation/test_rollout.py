@@ -50,7 +50,7 @@ class Alone:
 
     end: str
     time_s: float = 0.0
-    walked_m: float = 0.0
+    path_m: float = 0.0
     legs: int = 0
     way: list[FloatArray] = field(default_factory=list)  # (2,) after each control step
 
@@ -77,7 +77,7 @@ def walked_alone(policy: LoadedPolicy, trial: int, hold: Hold | None = None) -> 
         x, y, z, _, qx, qy, _ = world.qpos[0, :7]
         found.way.append(world.qpos[0, :2].copy())
         if not standing:
-            found.walked_m += math.hypot(x - before[0], y - before[1])
+            found.path_m += math.hypot(x - before[0], y - before[1])
             found.time_s = step * 0.02
         distance = math.hypot(x - goal[0], y - goal[1])
         if z < robot.min_height_m or 1 - 2 * (qx**2 + qy**2) < robot.min_up:
@@ -118,7 +118,7 @@ def test_side_by_side_each_trial_goes_as_it_goes_alone(policies: list[LoadedPoli
                 name: name == alone.end for name in ENDS
             }
             assert rollouts.time_s[trial] == pytest.approx(alone.time_s, abs=1e-12)
-            assert rollouts.walked_m[trial] == pytest.approx(alone.walked_m, rel=1e-9)
+            assert rollouts.path_m[trial] == pytest.approx(alone.path_m, rel=1e-9)
             assert (rollouts.legs[trial], rollouts.legs_reached[trial]) == (len(PATHS[trial]), alone.legs)
             np.testing.assert_array_equal(rollouts.trajectories[trial], [*alone.way[::5], alone.way[-1]])
             seen.add(alone.end)
@@ -136,7 +136,7 @@ def test_spl_is_the_papers_formula(policies: list[LoadedPolicy]) -> None:
     made = replace(
         rollouts,
         success=np.array([True, True, True, False]),
-        walked_m=np.array([10.0, 20.0, 8.0, 10.0]),
+        path_m=np.array([10.0, 20.0, 8.0, 10.0]),
         straight_m=np.full(4, 10.0),
     )
     assert made.spl == pytest.approx((1.0 + 0.5 + 1.0 + 0.0) / 4)

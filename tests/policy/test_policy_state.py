@@ -68,7 +68,7 @@ def test_each_robot_of_a_rollout_keeps_its_own_state() -> None:
         env = BatchedWaypointEnv(TaskConfig(), len(trials), 0, threads=1, max_waypoints=1, autoreset=False)
         env.starts = [stream(0, "start", i) for i in trials]
         found = rollout(env, policy, [paths[i] for i in trials], lambda ended: None)
-        return list(zip(found.time_s.tolist(), found.walked_m.tolist(), strict=True))
+        return list(zip(found.time_s.tolist(), found.path_m.tolist(), strict=True))
 
     policy = Recurrent()
     together = rolled_out([0, 1, 2, 3], policy)

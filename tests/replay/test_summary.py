@@ -61,11 +61,11 @@ def test_a_waypoint_is_reached_on_one_clock_and_known_on_the_other() -> None:
 def test_effort_by_hand() -> None:
     effort = summarize(flight()).effort
     # 0 to 6 m in the six steps of the policy, then a slide of 0.3 m along x and of 0.4 m along y.
-    assert effort.walked_m == pytest.approx(6.0)
+    assert effort.moved_m == pytest.approx(6.0)
     assert effort.distance_m == pytest.approx(6.0 + 0.3 + 0.4)
-    assert (effort.walking_ns, effort.standing_ns, effort.fallen_ns) == (ns(3.0), ns(2.0), 0)
+    assert (effort.moving_ns, effort.stopped_ns, effort.fallen_ns) == (ns(3.0), ns(2.0), 0)
     assert effort.mean_speed_mps == pytest.approx(2.0)
-    assert effort.standing_share == pytest.approx(0.4)
+    assert effort.stopped_share == pytest.approx(0.4)
 
 
 def test_reward_terms_are_summed() -> None:
@@ -117,7 +117,7 @@ def test_nothing_happened() -> None:
     summary = summarize([])
     assert (summary.outcome, summary.steps, summary.ended_ns, len(summary.truth)) == ("unfinished", 0, 0, 0)
     assert summary.effort.mean_speed_mps is None
-    assert summary.effort.standing_share is None
+    assert summary.effort.stopped_share is None
 
 
 def test_waypoints_that_were_never_commanded_are_open() -> None:

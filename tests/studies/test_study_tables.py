@@ -72,7 +72,7 @@ def test_a_line_of_the_picture_goes_through_the_finer_sweep() -> None:
 
 
 def test_ferrells_prediction_is_the_walk_and_a_round_trip_with_a_thought_for_each_command() -> None:
-    assert study().walk_s("r") == 10.5
+    assert study().undelayed_s("r") == 10.5
     assert study().predicted_s("r", "mission", 40.0) == 10.5 + 1 * (40.0 + 1.5)
     assert study().predicted_s("r", "waypoint", 40.0) is None
 

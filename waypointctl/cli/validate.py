@@ -115,7 +115,7 @@ def _refuse_missing(policy: Path | None) -> None:
 
 def _check(path: Path, policy: Path | None, plugins: tuple[Path, ...]) -> _Checked:
     from waypointctl.errors import MissionError
-    from waypointctl.evaluation.walking_speed import walking_speed_mps
+    from waypointctl.evaluation.mean_speed import mean_speed_of
     from waypointctl.flight.checks.check import cannot_succeed, check_mission, robot_and_policy_problems
     from waypointctl.mission.files import MissionFile, beside, examine_mission
     from waypointctl.mission.problems import Problem
@@ -130,7 +130,7 @@ def _check(path: Path, policy: Path | None, plugins: tuple[Path, ...]) -> _Check
         return _Checked(path, None, reading.problems)
     file = MissionFile(reading.model, source, path)
     flown_by = policy or file.policy_path
-    findings = check_mission(file.mission, walking_speed_mps(flown_by))
+    findings = check_mission(file.mission, mean_speed_of(flown_by))
     prevented = cannot_succeed(file.mission, findings)
     problems = robot_and_policy_problems(file, flown_by, plugins)
     return _Checked(path, file, problems, flown_by, tuple(_warnings(file, findings)), prevented)

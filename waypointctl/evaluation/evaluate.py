@@ -113,7 +113,7 @@ def case_result(case: SuiteCase, rollouts: Rollouts) -> CaseResult:
     """Return the counts and means of the trials of one case."""
     trials, successes = len(rollouts.success), int(rollouts.success.sum())
     legs_reached = int(rollouts.legs_reached.sum())
-    time_s, walked_m = rollouts.time_s[rollouts.success], rollouts.walked_m[rollouts.success]
+    time_s, path_m = rollouts.time_s[rollouts.success], rollouts.path_m[rollouts.success]
     return CaseResult(
         name=case.name,
         waypoints=case.path if isinstance(case, Case) else (),
@@ -133,7 +133,7 @@ def case_result(case: SuiteCase, rollouts: Rollouts) -> CaseResult:
         legs=legs_reached + int((rollouts.legs_reached < rollouts.legs).sum()),
         legs_reached=legs_reached,
         mean_leg_time_s=float(rollouts.legs_time_s.sum()) / legs_reached if legs_reached else None,
-        mean_speed_mps=float(walked_m.sum() / time_s.sum()) if successes else None,
+        mean_speed_mps=float(path_m.sum() / time_s.sum()) if successes else None,
         course=case if isinstance(case, RandomPaths) else None,
     )
 

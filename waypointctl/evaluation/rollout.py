@@ -31,7 +31,7 @@ class Rollouts:
     orbiting: BoolArray  # of the time-outs, the robot circled its waypoint
     stuck: BoolArray  # of the time-outs, the robot had stopped making way
     time_s: FloatArray  # from the start until the last waypoint was reached, or the trial ended before [s]
-    walked_m: FloatArray  # length of the base's path over the ground in that time [m]
+    path_m: FloatArray  # length of the base's path over the ground in that time [m]
     straight_m: FloatArray  # length of the straight lines from the start through the waypoints [m]
     legs: IntArray  # waypoints of the path
     legs_reached: IntArray  # how many of them were reached
@@ -43,7 +43,7 @@ class Rollouts:
     @property
     def spl(self) -> float:
         """Success weighted by path length, mean of S L / max(L, P) (Anderson et al. 2018, arXiv:1807.06757)."""
-        return float(np.mean(self.success * self.straight_m / np.maximum(self.straight_m, self.walked_m)))
+        return float(np.mean(self.success * self.straight_m / np.maximum(self.straight_m, self.path_m)))
 
 
 def rollout(
@@ -93,7 +93,7 @@ class _Trials:
         self._holding, self._success, self._fell, self._timed_out = (np.zeros(n, bool) for _ in range(4))
         self._strayed, self._orbiting, self._stuck = (np.zeros(n, bool) for _ in range(3))
         self._steps, self._legs_reached, self._legs_steps, self._held = (np.zeros(n, np.int64) for _ in range(4))
-        self._walked_m: FloatArray = np.zeros(n)
+        self._path_m: FloatArray = np.zeros(n)
 
     @property
     def going(self) -> BoolArray:
@@ -115,7 +115,7 @@ class _Trials:
         going = self.going
         before, self._position = self._position, self._env.batch.qpos[:, :2].copy()
         self._steps += self._moving
-        self._walked_m += self._moving * np.linalg.norm(self._position - before, axis=1)
+        self._path_m += self._moving * np.linalg.norm(self._position - before, axis=1)
         self._track.add(self._position)
         self._fell |= going & step.terminated
         reached = self._moving & step.reached & ~step.terminated
@@ -142,7 +142,7 @@ class _Trials:
             orbiting=self._orbiting,
             stuck=self._stuck,
             time_s=self._steps.astype(np.float64) * period_s,
-            walked_m=self._walked_m,
+            path_m=self._path_m,
             straight_m=np.array([np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]),
             legs=np.array([len(path) for path in self._paths]),
             legs_reached=self._legs_reached,

@@ -57,7 +57,7 @@ _STATUSES: Final = {
     EventKind.WAYPOINT_TIMEOUT: WaypointStatus.TIMED_OUT,
     EventKind.WAYPOINT_SKIPPED: WaypointStatus.SKIPPED,
 }
-# What the robot does instead of walking on to a waypoint.
+# What the robot does instead of driving on to a waypoint.
 _ENDS_A_LEG: Final = frozenset(
     {
         EventKind.FALL,

@@ -151,21 +151,21 @@ class Effort:
     """How the robot spent its time."""
 
     distance_m: float  # the way of the torso over ground, standing sway included
-    walked_m: float  # of that, while the policy had the motors
-    walking_ns: int  # the policy had the motors
-    standing_ns: int  # the standing controller had them
+    moved_m: float  # of that, while the policy had the motors
+    moving_ns: int  # the policy had the motors
+    stopped_ns: int  # the standing controller had them
     fallen_ns: int  # they were off
 
     @property
     def mean_speed_mps(self) -> float | None:
         """The mean speed while the policy moved the robot, None if it never did."""
-        return self.walked_m * NS_PER_S / self.walking_ns if self.walking_ns else None
+        return self.moved_m * NS_PER_S / self.moving_ns if self.moving_ns else None
 
     @property
-    def standing_share(self) -> float | None:
+    def stopped_share(self) -> float | None:
         """The share of the time that the robot stood, None if no time went by."""
-        total = self.walking_ns + self.standing_ns + self.fallen_ns
-        return self.standing_ns / total if total else None
+        total = self.moving_ns + self.stopped_ns + self.fallen_ns
+        return self.stopped_ns / total if total else None
 
 
 @dataclass(slots=True)
@@ -215,5 +215,5 @@ class EffortBuilder:
     def effort(self) -> Effort:
         """Return distance and time so far."""
         time, way = self._time_ns, self._way_m
-        walked_m, walking_ns = (sum(each.get(source, 0) for source in _BY_POLICY) for each in (way, time))
-        return Effort(sum(way.values()), float(walked_m), int(walking_ns), time.get("stance", 0), time.get("off", 0))
+        moved_m, moving_ns = (sum(each.get(source, 0) for source in _BY_POLICY) for each in (way, time))
+        return Effort(sum(way.values()), float(moved_m), int(moving_ns), time.get("stance", 0), time.get("off", 0))

@@ -73,7 +73,7 @@ class DelayStudy(BaseModel):
         }
         return tuple(own[rtt_s] for rtt_s in sorted(own))
 
-    def walk_s(self, route: str) -> float | None:
+    def undelayed_s(self, route: str) -> float | None:
         """Return how long a route takes without any delay, L/v [s]; None where that was not flown."""
         found = (cell.time_s for cell in self.cells_of(route, MISSION.name) if cell.rtt_s == 0)
         return next((time_s.value for time_s in found if time_s is not None), None)
@@ -81,11 +81,11 @@ class DelayStudy(BaseModel):
     def predicted_s(self, route: str, autonomy: str, rtt_s: float) -> float | None:
         """Return T = L/v + N (RTT + think) [s] (W. R. Ferrell 1965), N as it was counted; None where there is none."""
         counts = [cell.exchanges for cell in self.cells_of(route, autonomy) if cell.exchanges]
-        walk_s = self.walk_s(route)
-        if walk_s is None or not counts:
+        undelayed_s = self.undelayed_s(route)
+        if undelayed_s is None or not counts:
             return None
         think_s = next(one.think_s for one in self.routes if one.name == route)
-        return walk_s + sum(counts) / len(counts) * (rtt_s + think_s)
+        return undelayed_s + sum(counts) / len(counts) * (rtt_s + think_s)
 
 
 def study_delay(

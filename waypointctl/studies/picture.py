@@ -184,7 +184,7 @@ def _write(figure: Figure, study: DelayStudy, left: float) -> None:
         for name, (color, mark) in _PLOT_STYLES.items()
         if name in drawn
     ]
-    if any(study.walk_s(route.name) is not None for route in study.routes):
+    if any(study.undelayed_s(route.name) is not None for route in study.routes):
         handles.append(Line2D([], [], color=INK, linestyle=(0, (4, 3)), linewidth=0.9, label="L/v + N (RTT + think)"))
     if any(cell.time_s is None for cell in (*study.cells, *study.joint_sweep)):
         handles.append(Line2D([], [], color=INK, marker="x", linestyle="none", label="no success"))

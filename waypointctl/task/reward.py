@@ -33,7 +33,7 @@ JOINT_LIMIT_MARGIN: Final = 0.01  # of the joint's range: within it a joint coun
 
 
 class RewardWeights(FileModel):
-    """The weight of each term in units of walking speed; a term with weight 0 is logged as 0.
+    """The weight of each term in units of speed; a term with weight 0 is logged as 0.
 
     Any other key is the name of a plugin's reward term, and may be negative.
     """

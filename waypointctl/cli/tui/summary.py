@@ -141,9 +141,9 @@ def effort_lines(summary: FlightSummary) -> list[str]:
     """Return how far, how fast, and how the time was spent."""
     effort = summary.effort
     speed = "" if effort.mean_speed_mps is None else f", {effort.mean_speed_mps:.2f} m/s mean while moving"
-    spent = f"{effort.walking_ns / 1e9:.2f} s moving, {effort.standing_ns / 1e9:.2f} s stopped"
-    if effort.standing_share is not None:
-        spent += f" ({effort.standing_share:.0%})"
+    spent = f"{effort.moving_ns / 1e9:.2f} s moving, {effort.stopped_ns / 1e9:.2f} s stopped"
+    if effort.stopped_share is not None:
+        spent += f" ({effort.stopped_share:.0%})"
     if effort.fallen_ns:
         spent += f", {effort.fallen_ns / 1e9:.2f} s fallen"
     lines = [f"distance   {effort.distance_m:.2f} m{speed}", f"time       {spent}"]

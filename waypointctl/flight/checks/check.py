@@ -10,7 +10,7 @@ from waypointctl.display_text import shown
 from waypointctl.errors import InputError
 from waypointctl.flight.checks import Finding
 from waypointctl.flight.checks.link import link_findings
-from waypointctl.flight.checks.route import route_findings, rule_findings, walking_time_s
+from waypointctl.flight.checks.route import driving_time_s, route_findings, rule_findings
 from waypointctl.flight.checks.schedule import ends_plan, schedule_findings, unused_findings
 from waypointctl.flight.checks.traffic import Traffic
 from waypointctl.flight.policy_fit import refuse_misfit
@@ -63,7 +63,7 @@ def _least_time_s(mission: Mission, speed_mps: float, traffic: Traffic) -> float
     continuous = mission.autonomy == "short_range_goal" and mission.operator.steering == "continuous"
     exchanges = 1 if continuous else exchanges
     trip_s = seconds(traffic.round_trip_ns or 0)
-    return walking_time_s(mission, speed_mps) + exchanges * trip_s + (exchanges - 1) * mission.operator.think_s
+    return driving_time_s(mission, speed_mps) + exchanges * trip_s + (exchanges - 1) * mission.operator.think_s
 
 
 def _time_limit(mission: Mission, least_s: float) -> Iterator[Finding]:
@@ -75,7 +75,7 @@ def _time_limit(mission: Mission, least_s: float) -> Iterator[Finding]:
 
 def _last_contact(mission: Mission, speed_mps: float, traffic: Traffic) -> Iterator[Finding]:
     """Yield contacts down of which the last ends before the robot can be at its last waypoint."""
-    contacts, there_s = traffic.down.contacts, seconds(traffic.arrives_ns or 0) + walking_time_s(mission, speed_mps)
+    contacts, there_s = traffic.down.contacts, seconds(traffic.arrives_ns or 0) + driving_time_s(mission, speed_mps)
     last_s = seconds(contacts.windows[-1].end_ns)
     if not contacts.period_ns and last_s < there_s and not ends_plan(mission):
         field = "windows" if mission.link.down.contact_plan is None else "contact_plan"

@@ -34,12 +34,12 @@ def route_findings(mission: Mission, speed_mps: float) -> Iterator[Finding]:
     yield from _tolerances(mission)
 
 
-def walking_time_s(mission: Mission, speed_mps: float) -> float:
+def driving_time_s(mission: Mission, speed_mps: float) -> float:
     """Return the least time for the robot's legs and holds, its legs' timeouts considered [s]."""
     tries = 1 + mission.failure_rule.retry
-    walked_s = (min(way_m / speed_mps, leg.timeout_s * tries) for leg, _, way_m in _ways(mission))
+    legs_s = (min(way_m / speed_mps, leg.timeout_s * tries) for leg, _, way_m in _ways(mission))
     stands_s = (leg.hold_s + leg.observe * seconds(OBSERVATION_NS) for leg in mission.legs())
-    return sum(walked_s) + sum(stands_s)
+    return sum(legs_s) + sum(stands_s)
 
 
 def _ways(mission: Mission) -> Iterator[tuple[Leg, Point, float]]:

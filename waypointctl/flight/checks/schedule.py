@@ -164,7 +164,7 @@ def _sending(mission: Mission) -> Iterator[Finding]:
 def _rules_on_board(mission: Mission) -> Iterator[Finding]:
     """Yield the rules for a robot that computes its own actions, where they are computed on the ground."""
     for path in _RULES:
-        if _is_given(mission, path) and not _walks_by_itself(mission):
+        if _is_given(mission, path) and not _drives_by_itself(mission):
             yield _unused(path, mission, _ON_BOARD)
     place = ("on_failure",) if mission.on_failure is not None else ("onboard", "on_failure")
     rule = mission.failure_rule
@@ -175,7 +175,7 @@ def _rules_on_board(mission: Mission) -> Iterator[Finding]:
         yield Finding("unused", (*place, "then"), text)
 
 
-def _walks_by_itself(mission: Mission) -> bool:
+def _drives_by_itself(mission: Mission) -> bool:
     """Tell whether the robot may compute its own actions for a while, under autonomy joint."""
     onboard = mission.onboard
     rules = (onboard.geofence.do, "" if onboard.link_loss is None else onboard.link_loss.do)

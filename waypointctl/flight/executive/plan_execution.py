@@ -166,7 +166,7 @@ class PlanExecution:
         return home or self.plan.open_commands()
 
     def go_home(self, now_ns: int, command_id: int, cause: str = "") -> None:
-        """Walk to where the mission began, the plan forgotten; by a command, or by a rule for some cause."""
+        """Drive home and drop the plan; by a command, or by a rule for the cause."""
         self.machine.signal(Signal.GO_HOME)
         self.home_id = self.command_id = command_id
         self.cause = self.home_cause = cause

@@ -100,8 +100,8 @@ def _write_facts(figure: Figure, summary: FlightSummary, proof: str) -> None:
     facts = [f"distance {effort.distance_m:.1f} m"]
     if effort.mean_speed_mps is not None:
         facts.append(f"{effort.mean_speed_mps:.2f} m/s mean while moving")
-    if effort.standing_share is not None:
-        facts.append(f"stopped {effort.standing_share:.0%} of the time")
+    if effort.stopped_share is not None:
+        facts.append(f"stopped {effort.stopped_share:.0%} of the time")
     figure.text(0.98, 0.972, ", ".join(facts), fontsize=10.5, ha="right", va="center")
     figure.text(0.98, 0.947, _way_home(summary), fontsize=10.5, color=HOME, ha="right", va="center")
     figure.text(0.98, 0.011, proof, fontsize=8.5, color=OPEN, ha="right", va="center")

@@ -26,7 +26,7 @@ class _Evaluation(BaseModel):
     cases: tuple[_Case, ...]
 
 
-def walking_speed_mps(policy: Path) -> float:
+def mean_speed_of(policy: Path) -> float:
     """Return the mean speed of the policy in a folder, over its successes in the suite `region`, else `paper`.
 
     It is 2 m/s where no evaluation states it.
