@@ -257,7 +257,7 @@ def test_legends_name_only_what_is_drawn() -> None:
     assert path.get_legend() is None
     assert legend(messages) == []
     lost_spans = [message for message in flight() if not isinstance(message, (Ack, Telemetry))]
-    assert legend(parts(summarize(lost_spans, (NEAR, FAR))).axes[2]) == ["command", "walking", "reached"]
+    assert legend(parts(summarize(lost_spans, (NEAR, FAR))).axes[2]) == ["command", "moving", "reached"]
 
 
 @pytest.mark.parametrize("count", [1, 30, 200])
