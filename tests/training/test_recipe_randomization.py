@@ -81,7 +81,7 @@ WRONG = [
     ("gravity: [1.62, 9.81]", "13:24: domain_randomization.gravity: unknown key; did you mean 'gravity_mps2'?"),
     (
         "sensor_noise: {joint_angle_rad: -1}",
-        "13:56: domain_randomization.sensor_noise.joint_angle_rad: -1 is",
+        "13:56: domain_randomization.sensor_noise.joint_angle_rad: must be at least 0 rad; got -1 rad",
     ),
     (
         "sensor_noise: {gyroscope: 1}",
