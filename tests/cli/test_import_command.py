@@ -79,4 +79,4 @@ def test_no_other_command_reads_such_a_file(shelf: Path, program: Program) -> No
     for command in (("eval", "model.zip"), ("policies", "show", "model.zip")):
         code, out, err = program(*command)
         assert (code, out) == (2, "")
-        assert "is not a folder" in err
+        assert "is a file, not a folder" in err

@@ -77,7 +77,7 @@ def test_no_run_to_go_on_with(tmp_path: Path, there: bool) -> None:
 def test_places_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     for runs, out in ((tmp_path / "file", None), (tmp_path / "runs", tmp_path / "file" / "a" / "b")):
-        with pytest.raises(OutputError, match=r"file.*: the folder cannot be written: .*is a file\n  Give a folder"):
+        with pytest.raises(OutputError, match=r"file.*: the folder cannot be written: .*is a file\n  Give a path"):
             places("ant", runs, out, resume=False)
     assert not (tmp_path / "runs").exists()
 
