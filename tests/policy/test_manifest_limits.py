@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from waypointctl.errors import InputError, PolicyError
 from waypointctl.policy.bundle import LoadedPolicy, load_policy, policy_of
 from waypointctl.policy.manifest import Manifest
-from waypointctl.policy.manifest_file import LARGEST_MANIFEST, read_manifest
+from waypointctl.policy.manifest_file import LARGEST_MANIFEST, other_policy_hint, read_manifest
 
 Change = Callable[[dict[str, Any]], object]
 SHA256 = "0" * 64
@@ -146,3 +146,26 @@ def test_of_keys_that_occur_twice_the_first_letters_are_named(folder: Path) -> N
     (folder / "manifest.json").write_text(f'{{"{key}": 1, "{key}": 2}}')
     with pytest.raises(PolicyError, match=f"the keys {'k' * 200} occurs twice"):
         read_manifest(folder)
+
+
+def test_a_manifest_over_its_limit_is_refused_although_it_is_json(folder: Path) -> None:
+    manifest = folder / "manifest.json"
+    manifest.write_bytes(manifest.read_bytes() + b" " * LARGEST_MANIFEST)
+    with pytest.raises(PolicyError) as refused:
+        load_policy(folder)
+    assert "manifest.json" in str(refused.value)
+    assert "1 MiB" in str(refused.value)
+
+
+def test_a_folder_of_policies_names_the_policies_in_it(
+    make_policy: Callable[..., LoadedPolicy], tmp_path: Path
+) -> None:
+    make_policy(tmp_path / "runs" / "mine")
+    with pytest.raises(PolicyError) as refused:
+        load_policy(tmp_path / "runs")
+    assert "mine" in (refused.value.hint or "")
+
+
+def test_a_hint_for_a_robot_lists_policies_only_where_one_is_for_it() -> None:
+    assert "waypointctl policies" in other_policy_hint("ant")
+    assert "waypointctl policies" not in other_policy_hint("no-such-robot")
