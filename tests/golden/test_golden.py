@@ -60,6 +60,7 @@ def test_observations(name: str) -> None:
 
 def test_batched_environment() -> None:
     found = recording.variations()
+    assert found.keys() == golden()["batched"].keys()
     for name, digest in found.items():
         check(digest, "batched", name)
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.test_api import PLUGIN
 from waypointctl.errors import LogError
 from waypointctl.flight.fly import fly
 from waypointctl.log.reader import open_log
@@ -19,17 +20,6 @@ from waypointctl.replay.resume import Unfinished, unfinished
 from waypointctl.replay.verify import Verdict, verify
 from waypointctl.task.plugins import load_plugins, observation_group
 
-PLUGIN = """
-import waypointctl
-
-@waypointctl.observation_group(name="half_height", unit="m", components=["half_height"])
-def half_height(view):
-    return view.height / 2
-
-@waypointctl.reward_term(name="uprightness", unit="1")
-def uprightness(view):
-    return view.up
-"""
 SHA256 = hashlib.sha256(PLUGIN.encode()).hexdigest()
 MISSION = Mission.model_validate(
     {"name": "still", "policy": "none", "waypoints": [{"position_m": [9.0, 0.0], "timeout_s": 0.1}]}
