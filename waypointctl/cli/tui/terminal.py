@@ -8,6 +8,7 @@ import sys
 import termios
 import time
 import tty
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from contextlib import suppress
 from types import TracebackType
@@ -34,7 +35,7 @@ class PrintableConsole(Console):
                 yield Segment(shown, segment.style)
 
 
-class Screen:
+class Screen(ABC):
     """Draws pictures on a terminal, each over the one before; use it in a `with` block."""
 
     def __init__(self, people: Console, period_s: float) -> None:
@@ -55,9 +56,9 @@ class Screen:
         self.draw()
         self._live.stop()
 
+    @abstractmethod
     def picture(self) -> RenderableType:
         """Return what is drawn, made to the terminal's size as it is now."""
-        raise NotImplementedError
 
     def draw(self) -> None:
         """Draw now."""

@@ -75,7 +75,7 @@ class Operator(ABC):
         reported: what the robot has reported.
         finished: whether it has ended the mission.
         failure: why, where that is a failure.
-        suspended: whether it leads the robot no further for now: because of a hold, or of a return home.
+        suspended: whether it sends no goals or actions now, because of a hold or a return home.
         going_home: whether the robot is at home, or on its way there, by a command from the schedule or the console.
     """
 
